@@ -35,23 +35,25 @@ bits = int.from_bytes(bytes.fromhex(frame), order) if in_bytes else int(frame, 0
 speaks = {}
 for field in layout.iterfind("d:fields/d:field", ns):
     value = bits >> number(field.get("low")) & (1 << number(field.get("width"))) - 1
-    said = ""
+    said = "not as in the manual" if value != int(field.get("unused", value)) else ""
     if field.get("active"):  # a flag
         said = "active" if value == (field.get("active") == "high") else "not active"
-    elif value != int(field.get("unused", value)):
-        said = "not as in the manual"
     if said not in ("", "not active"):
         speaks[field.get("name")] = field
     print(f"{field.get('name')} {value} {said}".rstrip())
 if layout.get("gray_of") and parameters.get(layout.get("gray_when"), 1):
     print("note:", layout.get("gray_of"), "is in Gray code; its bits are shown as they are sent")
 
-# The worst that speaks decides. A flag that sums up others is silent while one of these is active.
-worth = {item.get("makes_position") for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
-tells = layout.xpath("d:fields/d:field[@kind='flag' and not(@makes_position='usable')]", namespaces=ns)
-verdict = next(
-    (word for word in ("not_usable", "usable_with_warning") if word in worth), "usable" if tells else "not_told"
-)
+
+def makes(field):  # the manual does not explain a flag for order codes in which the parameter only_while is 0
+    return field.get("makes_position") if parameters.get(field.get("only_while"), 1) else "usable_with_warning"
+
+
+# The most severe verdict decides. A flag that sums up others is silent while one of these is active.
+worth = {makes(item) for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
+flags = "d:fields/d:field[@kind='flag' and not(@makes_position='usable') and not(string(@only_while))]"
+worth.add("usable" if layout.xpath(flags, namespaces=ns) else "not_told")
+verdict = next(word for word in ("not_usable", "not_told", "usable_with_warning", "usable") if word in worth)
 position = {*root.xpath("//d:measurement/@of", namespaces=ns)}
 joins = root.xpath("//d:layout[@interface=$kind]/d:join/d:join", namespaces=ns, kind=layout.get("interface"))
 position |= {part for join in joins if join.get("name") in position for part in join.get("fields").split()}
