@@ -142,7 +142,7 @@ class Encoder485:
 def test_a_request_owns_its_reply(lika: Any) -> None:
     """A reply that is left from before is not taken for one, and none is left behind."""
     line, waited = Encoder485(), []
-    line.waiting = bytes.fromhex("BA 00 01 02 03 BA")
+    line.waiting = bytes.fromhex("02 00 01 02 03 02")
     steps = lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1"))
     lika.run(steps, line, wait=waited.append)
     assert (line.sent, line.waiting) == (10, b"")

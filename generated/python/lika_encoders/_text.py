@@ -60,6 +60,15 @@ class Cells:
 
     def read(self, text: str, place: int) -> int | bytes | None:
         """Return the frame in the cell at a place, or None."""
+        if text[:2] == "0x" and not self._shape.length and text.isascii():
+            # The usual form, at once; spaces and what is no number take the longer way.
+            try:
+                number = int(text, 16)
+            except ValueError:
+                pass
+            else:
+                self.seen += 1
+                return number
         try:
             frame = of_text(text, self._shape, self._digits)
         except ValueError as error:
@@ -124,24 +133,26 @@ class _Table:
         self.text, self.lines, self.rows, self.place, self.columns = text, lines, rows, place, columns
         # Cells take memory: the more columns, the fewer rows at once.
         self.count = max(_input.ROWS // (1 + len(columns)), 1)
-        self._before = 0
+        self._before = ""
 
     def take(self) -> tuple[list[str], list[int], dict[str, list[str]]]:
         """Return the cells of some frames, their lines, and the cells of other columns in the same rows."""
         cells: list[str] = []
         numbers: list[int] = []
-        kept: list[list[str]] = []
+        # Cells alone are kept: rows are lists, through which the garbage collector would go again and again.
+        others: dict[str, list[str]] = {name: [] for _, name in self.columns}
+        kept = [(at, others[name].append) for at, name in self.columns]
+        lines, place = self.lines, self.place
         for row in islice(self.rows, self.count):
-            cell = row[self.place] if len(row) > self.place else ""
-            if self.lines.is_cut and len(cell) < self._before:
-                # The last line has no end and is shorter than the one before: some of its digits may be missing.
-                cell = ""
-            self._before = len(cell)
-            cells.append(cell)
-            numbers.append(self.lines.number)
-            if self.columns:
-                kept.append(row)
-        return cells, numbers, {name: [row[at] if at < len(row) else "" for row in kept] for at, name in self.columns}
+            cells.append(row[place] if len(row) > place else "")
+            numbers.append(lines.number)
+            for at, append in kept:
+                append(row[at] if len(row) > at else "")
+        if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
+            # The last line has no end and is shorter than the one before: some of its digits may be missing.
+            cells[-1] = ""
+        self._before = cells[-1] if cells else ""
+        return cells, numbers, others
 
 
 def _parts(table: _Table, name: str, stored: Stored, shape: Shape, share: Share) -> Generator[Part, None, None]:
@@ -207,7 +218,8 @@ def _rows(lines: _Lines) -> Iterator[list[str]]:
     reader = csv.reader(_chained(first, found), delimiter=between)
     try:
         for row in reader:
-            if row and any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
+            start = row[0].lstrip() if row else ""
+            if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
                 yield row
     except csv.Error as error:
         raise lines.wrong(str(error)) from None
