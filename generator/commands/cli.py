@@ -16,13 +16,16 @@ from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, metres, parse
 from .diff import add_diff, add_explain
 from .diff import run as run_diff
 from .terminal import Stop, prepare, release
+
+if TYPE_CHECKING:
+    from ..build.load import Family
 
 _DESCRIPTION = (
     "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
@@ -119,6 +122,9 @@ def _add_generate(commands: _Commands) -> None:
         default=[],
         metavar="FAMILY=EDITION",
         help="make another edition of a family beside it, by its revision or a date; may be repeated",
+    )
+    parser.add_argument(
+        "--unchecked", action="store_true", help="write also where second readings disagree or coverage is old"
     )
     _add_own_files(parser)
     parser.more_help = _targets_for_help
@@ -330,6 +336,7 @@ def _targets_for_help() -> str:
 
 def _generate(chosen: argparse.Namespace) -> int:
     from ..targets import Library
+    from .coverage import refuse_unproved
     from .generate import run
     from .outputs import load_for, options_named, targets_named
 
@@ -340,11 +347,14 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd is for the target biss", 2)
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
-    devices, report = load_for(paths, targets, chosen.edition)
+    families: list[Family] = []
+    devices, report = load_for(paths, targets, chosen.edition, families)
     if report:
         raise look_up.problems(report)
     print(look_up.read_line(paths, devices, report))
-    return run(chosen, Library(devices, chosen.templates), targets, options)
+    return run(
+        chosen, Library(devices, chosen.templates), targets, options, lambda: refuse_unproved(families, "written")
+    )
 
 
 def _check(chosen: argparse.Namespace) -> int:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ..build.counts import RULE, counts_text
+from ..build.load import Family
 from ..model import TimesRead
 from ..readings.coverage import Coverage, added, coverage_of
 from ..readings.fact import Sort
 from ..say.words import counted
 from ..spec.problems import Report
 from ..spec.second import counts_beside
-from .check import Checked
+from .check import Checked, look_at
+from .editions import check_all
+from .terminal import Stop
 
 _HEADINGS = ("twice", "explained", "once", "derived")
 _OLD = "the counts are not those of the readings; write them anew: codewheel check --coverage --write"
@@ -30,6 +34,26 @@ def cover(found: Checked, write: bool) -> list[Coverage]:
         elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(item.total):
             found.report.add_at(str(place), 1, 1, RULE, _OLD)
     return covered
+
+
+def refuse_unproved(families: Sequence[Family], what: str) -> None:
+    """Refuse to release sound specs whose other editions, second readings or counts ``check`` finds fault with.
+
+    Args:
+        families: The families, in whose specs nothing else is wrong.
+        what: What is not done then, such as ``written``.
+
+    Raises:
+        Stop: There are problems; exit code 1.
+    """
+    report = Report()
+    check_all(families, report)
+    cover(look_at(families, (), report), write=False)
+    if report:
+        for problem in report.problems:
+            print(problem.format(), file=sys.stderr)
+        problems = f"{counted(len(report), 'problem')} that 'codewheel check --coverage' reports"
+        raise Stop(f"nothing is {what}, for {problems}; correct them, or add --unchecked", 1)
 
 
 def is_complete(covered: Sequence[Coverage], report: Report) -> bool:

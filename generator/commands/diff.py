@@ -54,6 +54,11 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         help="keep the changes beside the specs of NEW, and the version that follows in the manufacturer's file",
     )
     parser.add_argument(
+        "--unchecked",
+        action="store_true",
+        help="with --record: record also where second readings disagree or coverage is old",
+    )
+    parser.add_argument(
         "--lenient",
         action="store_true",
         help="compare specs also where today's language finds problems; what is at fault is left out of them",
@@ -95,6 +100,10 @@ def run(chosen: argparse.Namespace, generate: Generate) -> int:
     before, after = _side(chosen.old, True, chosen.lenient), _side(chosen.new, False, chosen.lenient)
     found = _look(before, after, generate)
     if chosen.record:
+        if not chosen.unchecked:
+            from .coverage import refuse_unproved
+
+            refuse_unproved(after.families, "recorded")
         found = _record(found, after)
     if chosen.json:
         from ..changes.data import as_data

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from ..render import TemplateFault, unused_templates
@@ -16,17 +16,26 @@ from ..write import Change, WriteError, changes, write
 from .terminal import Stop
 
 
-def run(chosen: argparse.Namespace, library: Library, targets: Sequence[Target], options: Mapping[str, Options]) -> int:
+def run(
+    chosen: argparse.Namespace,
+    library: Library,
+    targets: Sequence[Target],
+    options: Mapping[str, Options],
+    gate: Callable[[], None],
+) -> int:
     """Write or compare every file of the targets, with the options of each by its name; the exit code.
+
+    ``gate`` refuses, by a ``Stop``, to write what is not released; it is asked where a file would change.
 
     Raises:
         Stop: A target, a template or the disk is at fault, or a file differs.
     """
     try:
         files = _files(library, targets, options)
-        if chosen.check:
-            found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
-        else:
+        found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
+        if not chosen.check:
+            if not chosen.unchecked and any(item.what != "unchanged" for item in found):
+                gate()
             found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output))
     except (TargetError, TemplateFault, WriteError) as error:
         raise Stop(str(error), 1) from None

@@ -80,17 +80,23 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
 
 
 def load_for(
-    paths: Sequence[Path], targets: Iterable[Target], editions: Iterable[str] = ()
+    paths: Sequence[Path],
+    targets: Iterable[Target],
+    editions: Iterable[str] = (),
+    keep: list[Family] | None = None,
 ) -> tuple[tuple[Device, ...], Report]:
     """The devices that the specs describe, and a report that says as well what these targets cannot express.
 
-    ``editions`` are those to be made beside them, such as ``FAMILY=1.6``.
+    ``editions`` are those to be made beside them, such as ``FAMILY=1.6``. ``keep`` gets the families, with their
+    specs.
 
     Raises:
         Stop: A target fails; exit code 1.
     """
     families, report = load_families(paths)
     tell_unfit(families, targets, report)
+    if keep is not None:
+        keep += families
     devices = [*(family.device for family in families), *beside(families, editions, report)]
     return tuple(sorted(devices, key=lambda device: device.name)), report
 

@@ -195,5 +195,6 @@ __all__ = [
     "Write",
     "WriteStep",
     "assert_never",
+    "choices",
     "cite",
 ]

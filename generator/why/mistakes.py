@@ -103,7 +103,7 @@ def explain_bytes(
         return stuck
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
     crcs = tuple({item.crc.name: device.crc(item.crc.name) for item in tried}.values())
-    # Nobody has decided anything for a frame that is not known: what depends on it is better not read than read wrongly.
+    # The user has decided nothing for an unknown frame, so what depends on an answer is not read.
     undecided = frozenset(name for item in device.alternatives for name in item.answers[0].sets)
     why = _why(device, tried, (), crcs, undecided)
     if why is None or placed is None or 8 * len(data) != placed.bits:

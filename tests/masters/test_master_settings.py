@@ -94,7 +94,12 @@ def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
         )
         assert any("cannot feed this encoder" in note for note in found.notes) is not is_fed, code
     # 32EF:02: 0 is 5 V, 2 is 11 V, which AM36 takes.
-    for code, value in (("AM3616/4096-I7", 2), ("ASC8525/SC1 zero_bit=as_printed", 0), ("ASC8525/SC2 zero_bit=as_printed", 2), ("SMA21-SC4-0050", 0)):
+    for code, value in (
+        ("AM3616/4096-I7", 2),
+        ("ASC8525/SC1 zero_bit=as_printed", 0),
+        ("ASC8525/SC2 zero_bit=as_printed", 2),
+        ("SMA21-SC4-0050", 0),
+    ):
         assert [item.value for item in sheet_of("beckhoff_ax8000", code).settings if item.name == "Power supply"] == [
             value
         ], code
@@ -247,7 +252,11 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
         ),
         # 1.5 periods of 50 kHz are 30 µs; ASC85 prints a time-out for 10 MHz alone.
         ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
-        ("synapticon", "ASC8525/SC1 zero_bit=as_printed", {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25}),
+        (
+            "synapticon",
+            "ASC8525/SC1 zero_bit=as_printed",
+            {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25},
+        ),
         # SSI: the whole frame, 22 + 1; a pause of 16 µs.
         (
             "synapticon",
@@ -444,7 +453,8 @@ def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], Sheet]) -> None:
 
 
 def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], Sheet]) -> None:
-    assert any("shifted to the left by 1" in note for note in sheet_of("ti_motor_control_sdk", "ASC8525/SC1 zero_bit=as_printed").notes)
+    sheet = sheet_of("ti_motor_control_sdk", "ASC8525/SC1 zero_bit=as_printed")
+    assert any("shifted to the left by 1" in note for note in sheet.notes)
     assert not any("zero bits" in note for note in sheet_of("ti_motor_control_sdk", "AMM5A17/1SC1").notes)
     assert any("converted as one word" in note for note in sheet_of("omron_nx", "AM3619/4096-GG").notes)
     assert not any("converted as one word" in note for note in sheet_of("omron_nx", "AMM5A21/65KBG1").notes)
