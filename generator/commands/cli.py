@@ -406,7 +406,11 @@ def _show(chosen: argparse.Namespace) -> int:
 
 
 def _diff(chosen: argparse.Namespace) -> int:
-    return run_diff(chosen, lambda old, new: import_module(f"{__package__}.changed_files").changed_files(old, new))
+    return run_diff(
+        chosen,
+        lambda old, new: import_module(f"{__package__}.changed_files").changed_files(old, new),
+        lambda families: import_module(f"{__package__}.coverage").refuse_unproved(families, "recorded"),
+    )
 
 
 def _new(chosen: argparse.Namespace) -> int:

@@ -89,8 +89,10 @@ class _Side:
     notices: tuple[str, ...]
 
 
-def run(chosen: argparse.Namespace, generate: Generate) -> int:
+def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None]) -> int:
     """Compare, and print; the exit code.
+
+    ``gate`` refuses, by a ``Stop``, to record families that are not to be released.
 
     Raises:
         Stop: Something cannot be read.
@@ -101,9 +103,7 @@ def run(chosen: argparse.Namespace, generate: Generate) -> int:
     found = _look(before, after, generate)
     if chosen.record:
         if not chosen.unchecked:
-            from .coverage import refuse_unproved
-
-            refuse_unproved(after.families, "recorded")
+            gate(after.families)
         found = _record(found, after)
     if chosen.json:
         from ..changes.data import as_data
