@@ -119,9 +119,9 @@ static lika_result show_frame(void)
     printf("  multiturn: %llu\n", (unsigned long long)frame.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    print_reports(lika_am36_single_cycle_data_reports(&frame));
+    print_reports(lika_am36_single_cycle_data_reports(&encoder, &frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_am36_single_cycle_data_verdict(&frame);
+    verdict = lika_am36_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_am36_biss_degrees(&encoder,

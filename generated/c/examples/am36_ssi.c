@@ -77,7 +77,7 @@ static lika_result show_frame(void)
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_am36_ssi_word_verdict(&frame);
+    verdict = lika_am36_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_am36_ssi_degrees(&encoder,

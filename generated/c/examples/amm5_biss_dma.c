@@ -20,13 +20,16 @@ static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
 /* One frame as SPI receives it: acknowledge, start, CDS, the word and the stop bit. */
 static uint8_t rx[LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES];
 
-/* Where the axis is. After a preset, lika_tracker_restart(&axis, now_us) lets it begin anew. */
+/* Where the axis is. After a preset call lika_tracker_restart(&axis, now_us). */
 static lika_tracker axis;
 
-/* Yours to set: counts in a second that your machine can reach. A faster axis is not followed. */
+/* Set this yourself: the highest speed of your machine in counts per second. */
 #define MAX_SPEED 100000000U
-/* Yours to set, as no manual has it: so long from the start on a 0 may be no position. */
+/* Set this yourself: for this long after power-up a 0 may not be a real position. */
 #define BOOT_US 100000U
+/* Set these yourself: without a plausible position for longer, or this often, the axis is lost. */
+#define LOST_AFTER_US 10000U
+#define LOST_AFTER_REFUSED 20U
 
 /* -- your SPI and DMA -------------------------------------------------------------------------- */
 
@@ -52,11 +55,17 @@ static void spi_dma_done(uint32_t now_us)
 int main(void)
 {
     uint32_t now_us = 0U;
-    lika_tracker_start(&axis, lika_amm5_modulus(&encoder), MAX_SPEED, BOOT_US, now_us);
+    const lika_tracker_config config = {
+        lika_amm5_modulus(&encoder), MAX_SPEED, BOOT_US, LOST_AFTER_US, LOST_AFTER_REFUSED
+    };
+    lika_tracker_start(&axis, &config, now_us);
     while (spi_receive(rx, sizeof(rx))) {
         spi_dma_done(now_us);
         printf("%lu us: ", (unsigned long)now_us);
-        if (axis.known == 0U) {
+        if (axis.lost != 0U) {
+            /* Stop the machine, find its position again, then call lika_tracker_restart. */
+            printf("lost\n");
+        } else if (axis.known == 0U) {
             printf("no position yet\n");
         } else {
             printf("%lld counts at %lu us, %lld in a second\n", (long long)axis.position,

@@ -118,9 +118,9 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     printf("  status_st_error: %s\n", frame.status_st_error ? "yes" : "no");
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
-    print_reports(lika_amm5_singleturn_reply_reports(&frame));
+    print_reports(lika_amm5_singleturn_reply_reports(&encoder, &frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_amm5_singleturn_reply_verdict(&frame);
+    verdict = lika_amm5_singleturn_reply_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     return LIKA_OK;
 }

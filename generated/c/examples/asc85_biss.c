@@ -14,6 +14,12 @@
 /* The order code from the label, ASC8525/SC1. The compiler works out where each bit is. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_SC1;
 
+/*
+ * Yours to decide, since the manual leaves it open: Constant 0 bit between position and error bit
+ * of a BiSS frame [6.2.1 p.20]. The answers are explained in lika/asc85.h.
+ */
+static const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;
+
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /*
@@ -108,7 +114,7 @@ static lika_result show_frame(void)
     };
     lika_verdict verdict;
     const lika_result result =
-        lika_asc85_single_cycle_data_decode(&encoder, receive_word(), &frame);
+        lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, receive_word(), &frame);
     if (result != LIKA_OK) {
         return result;
     }
@@ -116,9 +122,9 @@ static lika_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    print_reports(lika_asc85_single_cycle_data_reports(&frame));
+    print_reports(lika_asc85_single_cycle_data_reports(&encoder, &frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_asc85_single_cycle_data_verdict(&frame);
+    verdict = lika_asc85_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_asc85_degrees(&encoder, (uint64_t)frame.position));

@@ -123,9 +123,9 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     printf("  low_amplitude_error: %s\n", frame.low_amplitude_error ? "yes" : "no");
     printf("  signal_strength_alarm: %s\n", frame.signal_strength_alarm ? "yes" : "no");
     printf("  temperature_alarm: %s\n", frame.temperature_alarm ? "yes" : "no");
-    print_reports(lika_sma21_position_reply_reports(&frame));
+    print_reports(lika_sma21_position_reply_reports(&encoder, &frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_sma21_position_reply_verdict(&frame);
+    verdict = lika_sma21_position_reply_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(&encoder,

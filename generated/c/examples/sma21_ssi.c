@@ -88,9 +88,9 @@ static lika_result show_frame(void)
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
-    print_reports(lika_sma21_ssi_word_reports(&frame));
+    print_reports(lika_sma21_ssi_word_reports(&encoder, &frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_sma21_ssi_word_verdict(&frame);
+    verdict = lika_sma21_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(&encoder,

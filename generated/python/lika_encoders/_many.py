@@ -12,8 +12,8 @@ from typing import Any, Final, cast
 from ._codec import as_bytes, whole_number
 from ._encoder import Encoder
 from ._reports import Verdict
-from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, smallest, sound, unused_bits, unused_groups
-from ._shape import width_of
+from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, measured, smallest, sound, unused_bits
+from ._shape import unused_groups, width_of
 from ._table import Fault, Table
 
 #: So many frames are decoded at once: what belongs to them stays in the cache, and few calls go to each.
@@ -81,7 +81,7 @@ class Chunk:
 
 def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     """The columns of ``frames``: see ``decode_many`` of a frame's class."""
-    source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames)
+    source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
     fault = out.pop("fault")
@@ -101,7 +101,7 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     if worth is not None and len(wrong):
         worth[wrong] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
-    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells)
+    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape))
 
 
 def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
@@ -118,11 +118,13 @@ def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     """Frames as rows of bytes, and the places of those that have another length."""
     if isinstance(frames, (list, tuple)):
-        rows = [as_bytes(item) for item in cast(Iterable[Any], frames)]
+        rows = [b"" if _is_missing(item) else as_bytes(item) for item in cast(Iterable[Any], frames)]
         wrong = [place for place, row in enumerate(rows) if len(row) != length]
         for place in wrong:
             rows[place] = bytes(length)
         return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong, np.intp)
+    if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
+        return rows_of(frames.tolist(), length)
     found: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
     if not isinstance(found, np.ndarray) or found.dtype != np.uint8:
         raise TypeError(f"frames of {length} bytes are rows of bytes, not {type(found).__name__} of other items")
@@ -133,21 +135,48 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     return found, ()
 
 
-def _words_of(frames: Any) -> tuple[Any, Any]:
-    """Frames as numbers of 64 bits, and the places of those that have more."""
+def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
+    """Frames as numbers of 64 bits, and the places of those that have more, or are missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
-    if isinstance(frames, np.ndarray):
+    if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
+        if frames.dtype.kind == "f" and frames.ndim == 1:
+            frames = of_floats(frames, bits)
         if frames.dtype.kind not in "ui" or frames.ndim != 1:
             raise TypeError(f"frames are whole numbers in one row, not an array of {frames.dtype} {frames.shape}")
+        if isinstance(frames, np.ma.MaskedArray):
+            return frames.filled(0).astype(np.uint64, copy=False), np.flatnonzero(np.ma.getmaskarray(frames))
         return frames.astype(np.uint64, copy=False), ()
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames are numbers or packed bytes, not {type(frames).__name__}")
-    words = [whole_number("a frame", item) for item in cast(list[Any], frames)]
+    # A frame that is missing is one of no bits; -1 is no frame either.
+    words = [-1 if _is_missing(item) else whole_number("a frame", item) for item in cast(list[Any], frames)]
     wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
     for place in wrong:
         words[place] = 0
     return np.array(words, np.uint64), np.array(wrong, np.intp)
+
+
+def of_floats(frames: Any, bits: int) -> Any:
+    """Return floating-point frames as whole numbers, those that are NaN or out of range masked.
+
+    Raises:
+        TypeError: One is not a whole number, or the type cannot hold every frame of so many bits.
+    """
+    if bits > np.finfo(frames.dtype).nmant + 1:
+        raise TypeError(f"{frames.dtype} cannot hold every frame of {bits} bits: give whole numbers or text")
+    is_frame = (frames >= 0) & (frames < 2.0**63)
+    whole = np.where(is_frame, frames, 0)
+    if (whole != np.floor(whole)).any():
+        raise TypeError(f"{whole[whole != np.floor(whole)][0]} is not a whole number")
+    return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
+
+
+def _is_missing(item: object) -> bool:
+    """Return whether it is None, NaN or the missing value of pandas."""
+    if type(item) is int or type(item) is bytes:
+        return False
+    return item is None or type(item).__name__ == "NAType" or (isinstance(item, float) and item != item)
 
 
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:

@@ -825,8 +825,6 @@ class SingleCycleData(NamedTuple):
         """What the position is worth: look at it before you use the position."""
         if self.unused & 0x2:
             return Verdict.NOT_USABLE
-        if self.unused & 0x1:
-            return Verdict.USABLE_WITH_WARNING
         return Verdict.NOT_TOLD
 
     @property
@@ -1798,10 +1796,10 @@ class DeviceId(NamedTuple):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
-            data[2:4].decode("ascii", "replace"),
-            data[4:5].decode("ascii", "replace"),
-            data[5:6].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
+            data[2:4].decode("latin-1"),
+            data[4:5].decode("latin-1"),
+            data[5:6].decode("latin-1"),
         )
         return made(cls, values)
 
@@ -1868,7 +1866,7 @@ class ManufacturerId(NamedTuple):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
         )
         return made(cls, values)
 
@@ -1978,6 +1976,19 @@ def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
 
 
 # Procedures
+#: The procedures over each interface, for the error on an encoder of another one.
+_PROCEDURES: Final = {
+    _BISS: (
+        "set_configuration",
+        "set_preset",
+        "store_preset",
+        "save_parameters",
+        "activate_preset",
+        "restore_defaults",
+        "set_resolution",
+        "identify_steps",
+    ),
+}
 
 
 def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
@@ -1999,7 +2010,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
     return (
         *writes(
@@ -2033,7 +2044,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
         *writes(
@@ -2071,7 +2082,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
         *writes(
@@ -2098,7 +2109,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -2120,7 +2131,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -2152,7 +2163,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -2199,7 +2210,7 @@ def set_resolution(
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     content = InformationPerRevolution(steps=information_per_revolution).encode()
     before: tuple[Step, ...] = (
         *writes("information_per_revolution", Address.INFORMATION_PER_REVOLUTION, content, "clears the preset"),
@@ -2253,7 +2264,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li is Lika Electronic"),
         Read(Address.DEVICE_ID, 6, "device_id", "AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version"),

@@ -841,13 +841,17 @@ class SingleCycleData(NamedTuple):
         multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
         error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
-            circuitry not installed properly), or that the battery is spent; the encoder cannot operate then and the
-            battery has to be replaced (4.3.2). True at 0: error active in the system. False at 1: no active error.
-            While it is True, the position is not usable.
+            circuitry not installed properly), or in multiturn models (.../65K...) that the battery is depleted. The
+            encoder cannot operate with a depleted battery. True at 0: error active in the system. False at 1: no active
+            error. While it is True, the position is not usable. Remedy: With a misaligned disk: switch off, align the
+            disk, and go on with the connection. With a depleted battery in a multiturn model: replace the battery.
+            Steps: ``battery_replacement_with_error``.
         warning: Warning, nW: Reports an error in the magnetic multiturn system, with which the number of revolutions
-            may be wrong (erratum position_under_error), or that the battery is low; the battery has to be replaced as
-            soon as possible then (4.3.1). True at 0: warning active in the system. False at 1: no active warning. While
-            it is True, the position is usable, with a warning.
+            may be wrong, or that the battery is low. The bit does not tell which (erratum position_under_error). True
+            at 0: warning active in the system. False at 1: no active warning. While it is True, the position is not
+            usable. This holds with ``.../65K...``; the manual does not explain it for others, and the position is
+            usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in the multiturn
+            system the manual names no remedy. Steps: ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
@@ -871,10 +875,18 @@ class SingleCycleData(NamedTuple):
 
     Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent battery: the encoder
     cannot operate. A low one, with the warning alone: the position is kept. What the other errors do to the position is
-    not said. Used: Not usable with an error, BUSY, PS error, ST error or MT error, latched ones until they are reset.
-    Usable with a warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and
-    MT error, makes it not usable, unless the frame carries these four as well (data ID 3): then they decide. [6.2.1
-    p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
+    not said. Used: Not usable with an error, BUSY, PS error or ST error, latched ones until they are reset. In
+    multiturn models not usable with MT error or the warning bit, and usable with a warning with the battery alarm.
+    EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes the position not usable, unless the frame carries
+    these four as well (data ID 3): then they decide. [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1
+    p.44]
+
+    Erratum singleturn_without_battery (open, omission): Printed: "Battery power supply is only available in multiturn
+    encoder versions (.../65K... order code)". The warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the
+    step Connect the battery (3.4) are printed for all models. Used: In singleturn models (.../1...) nW, BATT and MTERR
+    are not explained: an active one is reported, and the position is usable with a warning. EE_1 makes it not usable
+    without ALMC (data IDs 0 and 1), since it may be BUSY. The step is left out. Only with .../1.... [4.3 p.23; 3.4;
+    6.2.1 p.33; 7.4 p.43; 7.4.1 p.44; 9 p.51]
 
     Checked by decode():
         crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -889,9 +901,9 @@ class SingleCycleData(NamedTuple):
     @property
     def verdict(self) -> Verdict:
         """What the position is worth: look at it before you use the position."""
-        if self.error:
+        if self.error or (self.variant.multiturn_bits and self.warning):
             return Verdict.NOT_USABLE
-        if self.warning:
+        if (not self.variant.multiturn_bits and self.warning):
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
@@ -907,7 +919,8 @@ class SingleCycleData(NamedTuple):
 
         told = {
             "error": self.error,
-            "warning": self.warning,
+            "warning": self.variant.multiturn_bits and self.warning,
+            "warning_unexplained": not self.variant.multiturn_bits and self.warning,
         }
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
@@ -1381,11 +1394,12 @@ class SingleturnReply(NamedTuple):
         variant: The encoder that the frame belongs to.
         data_id: Data ID: What the request asks for; a reply repeats it.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
-        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
-            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
-            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1406,7 +1420,8 @@ class SingleturnReply(NamedTuple):
     right. A reply begins with the control field of its request; 32h is that of data ID 6, whose reply has four bytes
     and no SF. No data ID has four data bytes. [7.6]
 
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
+    power_on_twice, singleturn_without_battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
@@ -1570,11 +1585,12 @@ class MultiturnReply(NamedTuple):
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
-        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
-            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
-            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
             Right-aligned in 24 bits, zeros above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1589,7 +1605,8 @@ class MultiturnReply(NamedTuple):
     error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
     [7.3.2 p.42; 7.4.1 p.44]
 
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
+    power_on_twice, singleturn_without_battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
@@ -1750,11 +1767,12 @@ class EncoderIdReply(NamedTuple):
 
     Attributes:
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
-        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
-            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
-            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
             the encoder; decoding accepts any value.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1770,7 +1788,7 @@ class EncoderIdReply(NamedTuple):
     p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit.
+    busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
@@ -1906,11 +1924,12 @@ class CompleteReply(NamedTuple):
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
-        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
-            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
-            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
@@ -1924,9 +1943,11 @@ class CompleteReply(NamedTuple):
         ps_error: PSERR. True at 1: singleturn and multiturn count out of step, or a counting error. False at 0: no PS
             error. While it is True, the position is not usable.
         mt_error: MTERR. True at 1: external battery below 3.05 V. False at 0: no MT error. While it is True, the
-            position is not usable.
+            position is not usable. This holds with ``.../65K...``; the manual does not explain it for others, and the
+            position is usable, with a warning.
         battery_alarm: BATT. True at 1: external battery below 3.15 V. False at 0: no battery alarm. While it is True,
-            the position is usable, with a warning.
+            the position is usable, with a warning. This holds with ``.../65K...``; the manual does not explain it for
+            others, and the position is usable, with a warning.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
@@ -1942,7 +1963,7 @@ class CompleteReply(NamedTuple):
     p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
+    busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery, battery_alarm_reset, busy_clear.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
@@ -1988,14 +2009,14 @@ class CompleteReply(NamedTuple):
         """What the position is worth: look at it before you use the position."""
         if (
             self.status_st_error
-            or (self.status_other_error and not self.battery_alarm)
+            or (self.status_other_error and not (self.battery_alarm or self.mt_error))
             or self.busy
             or self.st_error
             or self.ps_error
-            or self.mt_error
+            or (self.variant.multiturn_bits and self.mt_error)
         ):
             return Verdict.NOT_USABLE
-        if self.battery_alarm or self.unused:
+        if (not self.variant.multiturn_bits and self.mt_error) or self.battery_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
@@ -2015,8 +2036,10 @@ class CompleteReply(NamedTuple):
             "busy": self.busy,
             "st_error": self.st_error,
             "ps_error": self.ps_error,
-            "mt_error": self.mt_error,
-            "battery_alarm": self.battery_alarm,
+            "mt_error": self.variant.multiturn_bits and self.mt_error,
+            "mt_error_unexplained": not self.variant.multiturn_bits and self.mt_error,
+            "battery_alarm": self.variant.multiturn_bits and self.battery_alarm,
+            "battery_alarm_unexplained": not self.variant.multiturn_bits and self.battery_alarm,
             "status_info": self.unused & 0xF,
             "status_zero": self.unused & 0xC0,
             "alarm_zero_0": self.unused & 0x100,
@@ -3113,7 +3136,7 @@ class DeviceId(NamedTuple):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("ascii", "replace"),
+            data[0:4].decode("latin-1"),
             data[4] << 8 | data[5],
         )
         return made(cls, values)
@@ -3169,7 +3192,7 @@ class ManufacturerId(NamedTuple):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
         )
         return made(cls, values)
 
@@ -3216,6 +3239,11 @@ def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
 
 
 # Procedures
+#: The procedures over each interface, for the error on an encoder of another one.
+_PROCEDURES: Final = {
+    _BISS: ("set_preset", "store_preset", "save_parameters", "activate_preset"),
+    _RS485: ("reset_singleturn_and_multiturn", "reset_multiturn_and_errors", "reset_errors"),
+}
 
 
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
@@ -3239,7 +3267,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes(
             "preset_setting_enable",
@@ -3286,7 +3314,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes(
             "preset_setting_enable",
@@ -3330,7 +3358,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3357,7 +3385,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3396,9 +3424,9 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xc2", times=10, every_us=40, in_succession=True),
+        Send(b"\xc2", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(18_000, "execution takes 18 ms at most, EEPROM writing included"),
     )
 
@@ -3414,8 +3442,8 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     The ten requests have to follow one another: stop polling the position meanwhile.
 
     Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C.
-    7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as well. [7.4.1
-    p.44; 7.4.2 p.45]
+    7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as well. Only
+    with .../65K.... [7.4.1 p.44; 7.4.2 p.45]
 
     Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or
     more. Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2
@@ -3433,9 +3461,9 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\x62", times=10, every_us=40, in_succession=True),
+        Send(b"\x62", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
@@ -3450,8 +3478,8 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     The ten requests have to follow one another: stop polling the position meanwhile.
 
     Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C.
-    7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as well. [7.4.1
-    p.44; 7.4.2 p.45]
+    7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as well. Only
+    with .../65K.... [7.4.1 p.44; 7.4.2 p.45]
 
     Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or
     more. Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2
@@ -3469,9 +3497,9 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xba", times=10, every_us=40, in_succession=True),
+        Send(b"\xba", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 

@@ -10,6 +10,7 @@ In here:
     SSI: SsiWord
     BiSS C-mode: SingleCycleData
     Of all interfaces: Frame
+    Values in them: ZeroBit
     Registers: ProfileId, SerialNumber, DiagnosticData, Command, Status, Position, ErrorRegister, DeviceId,
         ManufacturerId, Address
     Procedures: request_position, save_configuration, read_absolute_data, software_reset, verify_configuration,
@@ -20,9 +21,9 @@ In here:
 
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
-    from lika_encoders import Verdict, lookup
+    from lika_encoders import Verdict, asc85, lookup
     encoder = lookup("ASC8525/SC1")
-    frame = encoder.decode(0x2b79a2ac1)
+    frame = encoder.decode(0x2b79a2ac1, zero_bit=asc85.ZeroBit.AS_PRINTED)
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
 
@@ -37,11 +38,11 @@ not affiliated with either company and claims no certification.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from enum import IntEnum
+from enum import Enum, IntEnum
 from math import tau
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
 
 from ._codec import (
     BitField,
@@ -61,7 +62,7 @@ from ._codec import (
     check_width,
     choice,
     crc_of_bits,
-    crc_tables,
+    decided,
     from_gray,
     made,
     text_number,
@@ -141,6 +142,7 @@ __all__ = [
     "TIMINGS",
     "VARIANTS",
     "Variant",
+    "ZeroBit",
     "clear_simulated_error",
     "crc_biss_4",
     "crc_biss_6",
@@ -261,10 +263,14 @@ class Variant(Encoder):
 
     @property
     def frame_bits(self) -> int:
-        """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one."""
+        """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one.
+
+        Raises:
+            ValueError: Over this interface the length depends on an answer.
+        """
         if self.interface is _SSI:
             return self.position_bits
-        return self.position_bits + 9
+        raise ValueError(f"no frame bits over {self.interface.name}: the length depends on an answer")
 
     def decode(self, frame: Any) -> Frame:
         """What the encoder sent; the class of its interface says in which form."""
@@ -329,48 +335,49 @@ class BissEncoder(Variant):
 
     interface: ClassVar[Interface] = _BISS
 
-    def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+    def decode(self, frame: Word, *, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
         """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
 
         A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
 
         Args:
             bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Only the frames that depend on it
+                need it.
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is of another type than the frames of this encoder.
+            TypeError: ``frame`` is of another type than the frames of this encoder, or needs an answer that is not
+                given.
         """
-        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on the instance has it instead of this method.
-            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
-        return decode(frame, bits=bits)
-
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """The same, but looks at what is wrong."""
         try:
-            return SingleCycleData.decode(frame, self, bits=bits)
+            return SingleCycleData.decode(frame, self, cast(ZeroBit, zero_bit), bits=bits)
         except FrameError as fault:
             fault.add(frame, self)
             raise
         except TypeError as error:
             raise TypeError(f"{self.code}: {error}") from error
 
-    def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
+    def try_decode(
+        self,
+        frame: Word,
+        *,
+        bits: int | None = None,
+        zero_bit: ZeroBit | None = None,
+    ) -> SingleCycleData | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
         try:
-            return self.decode(frame, bits=bits)
+            return self.decode(frame, bits=bits, zero_bit=zero_bit)
         except FrameError as fault:
             return fault
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words, *, zero_bit: ZeroBit | None = None) -> Table:
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
-        return SingleCycleData.decode_many(frames, self)
+        return SingleCycleData.decode_many(frames, self, cast(ZeroBit, zero_bit))
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any], *, zero_bit: ZeroBit | None = None) -> Any:
         """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
-        return SingleCycleData.encode_many(columns, self)
+        return SingleCycleData.encode_many(columns, self, cast(ZeroBit, zero_bit))
 
 
 @overload
@@ -428,7 +435,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
-    range (everything from the position to the warning bit, the constant 0 included) are those of public BiSS documents.
+    range (everything from the position to the warning bit, with the constant 0 where it is sent) are those of public
+    BiSS documents.
 
     Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
     value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet;
@@ -467,6 +475,38 @@ def _remainder_biss_6_34(word: int) -> int:
     high = word >> 6
     word = word & 0x3F ^ high ^ high << 1
     return word
+
+
+# What the manual leaves open
+
+
+class ZeroBit(Enum):
+    """Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
+
+    The manual leaves this open, or other evidence contradicts it: there is no default.
+
+    Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
+    """
+
+    AS_PRINTED = (1,)
+    """Sent, as the manual prints it; the frame has position_bits + 9 bits, 34 at 25 bits of resolution [6.2.1 p.20]."""
+    LEFT_OUT = (0,)
+    """Not sent, as the one public driver for this encoder reads it; the frame has position_bits + 8 bits, 33 at 25
+    bits of resolution [onstepx: src/lib/encoder/bissc/Asc85.cpp].
+    """
+
+    def __init__(self, zero_bits: int) -> None:
+        self.zero_bits = zero_bits
 
 
 # SSI
@@ -604,11 +644,12 @@ class SsiWord(NamedTuple):
 
 @by_class
 class SingleCycleData(NamedTuple):
-    """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + 9`` bits, most significant first
-    [6.2.1 p.20].
+    """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
+    first [6.2.1 p.20].
 
     Attributes:
         variant: The encoder that the frame belongs to.
+        zero_bit: Constant 0 bit between position and error bit of a BiSS frame.
         position: Position: Position within one revolution, most significant bit first. Unit: counts.
         error: Error, nE: Normal or fault status of the encoder; the error register tells which error it is. True at 0:
             error active in the system. False at 1: no active error. While it is True, the position is not usable.
@@ -618,23 +659,26 @@ class SingleCycleData(NamedTuple):
 
     In the manual: Single Cycle Data SCD.
 
-    position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads a bit less,
-    without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
+    Where its fields stand is for you to decide, ``zero_bit``: ``as_printed`` or ``left_out``.
 
     Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
-    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
-    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
-    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
-    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
-    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
 
     Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1 bits, for all
-    models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits. Why: It fits the model of 25 bits
-    only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and
-    is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
-    or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
-    p.34-35]
+    models. Used: 281Ah for all models, as printed. It decides neither the resolution nor the zero bit of the frame.
+    Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same
+    byte differs with the model and is its data length. Another ID at a lower resolution is likely; a public controller
+    with the same registers knows 24 or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20;
+    6.4 p.23; sma21: 6.4; icmr: p.34-35]
 
     Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
     are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
@@ -650,6 +694,7 @@ class SingleCycleData(NamedTuple):
     """
 
     variant: BissEncoder
+    zero_bit: ZeroBit
     position: int
     error: bool = False
     warning: bool = False
@@ -680,13 +725,14 @@ class SingleCycleData(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
-    def frame_bits(variant: BissEncoder) -> int:
+    def frame_bits(variant: BissEncoder, zero_bit: ZeroBit) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _BISS)
-        return variant.position_bits + 9
+        decided(ZeroBit, zero_bit)
+        return zero_bit.zero_bits + variant.position_bits + 8
 
     @classmethod
-    def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
+    def decode(cls, word: Word, variant: BissEncoder, zero_bit: ZeroBit, *, bits: int | None = None) -> SingleCycleData:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -701,34 +747,37 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
+        decided(ZeroBit, zero_bit)
         if type(word) is not int or bits is not None:
-            word = as_word(word, variant.position_bits + 9, bits)
-        if word >> (variant.position_bits + 9):
-            raise too_long(word, variant.position_bits + 9)
+            word = as_word(word, zero_bit.zero_bits + variant.position_bits + 8, bits)
+        if word >> (zero_bit.zero_bits + variant.position_bits + 8):
+            raise too_long(word, zero_bit.zero_bits + variant.position_bits + 8)
         if remainder := _remainder_biss_6_34(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
-        if word >> 8 & 0x1:
-            raise ConstantError("zero", word >> 8 & 0x1, 0)
+        if word >> 8 & ((1 << zero_bit.zero_bits) - 1):
+            raise ConstantError("zero", word >> 8 & ((1 << zero_bit.zero_bits) - 1), 0)
         values = (
             variant,
-            word >> 9,
+            zero_bit,
+            word >> (zero_bit.zero_bits + 8),
             not word & 0x80,
             not word & 0x40,
         )
         return made(cls, values)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+    def decode_many(cls, frames: Words, variant: BissEncoder, zero_bit: ZeroBit) -> Table:
         """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
+        decided(ZeroBit, zero_bit)
         from ._many import decode_many
         from ._shapes.asc85 import shape_of_single_cycle_data
 
-        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+        return decode_many(frames, shape_of_single_cycle_data(variant, zero_bit), variant)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder, zero_bit: ZeroBit) -> Any:
         """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
 
         Raises:
@@ -737,10 +786,11 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
+        decided(ZeroBit, zero_bit)
         from ._make import encode_many
         from ._shapes.asc85 import shape_of_single_cycle_data
 
-        return encode_many(columns, shape_of_single_cycle_data(variant))
+        return encode_many(columns, shape_of_single_cycle_data(variant, zero_bit))
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
@@ -751,17 +801,23 @@ class SingleCycleData(NamedTuple):
         variant = self.variant
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
+        zero_bit = decided(ZeroBit, self.zero_bit)
         position = check_width("position", self.position, variant.position_bits)
-        number = position << 9 | (not self.error) << 7 | (not self.warning) << 6
+        number = (
+            position << (zero_bit.zero_bits + 8)
+            | (not self.error) << 7
+            | (not self.warning) << 6
+        )
         return number | _remainder_biss_6_34(number) ^ 0x3F
 
     @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
+        decided(ZeroBit, zero_bit)
         return (
-            BitField("position", 9, variant.position_bits),
-            BitField("zero", 8, 1),
+            BitField("position", zero_bit.zero_bits + 8, variant.position_bits),
+            BitField("zero", 8, zero_bit.zero_bits),
             BitField("error", 7, 1),
             BitField("warning", 6, 1),
             BitField("crc", 0, 6),
@@ -784,34 +840,6 @@ def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
             (
                 variant,
                 word,
-            ),
-        )
-
-    return decode
-
-
-def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """What decodes sound frames; what follows from the order code is worked out once."""
-    careful = variant._decode
-    size_0 = variant.position_bits + 9
-    tables = crc_tables(crc_biss_6, variant.position_bits + 3, 6, 3)
-    table_0, table_1, table_2 = tables
-
-    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        low = word & 0xFFFF
-        high = word >> 16
-        if table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16] or word >> 8 & 0x1:
-            return careful(frame)
-        return made(
-            SingleCycleData,
-            (
-                variant,
-                word >> 9,
-                not low & 0x80,
-                not low & 0x40,
             ),
         )
 
@@ -859,19 +887,23 @@ class ProfileId(NamedTuple):
     tell the encoder. For the variant the manual refers to the standard encoder profile, data format.
 
     Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
-    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
-    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
-    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
-    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
-    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
 
     Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1 bits, for all
-    models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits. Why: It fits the model of 25 bits
-    only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and
-    is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
-    or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
-    p.34-35]
+    models. Used: 281Ah for all models, as printed. It decides neither the resolution nor the zero bit of the frame.
+    Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same
+    byte differs with the model and is its data length. Another ID at a lower resolution is likely; a public controller
+    with the same registers knows 24 or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20;
+    6.4 p.23; sma21: 6.4; icmr: p.34-35]
     """
 
     variant_: int
@@ -1256,12 +1288,16 @@ class Position(NamedTuple):
     is taken as left-aligned too. Low byte first, unlike the other registers of several bytes.
 
     Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
-    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
-    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
-    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
-    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
-    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
 
     Erratum position_register_bits (open, wrong data): Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5
     ... 2^0 not used, for all models. Used: The exponents number the bits of the register: the position is left-aligned

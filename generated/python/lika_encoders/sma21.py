@@ -2710,7 +2710,7 @@ class DeviceId(NamedTuple):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("ascii", "replace"),
+            data[0:4].decode("latin-1"),
             data[4] << 8 | data[5],
         )
         return made(cls, values)
@@ -2766,7 +2766,7 @@ class ManufacturerId(NamedTuple):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
         )
         return made(cls, values)
 
@@ -2854,6 +2854,19 @@ def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
 
 
 # Procedures
+#: The procedures over each interface, for the error on an encoder of another one.
+_PROCEDURES: Final = {
+    _BISS: (
+        "set_configuration",
+        "set_preset",
+        "select_preset",
+        "set_offset",
+        "save_parameters",
+        "restore_defaults",
+        "identify_steps",
+    ),
+    _RS485: ("reset_errors", "reset_position"),
+}
 
 
 def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
@@ -2872,7 +2885,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
     return (
         *writes(
@@ -2903,7 +2916,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("position", position, PresetOffset.preset_limits(variant))
     return (
         *writes(
@@ -2935,7 +2948,7 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
@@ -2974,7 +2987,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let preset and offset be used"),
@@ -3010,7 +3023,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3032,7 +3045,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3055,7 +3068,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Lika's are 4C 69"),
         Read(Address.DEVICE_ID, 6, "device_id", "name SM21, and the release"),
@@ -3088,9 +3101,9 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xda", times=10, every_us=40, in_succession=True),
+        Send(b"\xda", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
     )
 
 
@@ -3123,9 +3136,9 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\x7a", times=10, every_us=40, in_succession=True),
+        Send(b"\x7a", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
     )
 
 

@@ -11,7 +11,7 @@
  *   static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
  *   lika_am36_single_cycle_data frame;
  *   if (lika_am36_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_am36_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *       && lika_am36_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5F1DAE20U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -598,8 +598,10 @@ static inline lika_result lika_am36_ssi_word_encode(
 
 /** What the position is worth: nothing in this frame tells. */
 LIKA_NODISCARD
-static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *frame)
+static inline lika_verdict lika_am36_ssi_word_verdict(
+    const lika_am36_variant *variant, const lika_am36_ssi_word *frame)
 {
+    (void)variant;
     (void)frame;
     return LIKA_NOT_TOLD;
 }
@@ -826,20 +828,20 @@ static inline bool lika_am36_single_cycle_data_is_expected(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_am36_single_cycle_data_verdict(
-    const lika_am36_single_cycle_data *frame)
+    const lika_am36_variant *variant, const lika_am36_single_cycle_data *frame)
 {
+    (void)variant;
     if ((frame->unused & 0x02U) != 0U) {
         return LIKA_NOT_USABLE;
-    }
-    if ((frame->unused & 0x01U) != 0U) {
-        return LIKA_USABLE_WITH_WARNING;
     }
     return LIKA_NOT_TOLD;
 }
 
 /** What the encoder reports: a mask of bits LIKA_AM36_REPORT_. */
-static inline uint32_t lika_am36_single_cycle_data_reports(const lika_am36_single_cycle_data *frame)
+static inline uint32_t lika_am36_single_cycle_data_reports(
+    const lika_am36_variant *variant, const lika_am36_single_cycle_data *frame)
 {
+    (void)variant;
     return (((frame->unused & 0x01U) != 0U) ? (uint32_t)LIKA_AM36_REPORT_WARNING : 0U) |
         (((frame->unused & 0x02U) != 0U) ? (uint32_t)LIKA_AM36_REPORT_ERROR : 0U);
 }

@@ -11,7 +11,7 @@
  *   static const lika_amm5_variant encoder = LIKA_AMM5_A17_1SC1;
  *   lika_amm5_single_cycle_data frame;
  *   if (lika_amm5_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_amm5_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *       && lika_amm5_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -59,7 +59,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5F1DAE20U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -373,23 +373,24 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 /* -- what frames report ------------------------------------------------------------------------ */
 
 /** What frames report of the encoder; their functions _reports() give a mask of these bits. */
-typedef enum lika_amm5_report {
-    LIKA_AMM5_REPORT_ERROR = 0x0001, /**< Error, nE [6.2.1 p.32]. */
-    LIKA_AMM5_REPORT_WARNING = 0x0002, /**< Warning, nW [6.2.1 p.33]. */
-    LIKA_AMM5_REPORT_STATUS_INFO = 0x0004, /* EI_3 ... EI_0, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
-    LIKA_AMM5_REPORT_STATUS_ST_ERROR = 0x0008, /**< EE_0 [7.3.2 p.42; it: 7.3.2 p.43]. */
-    LIKA_AMM5_REPORT_STATUS_OTHER_ERROR = 0x0010, /**< EE_1 [7.3.2 p.42; it: 7.3.2 p.43]. */
-    LIKA_AMM5_REPORT_STATUS_ZERO = 0x0020, /**< Status zero, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
-    LIKA_AMM5_REPORT_ALARM_ZERO_0 = 0x0040, /**< Alarm zero 0, unused [7.4 p.43]. */
-    LIKA_AMM5_REPORT_BUSY = 0x0080, /**< BUSY [7.4.1 p.44]. */
-    LIKA_AMM5_REPORT_ST_ERROR = 0x0100, /**< STERR [7.4.1 p.44]. */
-    LIKA_AMM5_REPORT_ALARM_ZERO_3_4 = 0x0200, /**< Alarm zero 3 4, unused [7.4 p.43]. */
-    LIKA_AMM5_REPORT_PS_ERROR = 0x0400, /**< PSERR [7.4.1 p.44]. */
-    LIKA_AMM5_REPORT_MT_ERROR = 0x0800, /**< MTERR [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
-    LIKA_AMM5_REPORT_BATTERY_ALARM = 0x1000, /**< BATT [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
-    LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY = 0x2000, /**< MEM BUSY [7.5 p.46]. */
-    LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY = 0x4000 /**< MEM BUSY [7.5 p.46]. */
-} lika_amm5_report;
+#define LIKA_AMM5_REPORT_ERROR 0x01U /**< Error, nE [6.2.1 p.32; 3.4]. */
+#define LIKA_AMM5_REPORT_WARNING 0x02U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
+#define LIKA_AMM5_REPORT_STATUS_INFO 0x04U /* EI_3 ... EI_0, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_ST_ERROR 0x08U /**< EE_0 [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_OTHER_ERROR 0x10U /**< EE_1 [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_ZERO 0x20U /**< Status zero, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_ALARM_ZERO_0 0x40U /**< Alarm zero 0, unused [7.4 p.43]. */
+#define LIKA_AMM5_REPORT_BUSY 0x80U /**< BUSY [7.4.1 p.44]. */
+#define LIKA_AMM5_REPORT_ST_ERROR 0x100U /**< STERR [7.4.1 p.44]. */
+#define LIKA_AMM5_REPORT_ALARM_ZERO_3_4 0x200U /**< Alarm zero 3 4, unused [7.4 p.43]. */
+#define LIKA_AMM5_REPORT_PS_ERROR 0x400U /**< PSERR [7.4.1 p.44]. */
+#define LIKA_AMM5_REPORT_MT_ERROR 0x800U /**< MTERR [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
+#define LIKA_AMM5_REPORT_BATTERY_ALARM 0x1000U /**< BATT [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
+#define LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY 0x2000U /**< MEM BUSY [7.5 p.46]. */
+#define LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY 0x4000U /**< MEM BUSY [7.5 p.46]. */
+#define LIKA_AMM5_REPORT_WARNING_UNEXPLAINED 0x8000U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
+#define LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED 0x10000U /**< MTERR [7.4 p.43]. */
+#define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x20000U /**< BATT [7.4 p.43]. */
 
 /** The text of a report; of several that of the lowest bit, of none one with empty members. */
 static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
@@ -399,21 +400,24 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "error",
             "Error, nE",
             "error active in the system. Reports, for instance, that circuitry and disk are not "
-            "aligned (gap out of tolerance, circuitry not installed properly), or that the "
-            "battery is spent; the encoder cannot operate then and the battery has to be replaced "
-            "(4.3.2).",
-            "",
-            "6.2.1 p.32"
+            "aligned (gap out of tolerance, circuitry not installed properly), or in multiturn "
+            "models (.../65K...) that the battery is depleted. The encoder cannot operate with a "
+            "depleted battery.",
+            "With a misaligned disk: switch off, align the disk, and go on with the connection. "
+            "With a depleted battery in a multiturn model: replace the battery. Steps on the "
+            "hardware page: Battery replacement with error",
+            "6.2.1 p.32; 3.4"
         },
         {
             "warning",
             "Warning, nW",
             "warning active in the system. Reports an error in the magnetic multiturn system, "
-            "with which the number of revolutions may be wrong (erratum position_under_error), or "
-            "that the battery is low; the battery has to be replaced as soon as possible then "
-            "(4.3.1).",
-            "",
-            "6.2.1 p.33"
+            "with which the number of revolutions may be wrong, or that the battery is low. The "
+            "bit does not tell which (erratum position_under_error).",
+            "Replace a low battery as soon as possible. For an error in the multiturn system the "
+            "manual names no remedy. Steps on the hardware page: Battery replacement without "
+            "error",
+            "6.2.1 p.33; 4.3.1 p.23"
         },
         {
             "status_info",
@@ -426,16 +430,16 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "status_st_error",
             "EE_0",
             "ST error",
-            "",
+            "Turn on the main power twice, or reset the error with data ID 7 or C",
             "7.3.2 p.42; it: 7.3.2 p.43"
         },
         {
             "status_other_error",
             "EE_1",
             "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. "
-            "One bit for BUSY, which goes by itself, and for errors that stay until they are "
-            "reset. The ALMC of data ID 3 tells which it is.",
-            "",
+            "One bit for BUSY, which clears itself, and for errors that stay until they are "
+            "reset.",
+            "Request data ID 3: its ALMC shows which error it is",
             "7.3.2 p.42; it: 7.3.2 p.43"
         },
         {
@@ -484,15 +488,16 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "mt_error",
             "MTERR",
             "external battery below 3.05 V",
-            "Replace the battery (4.3.2), then reset the error with data ID 7 or C",
+            "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware "
+            "page: Battery replacement with error",
             "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {
             "battery_alarm",
             "BATT",
             "external battery below 3.15 V",
-            "Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 "
-            "or C",
+            "Replace the battery as soon as possible, then reset the error with data ID 7 or C. "
+            "Steps on the hardware page: Battery replacement without error",
             "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {
@@ -509,10 +514,31 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "",
             "7.5 p.46"
         },
+        {
+            "warning_unexplained",
+            "Warning, nW",
+            "the manual does not say what this bit means for this order code",
+            "",
+            "6.2.1 p.33; 4.3.1 p.23"
+        },
+        {
+            "mt_error_unexplained",
+            "MTERR",
+            "the manual does not say what this bit means for this order code",
+            "",
+            "7.4 p.43"
+        },
+        {
+            "battery_alarm_unexplained",
+            "BATT",
+            "the manual does not say what this bit means for this order code",
+            "",
+            "7.4 p.43"
+        },
         { "", "", "", "", "" }
     };
     size_t index = 0U;
-    while ((index < 15U) && (((reports >> index) & 1U) == 0U)) {
+    while ((index < 18U) && (((reports >> index) & 1U) == 0U)) {
         index++;
     }
     return &texts[index];
@@ -678,8 +704,10 @@ static inline lika_result lika_amm5_ssi_word_encode(
 
 /** What the position is worth: nothing in this frame tells. */
 LIKA_NODISCARD
-static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *frame)
+static inline lika_verdict lika_amm5_ssi_word_verdict(
+    const lika_amm5_variant *variant, const lika_amm5_ssi_word *frame)
 {
+    (void)variant;
     (void)frame;
     return LIKA_NOT_TOLD;
 }
@@ -789,23 +817,29 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * Erratum scd_length (settled, wrong data).
  * Erratum error_bits_leds_alarms (open, omission).
  * Erratum position_under_error (open, omission).
+ * Erratum singleturn_without_battery (open, omission).
  */
 typedef struct lika_amm5_single_cycle_data {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
     /**
      * Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of
-     * tolerance, circuitry not installed properly), or that the battery is spent; the encoder
-     * cannot operate then and the battery has to be replaced (4.3.2). Active at 0: error active in
-     * the system. Inactive at 1: no active error. While it is active, the position is not usable.
+     * tolerance, circuitry not installed properly), or in multiturn models (.../65K...) that the
+     * battery is depleted. The encoder cannot operate with a depleted battery. Active at 0: error
+     * active in the system. Inactive at 1: no active error. While it is active, the position is not
+     * usable. Remedy: With a misaligned disk: switch off, align the disk, and go on with the
+     * connection. With a depleted battery in a multiturn model: replace the battery. Steps: Battery
+     * replacement with error.
      */
     bool error;
     /**
      * Warning, nW: Reports an error in the magnetic multiturn system, with which the number of
-     * revolutions may be wrong (erratum position_under_error), or that the battery is low; the
-     * battery has to be replaced as soon as possible then (4.3.1). Active at 0: warning active in
-     * the system. Inactive at 1: no active warning. While it is active, the position is usable,
-     * with a warning.
+     * revolutions may be wrong, or that the battery is low. The bit does not tell which (erratum
+     * position_under_error). Active at 0: warning active in the system. Inactive at 1: no active
+     * warning. While it is active, the position is not usable. This holds with .../65K...; the
+     * manual does not explain it for others, and the position is usable, with a warning. Remedy:
+     * Replace a low battery as soon as possible. For an error in the multiturn system the manual
+     * names no remedy. Steps: Battery replacement without error.
      */
     bool warning;
     uint64_t position; /**< position is made of multiturn and singleturn, most significant first. */
@@ -909,22 +943,25 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_single_cycle_data_verdict(
-    const lika_amm5_single_cycle_data *frame)
+    const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *frame)
 {
-    if (frame->error) {
+    if (frame->error || ((variant->multiturn_bits != 0U) && frame->warning)) {
         return LIKA_NOT_USABLE;
     }
-    if (frame->warning) {
+    if ((variant->multiturn_bits == 0U) && frame->warning) {
         return LIKA_USABLE_WITH_WARNING;
     }
     return LIKA_USABLE;
 }
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
-static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_single_cycle_data *frame)
+static inline uint32_t lika_amm5_single_cycle_data_reports(
+    const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *frame)
 {
-    return (frame->error ? (uint32_t)LIKA_AMM5_REPORT_ERROR : 0U) |
-        (frame->warning ? (uint32_t)LIKA_AMM5_REPORT_WARNING : 0U);
+    return (frame->error ? LIKA_AMM5_REPORT_ERROR : 0U) |
+        (((variant->multiturn_bits != 0U) && frame->warning) ? LIKA_AMM5_REPORT_WARNING : 0U) |
+        (((variant->multiturn_bits == 0U) && frame->warning) ?
+        LIKA_AMM5_REPORT_WARNING_UNEXPLAINED : 0U);
 }
 
 /* -- RS-485 ------------------------------------------------------------------------------------ */
@@ -947,6 +984,8 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * Erratum unused_status_bits (open, omission).
  * Erratum position_under_error (open, omission).
  * Erratum control_field_structure (settled, omission).
+ * Erratum power_on_twice (open, omission).
+ * Erratum singleturn_without_battery (open, omission).
  * Erratum battery_alarm_reset (open, omission).
  * Erratum data_id_8_scope (open, wrong data): Used: The table, singleturn and multiturn.
  * Erratum reset_interval (open, omission).
@@ -1299,15 +1338,16 @@ typedef struct lika_amm5_singleturn_reply {
     lika_amm5_data_id data_id;
     /**
      * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
+     * with data ID 7 or C.
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
-     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
-     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
-     * active, the position is not usable.
+     * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1405,8 +1445,9 @@ static inline bool lika_amm5_singleturn_reply_is_expected(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_singleturn_reply_verdict(
-    const lika_amm5_singleturn_reply *frame)
+    const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *frame)
 {
+    (void)variant;
     if (frame->status_st_error || frame->status_other_error) {
         return LIKA_NOT_USABLE;
     }
@@ -1417,12 +1458,14 @@ static inline lika_verdict lika_amm5_singleturn_reply_verdict(
 }
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
-static inline uint32_t lika_amm5_singleturn_reply_reports(const lika_amm5_singleturn_reply *frame)
+static inline uint32_t lika_amm5_singleturn_reply_reports(
+    const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *frame)
 {
-    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
-        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
+    (void)variant;
+    return (frame->status_st_error ? LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
 }
 
 /**
@@ -1450,15 +1493,16 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(const lika_amm5_single
 typedef struct lika_amm5_multiturn_reply {
     /**
      * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
+     * with data ID 7 or C.
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
-     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
-     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
-     * active, the position is not usable.
+     * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1543,8 +1587,10 @@ static inline bool lika_amm5_multiturn_reply_is_expected(
 
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
-static inline lika_verdict lika_amm5_multiturn_reply_verdict(const lika_amm5_multiturn_reply *frame)
+static inline lika_verdict lika_amm5_multiturn_reply_verdict(
+    const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *frame)
 {
+    (void)variant;
     if (frame->status_st_error || frame->status_other_error) {
         return LIKA_NOT_USABLE;
     }
@@ -1555,12 +1601,14 @@ static inline lika_verdict lika_amm5_multiturn_reply_verdict(const lika_amm5_mul
 }
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
-static inline uint32_t lika_amm5_multiturn_reply_reports(const lika_amm5_multiturn_reply *frame)
+static inline uint32_t lika_amm5_multiturn_reply_reports(
+    const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *frame)
 {
-    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
-        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
+    (void)variant;
+    return (frame->status_st_error ? LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
 }
 
 /**
@@ -1589,15 +1637,16 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(const lika_amm5_multitu
 typedef struct lika_amm5_encoder_id_reply {
     /**
      * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
+     * with data ID 7 or C.
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
-     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
-     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
-     * active, the position is not usable.
+     * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1675,12 +1724,14 @@ static inline bool lika_amm5_encoder_id_reply_is_expected(
 }
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
-static inline uint32_t lika_amm5_encoder_id_reply_reports(const lika_amm5_encoder_id_reply *frame)
+static inline uint32_t lika_amm5_encoder_id_reply_reports(
+    const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *frame)
 {
-    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
-        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
+    (void)variant;
+    return (frame->status_st_error ? LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
 }
 
 /**
@@ -1721,15 +1772,16 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(const lika_amm5_encode
 typedef struct lika_amm5_complete_reply {
     /**
      * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
+     * with data ID 7 or C.
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
-     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
-     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
-     * active, the position is not usable.
+     * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1764,12 +1816,14 @@ typedef struct lika_amm5_complete_reply {
     bool ps_error;
     /**
      * MTERR. Active at 1: external battery below 3.05 V. Inactive at 0: no MT error. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. This holds with .../65K...; the manual does not explain
+     * it for others, and the position is usable, with a warning.
      */
     bool mt_error;
     /**
      * BATT. Active at 1: external battery below 3.15 V. Inactive at 0: no battery alarm. While it
-     * is active, the position is usable, with a warning.
+     * is active, the position is usable, with a warning. This holds with .../65K...; the manual
+     * does not explain it for others, and the position is usable, with a warning.
      */
     bool battery_alarm;
     uint64_t position; /**< position is made of multiturn and singleturn, most significant first. */
@@ -1899,32 +1953,41 @@ static inline bool lika_amm5_complete_reply_is_expected(
 
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
-static inline lika_verdict lika_amm5_complete_reply_verdict(const lika_amm5_complete_reply *frame)
+static inline lika_verdict lika_amm5_complete_reply_verdict(
+    const lika_amm5_variant *variant, const lika_amm5_complete_reply *frame)
 {
-    if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm) ||
-        frame->busy || frame->st_error || frame->ps_error || frame->mt_error) {
+    if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm &&
+        !frame->mt_error) || frame->busy || frame->st_error || frame->ps_error ||
+        ((variant->multiturn_bits != 0U) && frame->mt_error)) {
         return LIKA_NOT_USABLE;
     }
-    if (frame->battery_alarm || (frame->unused != 0U)) {
+    if (((variant->multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
+        (frame->unused != 0U)) {
         return LIKA_USABLE_WITH_WARNING;
     }
     return LIKA_USABLE;
 }
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
-static inline uint32_t lika_amm5_complete_reply_reports(const lika_amm5_complete_reply *frame)
+static inline uint32_t lika_amm5_complete_reply_reports(
+    const lika_amm5_variant *variant, const lika_amm5_complete_reply *frame)
 {
-    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
-        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (frame->busy ? (uint32_t)LIKA_AMM5_REPORT_BUSY : 0U) |
-        (frame->st_error ? (uint32_t)LIKA_AMM5_REPORT_ST_ERROR : 0U) |
-        (frame->ps_error ? (uint32_t)LIKA_AMM5_REPORT_PS_ERROR : 0U) |
-        (frame->mt_error ? (uint32_t)LIKA_AMM5_REPORT_MT_ERROR : 0U) |
-        (frame->battery_alarm ? (uint32_t)LIKA_AMM5_REPORT_BATTERY_ALARM : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U) |
-        (((frame->unused & 0x100U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_ALARM_ZERO_0 : 0U) |
-        (((frame->unused & 0x1800U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_ALARM_ZERO_3_4 : 0U);
+    return (frame->status_st_error ? LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (frame->busy ? LIKA_AMM5_REPORT_BUSY : 0U) |
+        (frame->st_error ? LIKA_AMM5_REPORT_ST_ERROR : 0U) |
+        (frame->ps_error ? LIKA_AMM5_REPORT_PS_ERROR : 0U) |
+        (((variant->multiturn_bits != 0U) && frame->mt_error) ? LIKA_AMM5_REPORT_MT_ERROR : 0U) |
+        (((variant->multiturn_bits == 0U) && frame->mt_error) ?
+        LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED : 0U) |
+        (((variant->multiturn_bits != 0U) && frame->battery_alarm) ?
+        LIKA_AMM5_REPORT_BATTERY_ALARM : 0U) |
+        (((variant->multiturn_bits == 0U) && frame->battery_alarm) ?
+        LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? LIKA_AMM5_REPORT_STATUS_ZERO : 0U) |
+        (((frame->unused & 0x100U) != 0U) ? LIKA_AMM5_REPORT_ALARM_ZERO_0 : 0U) |
+        (((frame->unused & 0x1800U) != 0U) ? LIKA_AMM5_REPORT_ALARM_ZERO_3_4 : 0U);
 }
 
 /**
@@ -2019,9 +2082,10 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
 static inline uint32_t lika_amm5_eeprom_write_reply_reports(
-    const lika_amm5_eeprom_write_reply *frame)
+    const lika_amm5_variant *variant, const lika_amm5_eeprom_write_reply *frame)
 {
-    return (frame->mem_busy ? (uint32_t)LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY : 0U);
+    (void)variant;
+    return (frame->mem_busy ? LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY : 0U);
 }
 
 /**
@@ -2116,9 +2180,11 @@ static inline lika_result lika_amm5_eeprom_read_reply_encode(
 }
 
 /** What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
-static inline uint32_t lika_amm5_eeprom_read_reply_reports(const lika_amm5_eeprom_read_reply *frame)
+static inline uint32_t lika_amm5_eeprom_read_reply_reports(
+    const lika_amm5_variant *variant, const lika_amm5_eeprom_read_reply *frame)
 {
-    return (frame->mem_busy ? (uint32_t)LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY : 0U);
+    (void)variant;
+    return (frame->mem_busy ? LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY : 0U);
 }
 
 /** The frames, to tell them apart. */
@@ -3199,6 +3265,7 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
+ * Erratum power_on_twice (open, omission).
  */
 #define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U
 
@@ -3210,6 +3277,7 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
+ * Erratum power_on_twice (open, omission).
  */
 #define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U
 
@@ -3219,8 +3287,9 @@ static inline lika_result lika_amm5_reset_errors(
  * Detected: In normal operation.
  * Raised below 3.15 V.
  * Stays until it is reset.
- * Remedy: Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or
- * C.
+ * Remedy: Replace the battery as soon as possible, then reset the error with data ID 7 or C. Steps:
+ * Battery replacement without error.
+ * Only with .../65K...
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum battery_range (open, wrong limit).
  * Erratum battery_alarm_reset (open, omission).
@@ -3234,7 +3303,9 @@ static inline lika_result lika_amm5_reset_errors(
  * Detected: In normal operation.
  * Raised below 3.05 V.
  * Stays until it is reset.
- * Remedy: Replace the battery (4.3.2), then reset the error with data ID 7 or C.
+ * Remedy: Replace the battery, then reset the error with data ID 7 or C. Steps: Battery replacement
+ * with error.
+ * Only with .../65K...
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum battery_range (open, wrong limit).
  */
@@ -3245,7 +3316,7 @@ static inline lika_result lika_amm5_reset_errors(
 
 /**
  * battery_replacement: at most 60 s: From removing the spent battery to connecting the new one,
- * with the 5 V supply on, so that the position is kept [4.3.1 p.23].
+ * with the 5 V supply on, so that the position is kept (only with .../65K...) [4.3.1 p.23].
  */
 #define LIKA_AMM5_BATTERY_REPLACEMENT_AT_MOST_US 60000000U
 
@@ -3256,8 +3327,9 @@ static inline lika_result lika_amm5_reset_errors(
  * ...SC1-... order codes. Used: ...BG1-... and ...SC1-... Why: The connector that the cable mates
  * with (4.1.1) and all lists of models have BG1; no model has G1. [4.1.2 p.20; it: 4.1.2 p.21]
  * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
- * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
- * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
+ * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Only with
+ * .../65K.... Why: From 3.00 V to 3.15 V a battery is within its range and raises an alarm all the
+ * same. [4.3 p.23; 7.4.1 p.44]
  * Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or
  * Gray, see the order code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why:
  * 5.1 describes SSI in general, 5.2 this encoder; the order code has no place for a code and only
@@ -3306,16 +3378,17 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent
  * battery: the encoder cannot operate. A low one, with the warning alone: the position is kept.
  * What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
- * error, ST error or MT error, latched ones until they are reset. Usable with a warning with the
- * warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error,
- * makes it not usable, unless the frame carries these four as well (data ID 3): then they decide.
- * Why: PS error and ST error are faults of the counting itself, and the position may have been
- * counted wrongly before the error was seen. Where EE_1 is all there is, the position may be the 0
- * of BUSY. The warning bit also stands for an error in the magnetic multiturn system, so that the
- * number of revolutions may be wrong with it; the manual calls it a warning all the same. After a
- * spent battery the singleturn position is right (4.3.2, step 9); replies that carry it alone are
- * held not usable all the same. [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1
- * p.44]
+ * error or ST error, latched ones until they are reset. In multiturn models not usable with MT
+ * error or the warning bit, and usable with a warning with the battery alarm. EE_1, the sum of
+ * BUSY, PS error, battery alarm and MT error, makes the position not usable, unless the frame
+ * carries these four as well (data ID 3): then they decide. Why: PS error and ST error are faults
+ * of the counting itself, and the position may have been counted wrongly before the error was seen.
+ * Where EE_1 is all there is, the position may be the 0 of BUSY. The warning bit stands for a low
+ * battery, with which the position is kept (4.3.1), and for an error in the magnetic multiturn
+ * system, with which the number of revolutions may be wrong. Nothing in the frame tells them apart,
+ * so that the worse one counts. After a spent battery the singleturn position is right (4.3.2, step
+ * 9); replies that carry it alone are still held not usable. [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23;
+ * 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
  * Erratum preset_limit (settled, wrong limit): Printed: English: less than the total hardware
  * resolution. Italian: less than or equal to it (minore o uguale). Used: At most 2^position_bits -
  * 1. Why: The total resolution itself needs one bit more than the register has for it. [6.4; it:
@@ -3360,10 +3433,26 @@ static inline lika_result lika_amm5_reset_errors(
  * be trusted until ALMC has been read. Why: BUSY does not latch, and all position data are 0
  * meanwhile; the other three latch, and the position may be right. In the replies to data IDs 0, 1,
  * 2, 7, 8 and C nothing tells them apart; data ID 3 has ALMC, which does. [7.3.2 p.42; 7.4.1 p.44]
+ * Erratum power_on_twice (open, omission): Printed: How to clear PS error and ST error: Turn on the
+ * main power twice or reset the error (ID 7, ID C). Used: As printed. To be safe, switch the supply
+ * off and on two times. Why: Whether that is two power cycles, or the supply switched off and on
+ * again, is not said. After a battery has been replaced, the supply is switched on, off and on
+ * again before the ERROR LED is off (4.3.2, steps 5 to 8), which suggests two cycles. [7.4.1 p.44;
+ * 4.3.2 p.24]
+ * Erratum singleturn_without_battery (open, omission): Printed: "Battery power supply is only
+ * available in multiturn encoder versions (.../65K... order code)". The warning bit, Battery alarm
+ * (BATT), MT error (MTERR), LED 2, and the step Connect the battery (3.4) are printed for all
+ * models. Used: In singleturn models (.../1...) nW, BATT and MTERR are not explained: an active one
+ * is reported, and the position is usable with a warning. EE_1 makes it not usable without ALMC
+ * (data IDs 0 and 1), since it may be BUSY. The step is left out. Only with .../1.... Why: What
+ * these bits mean where there is neither a battery nor a multiturn system is not said, nor whether
+ * they are always 0 there or always 1. What they are printed for harms the number of revolutions
+ * alone, and singleturn models have none. Should BATT or MTERR always be 1, then so is EE_1, and
+ * only data ID 3 gives usable positions. [4.3 p.23; 3.4; 6.2.1 p.33; 7.4 p.43; 7.4.1 p.44; 9 p.51]
  * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
  * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
- * 7 and C clear it as well. Why: 7.4.1 says so for this alarm by name; the lists in 7.4.2 claim to
- * be of all latched errors and leave it out. [7.4.1 p.44; 7.4.2 p.45]
+ * 7 and C clear it as well. Only with .../65K.... Why: 7.4.1 says so for this alarm by name; the
+ * lists in 7.4.2 claim to be of all latched errors and leave it out. [7.4.1 p.44; 7.4.2 p.45]
  * Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and
  * multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and
  * multiturn. Why: The table says it twice, the note only in passing. But public T-format documents

@@ -9,9 +9,10 @@
  *
  * A position:
  *   static const lika_asc85_variant encoder = LIKA_ASC85_20_SC1;
+ *   const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;  yours to decide
  *   lika_asc85_single_cycle_data frame;
- *   if (lika_asc85_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_asc85_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *   if (lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, word, &frame) == LIKA_OK
+ *       && lika_asc85_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -278,8 +279,8 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21; prot: p.7-8;
  * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
- * bit first, and the range (everything from the position to the warning bit, the constant 0
- * included) are those of public BiSS documents.
+ * bit first, and the range (everything from the position to the warning bit, with the constant 0
+ * where it is sent) are those of public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
@@ -326,6 +327,34 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
     return (uint8_t)(v ^ 0x0FU);
+}
+
+/* -- what the manual leaves open --------------------------------------------------------------- */
+
+/**
+ * Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
+ * Decide it for your encoder: what is known does not settle it, and there is no default.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
+ */
+typedef enum lika_asc85_zero_bit {
+    /**
+     * Sent, as the manual prints it; the frame has position_bits + 9 bits, 34 at 25 bits of
+     * resolution [6.2.1 p.20].
+     */
+    LIKA_ASC85_ZERO_BIT_AS_PRINTED = 0x0,
+    /**
+     * Not sent, as the one public driver for this encoder reads it; the frame has position_bits + 8
+     * bits, 33 at 25 bits of resolution [onstepx: src/lib/encoder/bissc/Asc85.cpp].
+     */
+    LIKA_ASC85_ZERO_BIT_LEFT_OUT = 0x1
+} lika_asc85_zero_bit;
+
+/** Number of constant 0 bits between position and error bit of a BiSS frame [6.2.1 p.20]. */
+static inline uint32_t lika_asc85_zero_bits(lika_asc85_zero_bit zero_bit)
+{
+    return (zero_bit == LIKA_ASC85_ZERO_BIT_AS_PRINTED) ? 1U : 0U;
 }
 
 /* -- what frames report ------------------------------------------------------------------------ */
@@ -521,8 +550,10 @@ static inline lika_result lika_asc85_ssi_word_encode(
 
 /** What the position is worth: nothing in this frame tells. */
 LIKA_NODISCARD
-static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word *frame)
+static inline lika_verdict lika_asc85_ssi_word_verdict(
+    const lika_asc85_variant *variant, const lika_asc85_ssi_word *frame)
 {
+    (void)variant;
     (void)frame;
     return LIKA_NOT_TOLD;
 }
@@ -563,59 +594,85 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
 /**
  * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
  * that it comes in.
+ * The length depends on what you decide: the names have the answer, as_printed or left_out.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
-#define LIKA_ASC85_20_SC1_BISS_BITS 29U
-#define LIKA_ASC85_20_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_20_SC2_BISS_BITS 29U
-#define LIKA_ASC85_20_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_21_SC1_BISS_BITS 30U
-#define LIKA_ASC85_21_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_21_SC2_BISS_BITS 30U
-#define LIKA_ASC85_21_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_22_SC1_BISS_BITS 31U
-#define LIKA_ASC85_22_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_22_SC2_BISS_BITS 31U
-#define LIKA_ASC85_22_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_23_SC1_BISS_BITS 32U
-#define LIKA_ASC85_23_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_23_SC2_BISS_BITS 32U
-#define LIKA_ASC85_23_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_24_SC1_BISS_BITS 33U
-#define LIKA_ASC85_24_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_24_SC2_BISS_BITS 33U
-#define LIKA_ASC85_24_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_25_SC1_BISS_BITS 34U
-#define LIKA_ASC85_25_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_25_SC2_BISS_BITS 34U
-#define LIKA_ASC85_25_SC2_BISS_RX_BYTES 10U
+#define LIKA_ASC85_20_SC1_BISS_AS_PRINTED_BITS 29U
+#define LIKA_ASC85_20_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_20_SC1_BISS_LEFT_OUT_BITS 28U
+#define LIKA_ASC85_20_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_20_SC2_BISS_AS_PRINTED_BITS 29U
+#define LIKA_ASC85_20_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_20_SC2_BISS_LEFT_OUT_BITS 28U
+#define LIKA_ASC85_20_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_21_SC1_BISS_AS_PRINTED_BITS 30U
+#define LIKA_ASC85_21_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_21_SC1_BISS_LEFT_OUT_BITS 29U
+#define LIKA_ASC85_21_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_21_SC2_BISS_AS_PRINTED_BITS 30U
+#define LIKA_ASC85_21_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_21_SC2_BISS_LEFT_OUT_BITS 29U
+#define LIKA_ASC85_21_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_22_SC1_BISS_AS_PRINTED_BITS 31U
+#define LIKA_ASC85_22_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_22_SC1_BISS_LEFT_OUT_BITS 30U
+#define LIKA_ASC85_22_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_22_SC2_BISS_AS_PRINTED_BITS 31U
+#define LIKA_ASC85_22_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_22_SC2_BISS_LEFT_OUT_BITS 30U
+#define LIKA_ASC85_22_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_23_SC1_BISS_AS_PRINTED_BITS 32U
+#define LIKA_ASC85_23_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_23_SC1_BISS_LEFT_OUT_BITS 31U
+#define LIKA_ASC85_23_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_23_SC2_BISS_AS_PRINTED_BITS 32U
+#define LIKA_ASC85_23_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_23_SC2_BISS_LEFT_OUT_BITS 31U
+#define LIKA_ASC85_23_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_24_SC1_BISS_AS_PRINTED_BITS 33U
+#define LIKA_ASC85_24_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_24_SC1_BISS_LEFT_OUT_BITS 32U
+#define LIKA_ASC85_24_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_24_SC2_BISS_AS_PRINTED_BITS 33U
+#define LIKA_ASC85_24_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_24_SC2_BISS_LEFT_OUT_BITS 32U
+#define LIKA_ASC85_24_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_25_SC1_BISS_AS_PRINTED_BITS 34U
+#define LIKA_ASC85_25_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_25_SC1_BISS_LEFT_OUT_BITS 33U
+#define LIKA_ASC85_25_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_25_SC2_BISS_AS_PRINTED_BITS 34U
+#define LIKA_ASC85_25_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_25_SC2_BISS_LEFT_OUT_BITS 33U
+#define LIKA_ASC85_25_SC2_BISS_LEFT_OUT_RX_BYTES 10U
 
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
- * of the frame whose CDS it follows, 29 clock periods after that or more: 2.9 us at 10 MHz and 290
+ * of the frame whose CDS it follows, 28 clock periods after that or more: 2.8 us at 10 MHz and 280
  * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
  * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
  * time-out (follows the clock, 350 ns at 10 MHz).
  */
 
 /**
- * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + 9 bits, most significant
- * first [6.2.1 p.20].
+ * single_cycle_data, sent by the encoder over BiSS C-mode: zero_bits + position_bits + 8 bits, most
+ * significant first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
- * position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads
- * a bit less, without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
- *   from bit 9 up  position  position_bits bits.
- *   bit 8          zero      0: Always 0, between position and error bit.
- *   bit 7          error
- *   bit 6          warning
- *   bits 5:0       crc       CRC: Check of the transmission, sent inverted. CRC biss_6 over
- *                            everything before it.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
- * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
- * of position_bits + 9 bits.
+ * Where its fields stand is for you to decide, zero_bit: as_printed or left_out.
+ *   from bit zero_bits + 8 up  position  position_bits bits.
+ *   from bit 8 up              zero      zero_bits bits. 0: Always 0, between position and error
+ *                                        bit.
+ *   bit 7                      error
+ *   bit 6                      warning
+ *   bits 5:0                   crc       CRC: Check of the transmission, sent inverted. CRC biss_6
+ *                                        over everything before it.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed. It
+ * decides neither the resolution nor the zero bit of the frame.
  * Erratum warning_sources (open, omission).
  * Erratum position_under_error (open, omission).
  */
@@ -637,9 +694,10 @@ typedef struct lika_asc85_single_cycle_data {
 } lika_asc85_single_cycle_data;
 
 /** How many bits it has. */
-static inline uint32_t lika_asc85_single_cycle_data_bits(const lika_asc85_variant *variant)
+static inline uint32_t lika_asc85_single_cycle_data_bits(
+    const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit)
 {
-    return 9U + variant->position_bits;
+    return 8U + lika_asc85_zero_bits(zero_bit) + variant->position_bits;
 }
 
 /**
@@ -671,16 +729,17 @@ static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
 LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_decode(
-    const lika_asc85_variant *variant, uint64_t word, lika_asc85_single_cycle_data *out)
+    const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit, uint64_t word,
+    lika_asc85_single_cycle_data *out)
 {
-    if (lika_above(word, lika_asc85_single_cycle_data_bits(variant)) != 0U) {
+    if (lika_above(word, lika_asc85_single_cycle_data_bits(variant, zero_bit)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
     if (lika_asc85_single_cycle_data_crc(word) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    const uint32_t position = (uint32_t)(word >> 9U);
-    if ((((uint32_t)word >> 8U) & 0x01U) != 0x00U) { /* zero */
+    const uint32_t position = (uint32_t)lika_above(word, 8U + lika_asc85_zero_bits(zero_bit));
+    if (lika_field(word, 8U, lika_asc85_zero_bits(zero_bit)) != 0x00U) { /* zero */
         return LIKA_FAULT_CONSTANT;
     }
     out->position = position;
@@ -692,13 +751,14 @@ static inline lika_result lika_asc85_single_cycle_data_decode(
 /** Encodes a word, its last bit to be sent in bit 0. */
 LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_encode(
-    const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *in, uint64_t *out)
+    const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit,
+    const lika_asc85_single_cycle_data *in, uint64_t *out)
 {
     if (in->position > lika_mask(variant->position_bits)) {
         return LIKA_FAULT_RANGE;
     }
     uint64_t word =
-        ((uint64_t)in->position << 9U) |
+        ((uint64_t)in->position << (8U + lika_asc85_zero_bits(zero_bit))) |
         ((uint64_t)(in->error ? 0U : 1U) << 7U) |
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word |= lika_asc85_single_cycle_data_crc(word);
@@ -709,8 +769,9 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_asc85_single_cycle_data_verdict(
-    const lika_asc85_single_cycle_data *frame)
+    const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
 {
+    (void)variant;
     if (frame->error) {
         return LIKA_NOT_USABLE;
     }
@@ -722,8 +783,9 @@ static inline lika_verdict lika_asc85_single_cycle_data_verdict(
 
 /** What the encoder reports: a mask of bits LIKA_ASC85_REPORT_. */
 static inline uint32_t lika_asc85_single_cycle_data_reports(
-    const lika_asc85_single_cycle_data *frame)
+    const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
 {
+    (void)variant;
     return (frame->error ? (uint32_t)LIKA_ASC85_REPORT_ERROR : 0U) |
         (frame->warning ? (uint32_t)LIKA_ASC85_REPORT_WARNING : 0U);
 }
@@ -782,10 +844,11 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * Printed once for all models, although the data length fits only the one of 25 bits; so the length
  * is not taken to tell the encoder. For the variant the manual refers to the standard encoder
  * profile, data format.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
- * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
- * of position_bits + 9 bits.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed. It
+ * decides neither the resolution nor the zero bit of the frame.
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /**< bytes, 42h to 43h */
@@ -1260,8 +1323,9 @@ static inline lika_result lika_asc85_read_status(
  * 25 bits the 26 bits are taken as the position and, in bit 6, the constant 0 bit of the BiSS
  * frame; with a lower resolution the position is taken as left-aligned too. Low byte first, unlike
  * the other registers of several bytes.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
  * Erratum position_register_bits (open, wrong data): Used: The exponents number the bits of the
  * register: the position is left-aligned at bit 31 and position_bits wide; the bits below it are
  * unspecified.
@@ -2277,19 +2341,24 @@ static inline lika_result lika_asc85_identify(
  * within the turn. [6.4 p.26; 6.4 p.30; icmr: p.26]
  * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
  * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
- * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
- * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
- * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
- * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
- * onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Either, by a decision of the user that has no default: position_bits + 9 bits with the 0 bit
+ * between position and error bit, or position_bits + 8 bits without it. If every frame fails its
+ * CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and the
+ * profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits,
+ * nE, nW and 6 CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver
+ * that takes a bit too many or too few rejects every undisturbed frame, because the inverted CRC
+ * never fits a frame shifted by one bit. A word that a master received with the right length is
+ * another matter: the CRC does not see zeros in front, so the wrong layout accepts every second
+ * position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+ * long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+ * src/lib/encoder/bissc/Asc85.cpp]
  * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
- * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
- * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
- * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
- * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
- * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
+ * bits, for all models. Used: 281Ah for all models, as printed. It decides neither the resolution
+ * nor the zero bit of the frame. Why: It fits the model of 25 bits only; by 6.2.1 the others send
+ * 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and is its data
+ * length. Another ID at a lower resolution is likely; a public controller with the same registers
+ * knows 24 or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4
+ * p.23; sma21: 6.4; icmr: p.34-35]
  * Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with
  * the example 171256846. Used: One number. Why: In the AMM5 manual the same register holds year,
  * week and number as decimal digits; read like that the example is 17 12 56846, week 12 of 2017,

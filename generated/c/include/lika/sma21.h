@@ -11,7 +11,7 @@
  *   static const lika_sma21_variant encoder = LIKA_SMA21_SC1_0050;
  *   lika_sma21_single_cycle_data frame;
  *   if (lika_sma21_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_sma21_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *       && lika_sma21_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5F1DAE20U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -534,8 +534,8 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "encoder_inharmonious_error",
             "Encoder inharmonious error",
-            "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what "
-            "sets it is not known",
+            "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it; "
+            "what sets it is not known",
             "",
             "7.3.3 p.39; 7.3.3.1 p.40"
         },
@@ -757,8 +757,10 @@ static inline lika_result lika_sma21_ssi_word_encode(
 
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
-static inline lika_verdict lika_sma21_ssi_word_verdict(const lika_sma21_ssi_word *frame)
+static inline lika_verdict lika_sma21_ssi_word_verdict(
+    const lika_sma21_variant *variant, const lika_sma21_ssi_word *frame)
 {
+    (void)variant;
     if (frame->error) {
         return LIKA_NOT_USABLE;
     }
@@ -766,8 +768,10 @@ static inline lika_verdict lika_sma21_ssi_word_verdict(const lika_sma21_ssi_word
 }
 
 /** What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
-static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *frame)
+static inline uint32_t lika_sma21_ssi_word_reports(
+    const lika_sma21_variant *variant, const lika_sma21_ssi_word *frame)
 {
+    (void)variant;
     return (frame->error ? (uint32_t)LIKA_SMA21_REPORT_ERROR : 0U);
 }
 
@@ -970,8 +974,9 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_single_cycle_data_verdict(
-    const lika_sma21_single_cycle_data *frame)
+    const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *frame)
 {
+    (void)variant;
     if (frame->error) {
         return LIKA_NOT_USABLE;
     }
@@ -983,8 +988,9 @@ static inline lika_verdict lika_sma21_single_cycle_data_verdict(
 
 /** What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
 static inline uint32_t lika_sma21_single_cycle_data_reports(
-    const lika_sma21_single_cycle_data *frame)
+    const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *frame)
 {
+    (void)variant;
     return (frame->error ? (uint32_t)LIKA_SMA21_REPORT_ERROR : 0U) |
         (frame->warning ? (uint32_t)LIKA_SMA21_REPORT_WARNING : 0U);
 }
@@ -1194,7 +1200,7 @@ typedef struct lika_sma21_position_reply {
     bool hardware_error;
     /**
      * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
-     * 2023-11-10 removed. An older encoder may have it; what sets it is not known.
+     * November 2023 removed. An older encoder may have it; what sets it is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
@@ -1306,8 +1312,10 @@ static inline bool lika_sma21_position_reply_is_expected(
 
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
-static inline lika_verdict lika_sma21_position_reply_verdict(const lika_sma21_position_reply *frame)
+static inline lika_verdict lika_sma21_position_reply_verdict(
+    const lika_sma21_variant *variant, const lika_sma21_position_reply *frame)
 {
+    (void)variant;
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
         frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
         frame->low_amplitude_error) {
@@ -1321,8 +1329,10 @@ static inline lika_verdict lika_sma21_position_reply_verdict(const lika_sma21_po
 }
 
 /** What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
-static inline uint32_t lika_sma21_position_reply_reports(const lika_sma21_position_reply *frame)
+static inline uint32_t lika_sma21_position_reply_reports(
+    const lika_sma21_variant *variant, const lika_sma21_position_reply *frame)
 {
+    (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ALARM : 0U) |
         (frame->status_error ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ERROR : 0U) |
         (frame->overspeed ? (uint32_t)LIKA_SMA21_REPORT_OVERSPEED : 0U) |
@@ -1467,8 +1477,9 @@ static inline bool lika_sma21_wide_position_reply_is_expected(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_wide_position_reply_verdict(
-    const lika_sma21_wide_position_reply *frame)
+    const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *frame)
 {
+    (void)variant;
     if (frame->status_error) {
         return LIKA_NOT_USABLE;
     }
@@ -1480,8 +1491,9 @@ static inline lika_verdict lika_sma21_wide_position_reply_verdict(
 
 /** What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
 static inline uint32_t lika_sma21_wide_position_reply_reports(
-    const lika_sma21_wide_position_reply *frame)
+    const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *frame)
 {
+    (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ALARM : 0U) |
         (frame->status_error ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ERROR : 0U) |
         (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_INFO : 0U) |
@@ -1564,7 +1576,7 @@ typedef struct lika_sma21_identification_reply {
     bool hardware_error;
     /**
      * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
-     * 2023-11-10 removed. An older encoder may have it; what sets it is not known.
+     * November 2023 removed. An older encoder may have it; what sets it is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
@@ -1673,8 +1685,9 @@ static inline bool lika_sma21_identification_reply_is_expected(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_identification_reply_verdict(
-    const lika_sma21_identification_reply *frame)
+    const lika_sma21_variant *variant, const lika_sma21_identification_reply *frame)
 {
+    (void)variant;
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
         frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
         frame->low_amplitude_error) {
@@ -1689,8 +1702,9 @@ static inline lika_verdict lika_sma21_identification_reply_verdict(
 
 /** What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
 static inline uint32_t lika_sma21_identification_reply_reports(
-    const lika_sma21_identification_reply *frame)
+    const lika_sma21_variant *variant, const lika_sma21_identification_reply *frame)
 {
+    (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ALARM : 0U) |
         (frame->status_error ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ERROR : 0U) |
         (frame->overspeed ? (uint32_t)LIKA_SMA21_REPORT_OVERSPEED : 0U) |

@@ -507,22 +507,31 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="Error, nE",
             meaning=(
                 "error active in the system. Reports, for instance, that circuitry and disk are not aligned (gap out "
-                "of tolerance, circuitry not installed properly), or that the battery is spent; the encoder cannot "
-                "operate then and the battery has to be replaced (4.3.2)."
+                "of tolerance, circuitry not installed properly), or in multiturn models (.../65K...) that the "
+                "battery is depleted. The encoder cannot operate with a depleted battery."
+            ),
+            remedy=(
+                "With a misaligned disk: switch off, align the disk, and go on with the connection. With a depleted "
+                "battery in a multiturn model: replace the battery. Steps on the hardware page: Battery replacement "
+                "with error"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="6.2.1 p.32",
+            source="6.2.1 p.32; 3.4",
         ),
         Report(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
                 "warning active in the system. Reports an error in the magnetic multiturn system, with which the "
-                "number of revolutions may be wrong (erratum position_under_error), or that the battery is low; the "
-                "battery has to be replaced as soon as possible then (4.3.1)."
+                "number of revolutions may be wrong, or that the battery is low. The bit does not tell which (erratum "
+                "position_under_error)."
             ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.2.1 p.33",
+            remedy=(
+                "Replace a low battery as soon as possible. For an error in the multiturn system the manual names no "
+                "remedy. Steps on the hardware page: Battery replacement without error"
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="6.2.1 p.33; 4.3.1 p.23",
         ),
         Report(
             name="status_info",
@@ -535,6 +544,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="status_st_error",
             printed_name="EE_0",
             meaning="ST error",
+            remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
             makes_position=Verdict.NOT_USABLE,
             source="7.3.2 p.42; it: 7.3.2 p.43",
         ),
@@ -543,9 +553,9 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="EE_1",
             meaning=(
                 "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. One bit for "
-                "BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC of data ID 3 "
-                "tells which it is."
+                "BUSY, which clears itself, and for errors that stay until they are reset."
             ),
+            remedy="Request data ID 3: its ALMC shows which error it is",
             makes_position=Verdict.NOT_USABLE,
             source="7.3.2 p.42; it: 7.3.2 p.43",
         ),
@@ -598,7 +608,10 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="mt_error",
             printed_name="MTERR",
             meaning="external battery below 3.05 V",
-            remedy="Replace the battery (4.3.2), then reset the error with data ID 7 or C",
+            remedy=(
+                "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware page: Battery "
+                "replacement with error"
+            ),
             makes_position=Verdict.NOT_USABLE,
             source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
         ),
@@ -606,7 +619,10 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="battery_alarm",
             printed_name="BATT",
             meaning="external battery below 3.15 V",
-            remedy="Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C",
+            remedy=(
+                "Replace the battery as soon as possible, then reset the error with data ID 7 or C. Steps on the "
+                "hardware page: Battery replacement without error"
+            ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
         ),
@@ -621,6 +637,27 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="MEM BUSY",
             meaning="memory busy, request not executed",
             source="7.5 p.46",
+        ),
+        Report(
+            name="warning_unexplained",
+            printed_name="Warning, nW",
+            meaning="the manual does not say what this bit means for this order code",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="6.2.1 p.33; 4.3.1 p.23",
+        ),
+        Report(
+            name="mt_error_unexplained",
+            printed_name="MTERR",
+            meaning="the manual does not say what this bit means for this order code",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4 p.43",
+        ),
+        Report(
+            name="battery_alarm_unexplained",
+            printed_name="BATT",
+            meaning="the manual does not say what this bit means for this order code",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4 p.43",
         ),
     )
 )
@@ -640,28 +677,27 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="Error, nE",
                 meaning=(
                     "Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance, circuitry "
-                    "not installed properly), or that the battery is spent; the encoder cannot operate then and the "
-                    "battery has to be replaced (4.3.2)."
+                    "not installed properly), or in multiturn models (.../65K...) that the battery is depleted. The "
+                    "encoder cannot operate with a depleted battery."
                 ),
                 active="low",
                 when_active="error active in the system",
                 when_inactive="no active error",
                 names=ReadOnly({"it": "Errore"}),
-                source="6.2.1 p.32",
+                source="6.2.1 p.32; 3.4",
             ),
             FieldFacts(
                 name="warning",
                 printed_name="Warning, nW",
                 meaning=(
                     "Reports an error in the magnetic multiturn system, with which the number of revolutions may be "
-                    "wrong (erratum position_under_error), or that the battery is low; the battery has to be replaced "
-                    "as soon as possible then (4.3.1)."
+                    "wrong, or that the battery is low. The bit does not tell which (erratum position_under_error)."
                 ),
                 active="low",
                 when_active="warning active in the system",
                 when_inactive="no active warning",
                 names=ReadOnly({"it": "Avvertenza"}),
-                source="6.2.1 p.33",
+                source="6.2.1 p.33; 4.3.1 p.23",
             ),
             FieldFacts(
                 name="crc",
@@ -766,10 +802,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
-                    "of data ID 3 tells which it is."
-                ),
+                meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -817,10 +850,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
-                    "of data ID 3 tells which it is."
-                ),
+                meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -868,10 +898,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
-                    "of data ID 3 tells which it is."
-                ),
+                meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -917,10 +944,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
-                    "of data ID 3 tells which it is."
-                ),
+                meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -1214,10 +1238,12 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         detected="In normal operation",
         below_mv=3150,
         latch=True,
-        remedy="Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C",
+        remedy="Replace the battery as soon as possible, then reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
         names=ReadOnly({"it": "Allarme batteria"}),
         source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
+        only=".../65K...",
+        by_hand=("battery_replacement_without_error",),
     ),
     Alarm(
         name="mt_error",
@@ -1227,10 +1253,12 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         detected="In normal operation",
         below_mv=3050,
         latch=True,
-        remedy="Replace the battery (4.3.2), then reset the error with data ID 7 or C",
+        remedy="Replace the battery, then reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
         names=ReadOnly({"it": "Errore MT"}),
         source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
+        only=".../65K...",
+        by_hand=("battery_replacement_with_error",),
     ),
 )
 
@@ -1244,6 +1272,7 @@ TIMINGS: Final[tuple[Timing, ...]] = (
         ),
         at_most_us=60_000_000,
         source="4.3.1 p.23",
+        only=".../65K...",
     ),
 )
 
@@ -1349,7 +1378,16 @@ LEDS: Final[tuple[Led, ...]] = (
         name="led_1_error",
         title="LED 1 (ERROR)",
         states=(
-            LedState("blinks for a while after power-on and goes off", "The installation succeeded"),
+            LedState("blinks for a while after power-on and goes off by itself", "The installation succeeded"),
+            LedState(
+                "on or blinking after power-on, and not off by itself",
+                (
+                    "An error is active, of a depleted battery for instance. With a new battery connected, the LED is "
+                    "off once the supply has been switched off and on again."
+                ),
+                only=".../65K...",
+                by_hand=("battery_replacement_with_error",),
+            ),
             LedState("stays on after installation", "Repeat the installation"),
             LedState("off in operation", "The encoder works properly and the absolute position is right"),
             LedState(
@@ -1360,11 +1398,13 @@ LEDS: Final[tuple[Led, ...]] = (
                 ),
             ),
             LedState(
-                "red with a spent battery",
-                "The encoder cannot operate: replace the battery as in 4.3.2; see MT error",
+                "red with a depleted battery",
+                "The encoder cannot operate: replace the battery. Over RS-485 this is the MT error.",
+                only=".../65K...",
+                by_hand=("battery_replacement_with_error",),
             ),
         ),
-        source="9 p.51; 3.4",
+        source="9 p.51; 3.4; 4.3.2 p.24",
     ),
     Led(
         name="led_2_warning",
@@ -1372,11 +1412,13 @@ LEDS: Final[tuple[Led, ...]] = (
         states=(
             LedState("blinks for a while after power-on and goes off", "The installation succeeded"),
             LedState("stays on after installation", "Repeat the installation"),
-            LedState("off in operation", "The multiturn system works properly"),
-            LedState("red in operation", "An error in the magnetic multiturn system"),
+            LedState("off in operation", "The multiturn system works properly", only=".../65K..."),
+            LedState("red in operation", "An error in the magnetic multiturn system", only=".../65K..."),
             LedState(
                 "red with a low battery",
-                "Replace the battery as soon as possible, as in 4.3.1; see Battery alarm",
+                "Replace the battery as soon as possible. Over RS-485 this is the Battery alarm.",
+                only=".../65K...",
+                by_hand=("battery_replacement_without_error",),
             ),
         ),
         source="9 p.51; 3.4",
@@ -1555,7 +1597,17 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "battery; then switch the supply on. Both LEDs blink for a while and go off when the installation "
             "succeeded; if one stays on, repeat the procedure."
         ),
+        only=".../65K...",
         source="3.4",
+    ),
+    Characteristic(
+        name="connection_order_singleturn",
+        value=(
+            "With the supply off, connect the EC-DF19-LK-TF12-... cable; then switch the supply on. Both LEDs blink "
+            "for a while and go off when the installation succeeded; if one stays on, repeat the procedure."
+        ),
+        only=".../1...",
+        source="3.4; 4.3 p.23",
     ),
     Characteristic(
         name="wiring",
@@ -1617,11 +1669,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "off. 3. Remove the spent battery. 4. Install and connect the new one. 5. Supply on: the ERROR LED is on "
             "or blinks. 6. Supply off. 7. Supply on. 8. The ERROR LED is off. 9. The positions are provided again: "
             "singleturn as before, multiturn different. 10. Turn the disk slowly: both LEDs have to be off. 11. If "
-            "the ERROR LED lights up, turn on until it goes off, then until it lights up again, then until it goes "
-            "off. 12. Stop the disk. 13. Remove the battery. 14. Short-circuit the battery terminals (white and blue "
-            "wires) to discharge the rest of the voltage. 15. Supply off. 16. Install and connect the battery again. "
-            "17. Supply on: the ERROR LED is on or blinks. 18. Supply off. 19. Supply on. 20. The ERROR LED is off. "
-            "21. Turn the disk: both LEDs are off."
+            "the ERROR LED lights up, keep turning the disk until the ERROR LED goes off; keep turning the disk until "
+            "the ERROR LED lights up again; finally keep turning the disk until the ERROR LED goes off. 12. Stop the "
+            "disk. 13. Remove the battery. 14. Short-circuit the battery terminals (white and blue wires) to "
+            "discharge the rest of the voltage. 15. Supply off. 16. Install and connect the battery again. 17. Supply "
+            "on: the ERROR LED is on or blinks. 18. Supply off. 19. Supply on. 20. The ERROR LED is off. 21. Turn the "
+            "disk: both LEDs are off."
         ),
         only=".../65K...",
         source="4.3.2 p.24",
@@ -1778,6 +1831,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity=Severity.WRONG_LIMIT,
         affects=("characteristics.battery_voltage", "alarms.battery_alarm", "alarms.mt_error"),
         source="4.3 p.23; 7.4.1 p.44",
+        only=".../65K...",
     ),
     Erratum(
         name="ssi_output_code",
@@ -1986,17 +2040,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "alone: the position is kept. What the other errors do to the position is not said."
         ),
         used=(
-            "Not usable with an error, BUSY, PS error, ST error or MT error, latched ones until they are reset. "
-            "Usable with a warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, "
-            "battery alarm and MT error, makes it not usable, unless the frame carries these four as well (data ID "
-            "3): then they decide."
+            "Not usable with an error, BUSY, PS error or ST error, latched ones until they are reset. In multiturn "
+            "models not usable with MT error or the warning bit, and usable with a warning with the battery alarm. "
+            "EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes the position not usable, unless the "
+            "frame carries these four as well (data ID 3): then they decide."
         ),
         why=(
             "PS error and ST error are faults of the counting itself, and the position may have been counted wrongly "
             "before the error was seen. Where EE_1 is all there is, the position may be the 0 of BUSY. The warning "
-            "bit also stands for an error in the magnetic multiturn system, so that the number of revolutions may be "
-            "wrong with it; the manual calls it a warning all the same. After a spent battery the singleturn position "
-            "is right (4.3.2, step 9); replies that carry it alone are held not usable all the same."
+            "bit stands for a low battery, with which the position is kept (4.3.1), and for an error in the magnetic "
+            "multiturn system, with which the number of revolutions may be wrong. Nothing in the frame tells them "
+            "apart, so that the worse one counts. After a spent battery the singleturn position is right (4.3.2, step "
+            "9); replies that carry it alone are still held not usable."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2215,6 +2270,72 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="7.3.1 p.42; 7.4 p.43; 7.4.2 p.45",
     ),
     Erratum(
+        name="power_on_twice",
+        printed="How to clear PS error and ST error: Turn on the main power twice or reset the error (ID 7, ID C)",
+        used="As printed. To be safe, switch the supply off and on two times.",
+        why=(
+            "Whether that is two power cycles, or the supply switched off and on again, is not said. After a battery "
+            "has been replaced, the supply is switched on, off and on again before the ERROR LED is off (4.3.2, steps "
+            "5 to 8), which suggests two cycles."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=("alarms.ps_error", "alarms.st_error", "field_groups.status_field.status_st_error"),
+        source="7.4.1 p.44; 4.3.2 p.24",
+    ),
+    Erratum(
+        name="blinking_error_led",
+        printed=(
+            "Section 9: after power-on the LEDs blink for a while and go off if the installation succeeded; LED 1 "
+            "lights up RED with a spent battery. 4.3.2, steps 5 and 17: after power-on the ERROR LED is on or blinks."
+        ),
+        used=(
+            "Both. A LED that blinks and goes off by itself after power-on reports success; an ERROR LED that stays "
+            "on or goes on blinking reports an error."
+        ),
+        why=(
+            "Section 9 knows no blinking LED with an error, 4.3.2 does. How long a LED blinks after a successful "
+            "installation is not said, nor whether the two differ in any other way. While it blinks, the error bit "
+            "decides."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=("leds.led_1_error", "characteristics.battery_replacement_with_error"),
+        source="9 p.51; 3.4; 4.3.2 p.24",
+        only=".../65K...",
+    ),
+    Erratum(
+        name="singleturn_without_battery",
+        printed=(
+            "\"Battery power supply is only available in multiturn encoder versions (.../65K... order code)\". The "
+            "warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step Connect the battery (3.4) are "
+            "printed for all models."
+        ),
+        used=(
+            "In singleturn models (.../1...) nW, BATT and MTERR are not explained: an active one is reported, and the "
+            "position is usable with a warning. EE_1 makes it not usable without ALMC (data IDs 0 and 1), since it "
+            "may be BUSY. The step is left out."
+        ),
+        why=(
+            "What these bits mean where there is neither a battery nor a multiturn system is not said, nor whether "
+            "they are always 0 there or always 1. What they are printed for harms the number of revolutions alone, "
+            "and singleturn models have none. Should BATT or MTERR always be 1, then so is EE_1, and only data ID 3 "
+            "gives usable positions."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=(
+            "interfaces.biss.single_cycle_data.warning",
+            "field_groups.alarm_field.battery_alarm",
+            "field_groups.alarm_field.mt_error",
+            "field_groups.status_field.status_other_error",
+            "leds.led_2_warning",
+            "characteristics.connection_order_singleturn",
+        ),
+        source="4.3 p.23; 3.4; 6.2.1 p.33; 7.4 p.43; 7.4.1 p.44; 9 p.51",
+        only=".../1...",
+    ),
+    Erratum(
         name="battery_alarm_reset",
         printed=(
             "7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS error, "
@@ -2234,6 +2355,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.reset_multiturn_and_errors",
         ),
         source="7.4.1 p.44; 7.4.2 p.45",
+        only=".../65K...",
     ),
     Erratum(
         name="data_id_8_scope",
@@ -2397,6 +2519,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity=Severity.WORDING,
         affects=("characteristics.battery_replacement_with_error",),
         source="4.3.2 p.24; it: 4.3.2 p.24",
+        only=".../65K...",
     ),
     Erratum(
         name="battery_shorted_under_supply",
@@ -2411,6 +2534,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity=Severity.WORDING,
         affects=("characteristics.battery_replacement_with_error",),
         source="4.3.2 p.24; it: 4.3.2 p.24",
+        only=".../65K...",
     ),
     Erratum(
         name="reset_interval",
@@ -2792,12 +2916,20 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_1",
-        printed="leds.led_1_error, leds.led_2_warning, characteristics.connection_order",
+        printed=(
+            "leds.led_1_error, leds.led_2_warning, characteristics.connection_order, "
+            "characteristics.connection_order_singleturn"
+        ),
         used="not known",
         why="The information on the LEDs was updated, and so were the mounting instructions.",
         status=Status.OPEN,
         severity=Severity.WORDING,
-        affects=("leds.led_1_error", "leds.led_2_warning", "characteristics.connection_order"),
+        affects=(
+            "leds.led_1_error",
+            "leds.led_2_warning",
+            "characteristics.connection_order",
+            "characteristics.connection_order_singleturn",
+        ),
         source="Document release",
     ),
 )
