@@ -44,7 +44,9 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
             f"{item.name} {width}" if item.group else counted(width, "bit") + _fixed(item)
         )
     return [
-        wrapped(BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives)), WIDTH, "    ", "  "),
+        wrapped(
+            BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives)), WIDTH, "    ", "  "
+        ),
         *pairs(((name, ", ".join(parts)) for name, parts in rows.items()), 4),
         *(wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in say_layout.facts(interface, layout)),
         *(wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in needs(device, layout)),
@@ -66,7 +68,10 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
     style = at(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
-    lines = [wrapped(style.sentence(say_layout.head(interface, layout, name, device.alternatives)), WIDTH, "  ", ""), *picture(placed)]
+    lines = [
+        wrapped(style.sentence(say_layout.head(interface, layout, name, device.alternatives)), WIDTH, "  ", ""),
+        *picture(placed),
+    ]
     notes = [style.sentence(item) for item in say_layout.carries(interface, layout)]
     for item in device.alternatives_of(layout):
         shown = f"The picture has {item.answers[0].name}."

@@ -35,7 +35,6 @@ from ..say.words import hertz, timeout_words
 from ..spec.master_items import NUMBERS
 from .cable import CableRow, CableTable, cable_table
 
-
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
 

@@ -179,5 +179,6 @@ __all__ = [
     "Write",
     "WriteStep",
     "assert_never",
+    "choices",
     "cite",
 ]

@@ -21,8 +21,9 @@ SSI_AROUND = 2
 class Received:
     """What a frame of one order code takes: its bits, and the bytes of a buffer with room for what surrounds them.
 
-    ``answers`` are those decisions of the user on which the length depends. ``held`` says that registers change the bits at run time: they are then those of the encoder as delivered, and the
-    bytes are enough for whatever the registers hold.
+    ``answers`` are those decisions of the user on which the length depends. ``held`` says that registers change the
+    bits at run time: they are then those of the encoder as delivered, and the bytes are enough for whatever the
+    registers hold.
     """
 
     variant: Variant

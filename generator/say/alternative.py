@@ -8,6 +8,7 @@ from ..model import Alternative, Answer, Device, Layout
 from .erratum import errata, erratum
 from .text import Code, Part, Ref, Said, listed, said
 
+
 def alternative(device: Device, item: Alternative) -> Iterator[Said]:
     """All that running text says, in order: the question, each answer, and why it is open."""
     yield question(item)

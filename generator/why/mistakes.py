@@ -91,7 +91,7 @@ def explain_bytes(
     stuck = _stuck(int.from_bytes(data, "big"), 8 * len(data)) if len(data) > 1 else None
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
     crcs = tuple({item.crc.name: device.crc(item.crc.name) for item in tried}.values())
-    # Nobody has decided anything for a frame that is not known: what depends on it is better not read than read wrongly.
+    # Nobody has decided anything for an unknown frame: what depends on that is not read rather than read wrongly.
     undecided = frozenset(name for item in device.alternatives for name in item.answers[0].sets)
     return _why(device, stuck, tried, (), crcs, undecided)
 
@@ -119,7 +119,9 @@ def _why(
     if not found and stuck is None:
         # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != NOT_INVERTED)), failed)
-        found = [replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits]
+        found = [
+            replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits
+        ]
     found.sort(key=lambda item: -item.score)
     chances = {item.question: item.one_in for item in asked}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())

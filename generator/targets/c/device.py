@@ -17,6 +17,7 @@ from ...say.text import BY_TITLE
 from .. import TargetError
 from .about import about_input
 from .access import state_registers
+from .alternatives import AlternativeCode
 from .comments import Paragraph
 from .context import Context
 from .crcs import crc_code

@@ -109,7 +109,9 @@ class ExampleCode:
     @property
     def asked(self) -> tuple[AlternativeCode, ...]:
         """What the user has to decide before the frame can be decoded; the program takes the first answers."""
-        return next(codec.asked for item in self.view.interfaces for codec in item.codecs if codec.struct is self.struct)
+        return next(
+            codec.asked for item in self.view.interfaces for codec in item.codecs if codec.struct is self.struct
+        )
 
     @property
     def encoder(self) -> str:

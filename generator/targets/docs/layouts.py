@@ -169,9 +169,7 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
     """
     deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
     shapes = [
-        (answers, shape)
-        for answers, sets in choices(deciding)
-        for shape in placements(device, layout, kind, sets)
+        (answers, shape) for answers, sets in choices(deciding) for shape in placements(device, layout, kind, sets)
     ]
     if len(shapes) < 2:
         return ""
