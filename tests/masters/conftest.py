@@ -27,9 +27,9 @@ def masters() -> dict[str, Master]:
 @pytest.fixture(scope="session")
 def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
     def made(label: str) -> Record:
-        """An order code, and behind a space what the user decides, such as ``zero_bit=as_printed``."""
+        """An order code, and behind a space what the user decides of ASC85's 0 bit, such as ``as_printed``."""
         code, _, decided = label.partition(" ")
-        answers = dict([decided.split("=")]) if decided else {}
+        answers = {"zero_bit": decided} if decided else {}
         for device in devices.values():
             try:
                 return record(device, find(device, code).variant, answers=answers)

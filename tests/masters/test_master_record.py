@@ -65,10 +65,10 @@ def test_every_item(record_of: RecordOf) -> None:
     [
         ("AMM5A23/65KSC1", "timeout_us", 30),  # 1.5 periods of the slowest clock, 50 kHz
         ("AM3616/4096-I7", "timeout_us", 10),
-        ("ASC8525/SC1 zero_bit=as_printed", "timeout_us", None),
-        ("ASC8525/SC1 zero_bit=as_printed", "padding_right", 1),
-        ("ASC8525/SC1 zero_bit=left_out", "padding_right", 0),  # as OnStepX reads it
-        ("ASC8525/SC1 zero_bit=left_out", "frame_bits", 33),
+        ("ASC8525/SC1 as_printed", "timeout_us", None),
+        ("ASC8525/SC1 as_printed", "padding_right", 1),
+        ("ASC8525/SC1 left_out", "padding_right", 0),  # as OnStepX reads it
+        ("ASC8525/SC1 left_out", "frame_bits", 33),
         ("AMM5A17/1BG1", "pause_us", 20),
         ("AMM5A17/1BG1", "crc_polynomial", 0),
         ("SMA21-GG1-0010", "status_bits", 1),
@@ -78,7 +78,7 @@ def test_every_item(record_of: RecordOf) -> None:
         ("AM3616/4096-I7", "supply_min_mv", 10_000),
         ("AM3616/4096-I7", "supply_max_mv", 30_000),
         ("SMA21-SC4-0050", "supply_min_mv", 5_000),
-        ("ASC8525/SC2 zero_bit=left_out", "supply_min_mv", 10_000),
+        ("ASC8525/SC2 left_out", "supply_min_mv", 10_000),
         ("ASC8525/BG1", "supply_max_mv", 5_250),
     ],
 )
@@ -167,7 +167,7 @@ def test_rs485_has_no_master(record_of: RecordOf) -> None:
 def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
     with pytest.raises(Undecided, match="'single_cycle_data' depends on zero_bit, which is for you to decide"):
         record_of("ASC8525/SC1")
-    assert record_of("ASC8525/SC1 zero_bit=left_out").notes[0].startswith("With zero_bit=left_out: Not sent, as ")
+    assert record_of("ASC8525/SC1 left_out").notes[0].startswith("With zero_bit=left_out: Not sent, as ")
 
 
 def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:

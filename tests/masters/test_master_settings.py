@@ -45,8 +45,8 @@ BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
         ("AMM5A17/1SC1", 0, 17, 0),
         ("AMM5A23/65KSC1", 16, 23, 0),
         ("AM3616/4096-I7", 16, 20, 0),  # not the 12 and 16 of the order code
-        ("ASC8525/SC1 zero_bit=as_printed", 0, 25, 1),
-        ("ASC8525/SC1 zero_bit=left_out", 0, 25, 0),
+        ("ASC8525/SC1 as_printed", 0, 25, 1),
+        ("ASC8525/SC1 left_out", 0, 25, 0),
     ],
 )
 def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, offset: int) -> None:
@@ -85,8 +85,8 @@ def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
         ("AM3616/4096-I7", False),
         ("AM3619/4096-GG", False),
         ("SMA21-SC4-0050", True),
-        ("ASC8525/SC1 zero_bit=as_printed", True),
-        ("ASC8525/SC2 zero_bit=as_printed", False),
+        ("ASC8525/SC1 as_printed", True),
+        ("ASC8525/SC2 as_printed", False),
     ):
         found = sheet_of("beckhoff_el5042", code)
         assert [item.value for item in found.settings if item.name == "Supply Voltage"] == ([50] if is_fed else []), (
@@ -96,8 +96,8 @@ def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
     # 32EF:02: 0 is 5 V, 2 is 11 V, which AM36 takes.
     for code, value in (
         ("AM3616/4096-I7", 2),
-        ("ASC8525/SC1 zero_bit=as_printed", 0),
-        ("ASC8525/SC2 zero_bit=as_printed", 2),
+        ("ASC8525/SC1 as_printed", 0),
+        ("ASC8525/SC2 as_printed", 2),
         ("SMA21-SC4-0050", 0),
     ):
         assert [item.value for item in sheet_of("beckhoff_ax8000", code).settings if item.name == "Power supply"] == [
@@ -116,7 +116,7 @@ def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
         ("AMM5A17/1SC1", 18),
         ("AMM5A23/65KSC1", 40),
         ("AM3616/4096-I7", 37),
-        ("ASC8525/SC1 zero_bit=as_printed", 27),
+        ("ASC8525/SC1 as_printed", 27),
     ],
 )
 def test_ic_mb(told: Told, code: str, sdlen: int) -> None:
@@ -143,7 +143,7 @@ def test_ic_mb(told: Told, code: str, sdlen: int) -> None:
         ("AMM5A17/1SC1", 0, 17),
         ("AMM5A23/65KSC1", 16, 23),
         ("AM3616/4096-I7", 16, 20),
-        ("ASC8525/SC1 zero_bit=as_printed", 0, 26),
+        ("ASC8525/SC1 as_printed", 0, 26),
     ],
 )
 def test_ti(told: Told, code: str, multi: int, single: int) -> None:
@@ -177,8 +177,8 @@ def test_ti(told: Told, code: str, multi: int, single: int) -> None:
         ("AMM5A21/65KBG1", "ssi_chan_0=positionlow%21lposition%16mh", 4000),
         ("AM3616/4096-I7", "biss_chan_0=crc%6pnwarning%1bnerror%1bpositionlow%20lposition%16mh", 10000),
         ("AM3619/4096-GG", "ssi_chan_0=position%31gme", 3000),
-        ("ASC8525/SC1 zero_bit=left_out", "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%25e", 10000),
-        ("ASC8525/SC1 zero_bit=as_printed", "biss_chan_0=crc%6pnwarning%1bnerror%1bzero%1pposition%25e", 10000),
+        ("ASC8525/SC1 left_out", "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%25e", 10000),
+        ("ASC8525/SC1 as_printed", "biss_chan_0=crc%6pnwarning%1bnerror%1bzero%1pposition%25e", 10000),
         ("ASC8520/GG1", "ssi_chan_0=position%20ge", 4000),
     ],
 )
@@ -194,7 +194,7 @@ def test_hostmot2(told: Told, code: str, text: str, kilohertz: int) -> None:
         ("SMA21-SC1-0002", 32, 24, 24, 8),
         ("SMA21-SC1-0050", 32, 24, 24, 8),
         ("AMM5A23/65KSC1", 47, 39, 23, 8),
-        ("ASC8525/SC1 zero_bit=as_printed", 34, 25, 25, 9),
+        ("ASC8525/SC1 as_printed", 34, 25, 25, 9),
     ],
 )
 def test_novanta(told: Told, code: str, size: int, position: int, single: int, start: int) -> None:
@@ -254,7 +254,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
         ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
         (
             "synapticon",
-            "ASC8525/SC1 zero_bit=as_printed",
+            "ASC8525/SC1 as_printed",
             {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25},
         ),
         # SSI: the whole frame, 22 + 1; a pause of 16 µs.
@@ -317,7 +317,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
         ),
         (
             "beckhoff_ax8000",
-            "ASC8525/SC1 zero_bit=as_printed",
+            "ASC8525/SC1 as_printed",
             {
                 "Measuring steps per revolution": 33554432,
                 "Fill bit count right": 1,
@@ -407,12 +407,12 @@ def test_example_of_siemens(told: Told) -> None:
         ("ic_mb", "SMA21-GG1-0010", "Only BiSS C-mode is described for this master; SMA21-GG1-0010 sends SSI."),
         (
             "keb_f5",
-            "ASC8525/SC1 zero_bit=as_printed",
+            "ASC8525/SC1 as_printed",
             "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
         ),
         (
             "keb_f6",
-            "ASC8525/SC1 zero_bit=as_printed",
+            "ASC8525/SC1 as_printed",
             "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
         ),
         # 16 + 23 bits; 16 + 17 are one too many.
@@ -453,8 +453,9 @@ def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], Sheet]) -> None:
 
 
 def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], Sheet]) -> None:
-    sheet = sheet_of("ti_motor_control_sdk", "ASC8525/SC1 zero_bit=as_printed")
-    assert any("shifted to the left by 1" in note for note in sheet.notes)
+    assert any(
+        "shifted to the left by 1" in note for note in sheet_of("ti_motor_control_sdk", "ASC8525/SC1 as_printed").notes
+    )
     assert not any("zero bits" in note for note in sheet_of("ti_motor_control_sdk", "AMM5A17/1SC1").notes)
     assert any("converted as one word" in note for note in sheet_of("omron_nx", "AM3619/4096-GG").notes)
     assert not any("converted as one word" in note for note in sheet_of("omron_nx", "AMM5A21/65KBG1").notes)
