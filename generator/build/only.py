@@ -69,7 +69,8 @@ def _owners(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
         if isinstance(value.get("only"), str):
             yield path, value
         for key, item in value.items():
-            yield from _owners(item, (*path, key))
+            if key not in ("also_written", "names"):  # below these are texts of labels and of languages
+                yield from _owners(item, (*path, key))
     elif isinstance(value, (list, tuple)):
         for index, item in enumerate(value):
             yield from _owners(item, (*path, index))

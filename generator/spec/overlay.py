@@ -286,7 +286,8 @@ def _without_steps(node: Any, gone: Collection[str]) -> Any:
         return [_without_steps(item, gone) for item in node]
     if not isinstance(node, dict):
         return node
-    made = {key: _without_steps(item, gone) for key, item in node.items()}
+    # Below these are names of fields, not words of ours.
+    made = {key: item if key in ("join", "when") else _without_steps(item, gone) for key, item in node.items()}
     if isinstance(made.get("by_hand"), list):
         made["by_hand"] = [name for name in made["by_hand"] if name not in gone]
     return {key: item for key, item in made.items() if key != "by_hand" or item != []}

@@ -167,7 +167,7 @@ int main(void)
     # step 9 with the bus's own -5.
     assert (
         subprocess.run([str(program)], capture_output=True, text=True).stdout
-        == f"0 0\n0 0\n1 1000003\n1 1000003\nr 44 4\n{preset}5 9 77 -5\n"
+        == f"0 0\n0 0\n0 0\n1 1000003\nr 44 4\n{preset}5 9 77 -5\n"
     )
 
 

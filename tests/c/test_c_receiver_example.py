@@ -130,7 +130,10 @@ def story(seed: int) -> Iterator[tuple[str, int, bool, bytes]]:
         speed = max(-8000, min(8000, speed + chance.randint(-200, 200)))
         position += speed
         error = chance.random() < 0.02
-        sent = word(position % (1 << POSITION_BITS), error, chance.random() < 0.02)
+        # The warning of a multiturn model may be about its revolutions: no position either.
+        warning = chance.random() < 0.02
+        sent = word(position % (1 << POSITION_BITS), error, warning)
+        error = error or warning
         line = Line(chance, sent, chance.randint(1, 38), chance.randint(0, 3))
         fault = chance.choices((nothing, chance.choice(CERTAIN), moved), (80, 18, 2))[0]
         before = list(line.bits)

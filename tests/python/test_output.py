@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 from codewheel.build.load import load_library
+from codewheel.model.by_hand import has_steps
 from codewheel.spec.problems import Report
 from codewheel.spec.read import read_document
 from codewheel.targets import Library
@@ -201,14 +202,14 @@ def _poison(data: Any, text: str) -> None:
         "result",
         "when_active",
         "when_inactive",
-        "only",
         "address",
         "data",
     }
     if isinstance(data, dict):
         for key, value in data.items():
             if key in texts and isinstance(value, str) and not (key == "value" and "register" in data):
-                data[key] = text
+                # What counts steps still does: remedies name it.
+                data[key] = f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text
             else:
                 _poison(value, text)
     elif isinstance(data, list):

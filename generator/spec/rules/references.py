@@ -190,19 +190,10 @@ def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Steps by hand are those of a characteristic whose value counts them."""
     known = _Names(raw, report)
     counted = [name for name, item in by_name(raw, "characteristics").items() if has_steps(f"{item.get('value')}")]
-    for path, owner in _with_steps((), spec):
+    states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
+    flags = [item for fields in field_lists(spec) for item in fields]
+    for path, owner in (*items(spec, "alarms"), *states, *flags):
         known.refer_by("by_hand", path, owner, "characteristic with steps 1., 2., 3. called", counted)
-
-
-def _with_steps(path: Path, node: Any) -> Iterator[tuple[Path, Spec]]:
-    if isinstance(node, dict):
-        if isinstance(node.get("by_hand"), list):
-            yield path, node
-        for key, item in node.items():
-            yield from _with_steps((*path, key), item)
-    elif isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from _with_steps((*path, index), item)
 
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -17,7 +17,7 @@ from .context import Asked, Context, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .fast import Fast
 from .literals import Call, Code, Literal, record
-from .names import attribute, camel, encoder_name
+from .names import FUNCTIONS, attribute, camel, encoder_name
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class Variants:
     def measured(self) -> str:
         """What the position is called whose counts are turned into turns or lengths."""
         found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
-        return attribute(found.of, ("previous", "self", "unwrap")) if found is not None else ""
+        return attribute(found.of, (*FUNCTIONS, "previous", "self", "unwrap")) if found is not None else ""
 
     def _measurement(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
