@@ -93,3 +93,28 @@ def test_a_battery_is_changed_step_by_step(pages: Files) -> None:
 )
 def test_steps_are_counted_from_one(value: str, steps: tuple[str, ...]) -> None:
     assert steps_of(value) == steps
+
+
+def test_a_blinking_error_led_is_explained_both_ways(pages: Files) -> None:
+    """AMM5, section 9: it blinks when the installation succeeded. 4.3.2, steps 5 and 17: it blinks with an error."""
+    steps = "hardware.md#by-hand-battery_replacement_with_error)"
+    for name, folder in (("docs/alarms-and-leds.md", "amm5/"), ("docs/amm5/AMM5A21-65KSC1.md", "")):
+        blinking = [line for line in pages[name].splitlines() if line.startswith("|") and "blink" in line]
+        assert any("The installation succeeded" in line for line in blinking)
+        (error,) = [line for line in blinking if "An error is active" in line]
+        assert f"({folder}{steps}" in error
+
+
+def test_a_singleturn_page_tells_nobody_to_replace_a_battery(pages: Files) -> None:
+    """AMM5, 4.3: batteries are for .../65K... alone; what is open is told by an erratum."""
+    for interface in ("BG1", "JP1", "SC1"):
+        page = pages[f"docs/amm5/AMM5A17-1{interface}.md"]
+        assert "singleturn_without_battery" in page
+        assert not re.search(r"by-hand-battery|battery_replacement|0Vb|Replace the battery", page)
+        assert "by-hand-battery" in pages[f"docs/amm5/AMM5A17-65K{interface}.md"]
+
+
+def test_a_battery_step_cannot_be_misread(pages: Files) -> None:
+    """4.3.2, step 11: it is the disk that is turned on, not the supply."""
+    (step,) = [line for line in pages["docs/amm5/hardware.md"].splitlines() if line.startswith("11. ")]
+    assert step.count("keep turning the disk") == 3
