@@ -19,11 +19,15 @@ _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
 def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A number that manuals print in hexadecimal has 0x, and no number begins with a zero and another digit."""
+    """A number that manuals print in hexadecimal has 0x, and no number begins with a zero and another digit.
+
+    A file that is JSON has decimal numbers only: JSON knows no others.
+    """
+    in_json = report.document.line(1).startswith("{")
     for path, number in _numbers(spec, ()):
         written = report.document.written(path)
         hexadecimal = f"0x{written.lstrip('+-0'):0>2}"
-        if _is_hexadecimal(path) and _DECIMAL.fullmatch(written):
+        if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(written):
             otherwise = f", or {number:#04x} for decimal {number}" if number > 9 else ""
             wrong = f"{quoted(path[-1])} is {written}, which is decimal, but manuals print it in hexadecimal"
             report.add("number-base", path, f"{wrong}; write {hexadecimal}{otherwise}")
