@@ -432,6 +432,7 @@ def test_a_first_byte_that_is_always_lost_has_a_reason_of_its_own(run: Run) -> N
     assert reason(*REPLY[:4], *REPLY[5:]) == f"{LENGTH} 0"
     assert reason(*REPLY) == f"{OK} 0"
     assert reason(0xFF, *REPLY) == f"{OK} 1", "noise before a whole reply"
+    assert reason(*[0] * 30) == f"{HEAD_MISSING} 11", "it counts as far as the longest reply"
     # The next request counts anew.
     assert run(["a 26 11 0 0 100", "t 0", "y", "a 26 11 0 0 100", "y"])[-3:] == [f"{HEAD_MISSING} 1", "0", "6 0"]
 

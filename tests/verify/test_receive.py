@@ -39,7 +39,7 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
         ("other_shapes", "8U * (at % 4U)", "8U * (at % 3U)"),
         ("other_shapes", "(at >= count) ||", "(at > count) ||"),
         ("one_more_byte_of_a_line", "line->length) {\n        return false;", "9999U) {\n        return false;"),
-        ("a_reply_without_its_first_byte", "0xFFFFFFFFU) ? 1U", "0xFFFFFFFFU) ? 0U"),
+        ("a_reply_without_its_first_byte", "RS485_BYTES) ? 1U", "RS485_BYTES) ? 0U"),
         ("a_line_that_waits", "(uint64_t)1U << 32U", "(uint64_t)1U << 31U"),
     ],
 )

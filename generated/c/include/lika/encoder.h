@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0xDC7FC247U
+#define LIKA_GENERATION 0x74F9C0E9U
 
 #ifdef __cplusplus
 extern "C" {

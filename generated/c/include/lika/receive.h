@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x74F9C0E9U)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -121,7 +121,8 @@ static inline size_t lika_received_samples(
  * Register access switches between modes 3 and 0, which both sample at the rising edge: see
  * lika/biss.h. At least one bit of rest comes before the acknowledge, and the whole word is in the
  * buffer, so that the length of the buffer limits the acknowledge. The stop bit is checked if it
- * was received. Clock it in unless your receiver cannot: it reveals a frame of another length. Wait for the time-out before the next frame, since a master that clocks on sees SLO rise without
+ * was received. Clock it in unless your receiver cannot: it reveals a frame of another length.
+ * Wait for the time-out before the next frame, since a master that clocks on sees SLO rise without
  * a frame. Do not pause that long between two bytes, since that ends the frame.
  *   LINE_LOW   the first bit is 0: a short, or the time-out of the frame before is not over
  *   LINE_HIGH  no 0 at all: no encoder, no supply, or no clock
@@ -282,13 +283,14 @@ static inline lika_result lika_ssi_repeats(
  *   if (lika_rs485_late(&line, now_us)) {                      from time to time: ask again,
  *                                                                lika_rs485_reason says why
  *
- * Release the line fast: expect the reply a few microseconds after the request. The manuals give no
- * time; a driver for another encoder of this format (vedderb/bldc) found 3 us. A byte at 2.5 MBd
- * takes 4 us, so a driver that a task or a slow interrupt releases cuts off the first byte of every
- * reply. Have the UART switch the driver (hardware driver enable), or release it in the interrupt of
- * transmit complete, which comes after the last stop bit; transmit register empty comes a byte too
- * early. Enable the receiver before the last byte of the request has left. If the transceiver then
- * hears the request, tell _ask by echo.
+ * Release the line at once: expect the reply a few microseconds after the request. The manuals give
+ * no time. This is inferred from another encoder of the same format, for which the driver in
+ * vedderb/bldc notes 3 us. A byte at 2.5 MBd takes 4 us, so a driver that a task or a slow
+ * interrupt releases cuts off the first byte of every reply. Have the UART switch the driver
+ * (hardware driver enable), or release it in the transmit-complete interrupt, which comes after the
+ * last stop bit. The interrupt of an empty transmit register comes a byte too early. Enable the
+ * receiver before the last byte of the request has left. If it then hears the request, pass the
+ * number of those bytes to _ask as echo.
  *
  * A reply begins with the control byte of its request; what comes before that is dropped. Where a
  * decoder refuses the bytes, _resume looks for the reply further on among them, so that a
@@ -343,7 +345,7 @@ static inline bool lika_rs485_take(lika_rs485_line *line, uint8_t byte)
         return false;
     }
     if ((line->count == 0U) && (byte != line->control)) {
-        line->dropped += (line->dropped != 0xFFFFFFFFU) ? 1U : 0U;
+        line->dropped += (line->dropped < LIKA_RECEIVE_RS485_BYTES) ? 1U : 0U;
         return false;
     }
     line->bytes[line->count] = byte;

@@ -21,17 +21,17 @@
  * refused: watch axis.refused.
  *
  * Integers only, no division, no allocation. Times are in microseconds, from a 32-bit counter that
- * wraps around. A gap of 2^32 us or more, 71 minutes, cannot be told from a short one. Pass the time
- * at which the encoder took the position, which is the start of the frame: the jitter of an
- * interrupt at its end shows up in the speed. Times must not go backwards: an earlier time counts as
- * a gap of more than an hour.
+ * wraps around. A gap of 2^32 us or more, 71 minutes, cannot be told from a short one. Pass the
+ * time at which the encoder took the position, which is the start of the frame: the jitter of an
+ * interrupt at its end shows up in the speed. Times must not go backwards: an earlier time counts
+ * as a gap of more than an hour.
  */
 #ifndef LIKA_TRACKER_H
 #define LIKA_TRACKER_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x74F9C0E9U)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -95,10 +95,10 @@ static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
 /**
  * Call it before the first frame, and after a change of resolution or of a limit. The modulus need
  * not be a power of two. The reach is 1.3 percent more than max_speed allows, with the time rounded
- * up to 16 us. An encoder may send 0 while it starts up: set boot_us to cover that, or to 0 if a flag
- * in the frame reports it. Once the axis can move half of the modulus within the time since the last
- * accepted position, any position is within reach, and turns can be missed. To be LOST before that,
- * set lost_after_us below 500,000 * modulus / max_speed.
+ * up to 16 us. An encoder may send 0 while it starts up: set boot_us to cover that, or to 0 if a
+ * flag in the frame reports it. Once the axis can move half of the modulus within the time since
+ * the last accepted position, any position is within reach, and turns can be missed. To be LOST
+ * before that, set lost_after_us below 500,000 * modulus / max_speed.
  */
 static inline void lika_tracker_start(
     lika_tracker *tracker, const lika_tracker_config *config, uint32_t now_us)
@@ -200,8 +200,8 @@ static inline lika_result lika_tracker_add(
 
 /**
  * Counts per second, rounded towards 0, from counts and the microseconds that they took; 0 if no
- * time has passed. Exact up to 9.2e12 counts. Divides bit by bit, which takes some microseconds on a
- * small processor: call it where you need the speed, not with every frame.
+ * time has passed. Exact up to 9.2e12 counts. Divides bit by bit, which takes some microseconds on
+ * a small processor: call it where you need the speed, not with every frame.
  */
 static inline int64_t lika_counts_per_second(int64_t counts, uint32_t elapsed_us)
 {
