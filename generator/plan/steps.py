@@ -261,8 +261,9 @@ def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operati
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     """Yield the operations, with a ``Verifies`` for each write that can be read back, before anything acts on it.
 
-    The manuals have no such step. But over BiSS a disturbed write can come back as if it were stored. Three things act on it: a write to a register that cannot be read, such as a command; a write that closes; and a
-    write of other bits to the same place.
+    The manuals have no such step. But over BiSS a disturbed write can come back as if it were stored. Three things act
+    on it: a write to a register that cannot be read, such as a command; a write that closes; and another write to the
+    same place.
     """
     written: list[Verifies] = []
     for item in operations:
