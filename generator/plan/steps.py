@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -21,6 +21,7 @@ from ..model import (
     RegisterMeaning,
     SendStep,
     Step,
+    Unused,
     WaitStep,
     WriteStep,
     assert_never,
@@ -126,6 +127,28 @@ class Polls:
 
 
 @dataclass(frozen=True, slots=True)
+class Verifies:
+    """Read what ``write`` has written, and stop where ``pieces`` of it are not as written."""
+
+    write: Writes
+    pieces: tuple[Piece, ...]
+    calls = (Call.READ,)
+
+    @property
+    def register(self) -> Register:
+        return self.write.register
+
+    @property
+    def field(self) -> Field | None:
+        return self.write.field
+
+    @property
+    def step(self) -> WriteStep | ModifyStep:
+        """The step whose write is read back; the manual has none for this one."""
+        return self.write.step
+
+
+@dataclass(frozen=True, slots=True)
 class Waits:
     step: WaitStep
     calls = (Call.WAIT,)
@@ -143,7 +166,7 @@ class Sends:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = Writes | Reads | Polls | Waits | Sends
+Operation = Writes | Reads | Polls | Verifies | Waits | Sends
 
 
 # -- what arguments have to be
@@ -203,15 +226,11 @@ class Run:
 def run_of(device: Device, procedure: Procedure) -> Run:
     closing = closing_steps(device, procedure.steps)
     plain = (_operation(device, procedure, step) for step in procedure.steps)
-    operations = tuple(
-        _taught(
-            device,
-            [
-                replace(item, closes=True) if isinstance(item, Writes) and index in closing else item
-                for index, item in enumerate(plain)
-            ],
-        )
-    )
+    closed = [
+        replace(item, closes=True) if isinstance(item, Writes) and index in closing else item
+        for index, item in enumerate(plain)
+    ]
+    operations = tuple(_with_verification(_taught(device, closed)))
     writes = [item for item in operations if isinstance(item, Writes)]
     arguments = (
         _given(device, argument, tuple(item for item in writes if _argument(item.value) is argument))
@@ -237,6 +256,54 @@ def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operati
             yield replace(item, teaches=tuple(one for one in held if one.name in names))
         else:
             yield item
+
+
+def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
+    """Yield the operations, with a ``Verifies`` for each write that can be read back, before anything acts on it.
+
+    The manuals have no such step. But over BiSS a disturbed write can come back as if it were stored. Three things act
+    on it: a write to a register that cannot be read, such as a command; a write that closes; and another write to the
+    same place.
+    """
+    written: list[Verifies] = []
+    for item in operations:
+        if isinstance(item, Writes) and (_acts(item) or any(_same_place(item, before.write) for before in written)):
+            yield from written
+            written.clear()
+        yield item
+        if isinstance(item, Writes) and _can_be_read_back(item):
+            written.append(Verifies(item, tuple(_stored(item))))
+
+
+def _acts(item: Writes) -> bool:
+    return item.closes or not item.register.readable
+
+
+def _same_place(item: Writes, before: Writes) -> bool:
+    whole = item.field is None or before.field is None
+    return item.register is before.register and (whole or item.field is before.field)
+
+
+def _can_be_read_back(item: Writes) -> bool:
+    """Whether the register still holds, afterwards, what was written."""
+    unused = (field for field in item.register.layout.fields if isinstance(field.kind, Unused))
+    is_fixed = all(field.is_fixed for field in unused)
+    return item.register.readable and not item.register.clears_itself and not item.closes and is_fixed
+
+
+def _stored(item: Writes) -> Iterator[Piece]:
+    """The bits that were written and mean something: unused ones may read as anything."""
+    for piece in item.pieces:
+        mask = piece.mask & ~(_unused_bits(item.register, piece.byte) >> piece.right)
+        if mask:
+            yield replace(piece, mask=mask)
+
+
+def _unused_bits(register: Register, byte: int) -> int:
+    """The bits of a byte of the register that no manual gives a meaning."""
+    layout = register.layout
+    number = sum(field.mask_in_place for field in layout.fields if isinstance(field.kind, Unused))
+    return register.bytes_of(number)[byte]
 
 
 def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:

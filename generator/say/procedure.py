@@ -11,6 +11,7 @@ from ..model import (
     PollStep,
     Procedure,
     ReadStep,
+    Register,
     RegisterStep,
     SendStep,
     Step,
@@ -58,6 +59,12 @@ def step(device: Device, item: Step) -> Said:
             return said("Send the request ", Code(item.data_id), f"{again}: ", Code(item.request.hex(" ").upper()))
         case _:
             return said(*_access(device, item))
+
+
+def read_back(device: Device, register: Register, field: str = "") -> Said:
+    """What generated code does before a command acts on what was written."""
+    at = f", {register_at(register)}"
+    return said("Read ", _where(device, register.name, field), f"{at}, and stop unless it holds what was written")
 
 
 def _access(device: Device, item: RegisterStep) -> Iterator[Part]:

@@ -191,12 +191,16 @@ REPLIES = {"amm5": 6, "sma21": 7}
 
 
 def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> str:
-    """kind, address, mask, value, times, microseconds of each step; or the fault."""
+    """kind, address, mask, value, times, microseconds of each step; or the fault.
+
+    What can be read is read back before a register is written that cannot: a command, or what closes.
+    """
     try:
         writes = list(register_writes(device, procedure, variant, given))
     except codec.EncodeError:
         return str(FAULTS["range"])
-    rows = []
+    rows: list[tuple[int, ...]] = []
+    written: list[tuple[int, ...]] = []
     for step in procedure.steps:
         match step:
             case WaitStep():
@@ -214,7 +218,13 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
                 register = device.register(step.register)
                 mask = register_mask(register, step.field if isinstance(step, ModifyStep) else "")
                 closes = (step.register, step.value) == ("preset_setting_enable", 0)
-                rows += byte_rows(6 if closes else 1, register, mask, writes_number(writes, register))
+                made = list(byte_rows(6 if closes else 1, register, mask, writes_number(writes, register)))
+                if register.access == "write_only":
+                    rows += [(7, *row[1:]) for row in written]
+                    written = []
+                else:
+                    written += made
+                rows += made
             case _:
                 assert_never(step)
     return " ".join(["0", *(",".join(map(str, row)) for row in rows)])

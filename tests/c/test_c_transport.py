@@ -28,13 +28,18 @@ from transport_harness import (
     TRANSPORT,
     UNSUPPORTED,
     UNTOUCHED,
+    VERIFY,
+    VERIFY_STEP,
     WAIT,
     WRITE,
     Encoder,
     Machine,
 )
 
-KINDS = {"w": WRITE, "wait": WAIT, "send": SEND, "r": READ, "write": WRITE, "poll": POLL, "close": CLOSE}
+KINDS = {"w": WRITE, "wait": WAIT, "send": SEND, "r": READ}
+KINDS |= {"write": WRITE, "poll": POLL, "close": CLOSE, "verify": VERIFY_STEP}
+#: Where commands are written: AM36 and SMA21 48h, AMM5 77h. What opens AMM5's preset is in 40h.
+COMMANDS, OPENS = ("w 48", "w 77"), "w 40"
 
 
 @dataclass(frozen=True)
@@ -104,11 +109,18 @@ CASES = [
         5: w 15 00
         6: w 16 00
         7: w 17 00
-        8 close: w 40 00
-        9: w 77 01
-        10: wait 30000
-        11: w 77 02
-        12: wait 30000""",
+        8 verify: r 11 1
+        9 verify: r 12 1
+        10 verify: r 13 1
+        11 verify: r 14 1
+        12 verify: r 15 1
+        13 verify: r 16 1
+        14 verify: r 17 1
+        15 close: w 40 00
+        16: w 77 01
+        17: wait 30000
+        18: w 77 02
+        19: wait 30000""",
         (1000003,),
     ),
     Case(
@@ -124,9 +136,16 @@ CASES = [
         5: w 15 00
         6: w 16 00
         7: w 17 00
-        8 close: w 40 00
-        9: w 77 01
-        10: wait 30000""",
+        8 verify: r 11 1
+        9 verify: r 12 1
+        10 verify: r 13 1
+        11 verify: r 14 1
+        12 verify: r 15 1
+        13 verify: r 16 1
+        14 verify: r 17 1
+        15 close: w 40 00
+        16: w 77 01
+        17: wait 30000""",
         (1000003,),
     ),
     Case("amm5", "AMM5A21/65KSC1", "save_parameters", "0: w 77 01\n1: wait 30000"),
@@ -137,7 +156,13 @@ CASES = [
     Case("amm5", "AMM5A23/65KJP1", "reset_errors", ten_times("BA") + "\n1: wait 2000"),
     # AM36 6.5: 60h is the manual's example of the configuration, 100,000 that of the preset.
     # Bit 2 of 49h at 0 enables the preset.
-    Case("am36", "AM3616/4096-I7", "set_configuration", "0: w 49 60\n1: w 48 01\n2: wait 30000", (0x60,)),
+    Case(
+        "am36",
+        "AM3616/4096-I7",
+        "set_configuration",
+        "0: w 49 60\n1 verify: r 49 1\n2: w 48 01\n3: wait 30000",
+        (0x60,),
+    ),
     Case(
         "am36",
         "AM3616/4096-I7",
@@ -150,8 +175,14 @@ CASES = [
         3: w 52 01
         4: w 53 86
         5: w 54 A0
-        6: w 48 02
-        7: wait 30000""",
+        6 verify: r 49 1
+        7 verify: r 50 1
+        8 verify: r 51 1
+        9 verify: r 52 1
+        10 verify: r 53 1
+        11 verify: r 54 1
+        12: w 48 02
+        13: wait 30000""",
         (100000,),
         ((0x49, 0x64),),
     ),
@@ -167,8 +198,14 @@ CASES = [
         3: w 52 01
         4: w 53 86
         5: w 54 A0
-        6: w 48 01
-        7: wait 30000""",
+        6 verify: r 49 1
+        7 verify: r 50 1
+        8 verify: r 51 1
+        9 verify: r 52 1
+        10 verify: r 53 1
+        11 verify: r 54 1
+        12: w 48 01
+        13: wait 30000""",
         (100000,),
         ((0x49, 0x20),),
     ),
@@ -186,18 +223,29 @@ CASES = [
         2: w 4D 00
         3: w 4E 00
         4: w 4F 00
-        5: w 48 01
-        6: wait 30000
-        7 write: r 49 1
-        7: w 49 20
-        8: w 50 00
-        9: w 51 00
-        10: w 52 00
-        11: w 53 03
-        12: w 54 E8
-        13: w 48 02
-        14: wait 30000
-        15: r 56 2""",
+        5 verify: r 4B 1
+        6 verify: r 4C 1
+        7 verify: r 4D 1
+        8 verify: r 4E 1
+        9 verify: r 4F 1
+        10: w 48 01
+        11: wait 30000
+        12 write: r 49 1
+        12: w 49 20
+        13: w 50 00
+        14: w 51 00
+        15: w 52 00
+        16: w 53 03
+        17: w 54 E8
+        18 verify: r 49 1
+        19 verify: r 50 1
+        20 verify: r 51 1
+        21 verify: r 52 1
+        22 verify: r 53 1
+        23 verify: r 54 1
+        24: w 48 02
+        25: wait 30000
+        26: r 56 2""",
         (4096, 65536, 1000),
         ((0x49, 0x24), (0x56, 12), (0x57, 16)),
         reads="0C 10",
@@ -298,7 +346,13 @@ CASES = [
     ),
     # SMA21 6.4 and 6.6: 60h and 100,000 are the manual's examples.
     # In 49h bit 2 at 0 enables, bit 1 selects preset (0) or offset (1).
-    Case("sma21", "SMA21-SC1-0050", "set_configuration", "0: w 49 60\n1: w 48 01\n2: wait 30000", (0x60,)),
+    Case(
+        "sma21",
+        "SMA21-SC1-0050",
+        "set_configuration",
+        "0: w 49 60\n1 verify: r 49 1\n2: w 48 01\n3: wait 30000",
+        (0x60,),
+    ),
     Case(
         "sma21",
         "SMA21-SC1-0050",
@@ -308,8 +362,12 @@ CASES = [
         1: w 51 01
         2: w 52 86
         3: w 53 A0
-        4: w 48 02
-        5: wait 30000""",
+        4 verify: r 50 1
+        5 verify: r 51 1
+        6 verify: r 52 1
+        7 verify: r 53 1
+        8: w 48 02
+        9: wait 30000""",
         (100000,),
     ),
     Case(
@@ -321,8 +379,10 @@ CASES = [
         0: w 49 62
         1 write: r 49 1
         1: w 49 60
-        2: w 48 01
-        3: wait 30000""",
+        2 verify: r 49 1
+        3 verify: r 49 1
+        4: w 48 01
+        5: wait 30000""",
         (),
         ((0x49, 0x66),),
     ),
@@ -335,14 +395,20 @@ CASES = [
         0: w 49 20
         1 write: r 49 1
         1: w 49 22
-        2: w 48 01
-        3: wait 30000
-        4: w 50 00
-        5: w 51 00
-        6: w 52 00
-        7: w 53 64
-        8: w 48 02
-        9: wait 30000""",
+        2 verify: r 49 1
+        3 verify: r 49 1
+        4: w 48 01
+        5: wait 30000
+        6: w 50 00
+        7: w 51 00
+        8: w 52 00
+        9: w 53 64
+        10 verify: r 50 1
+        11 verify: r 51 1
+        12 verify: r 52 1
+        13 verify: r 53 1
+        14: w 48 02
+        15: wait 30000""",
         (100,),
         ((0x49, 0x24),),
     ),
@@ -403,6 +469,53 @@ def test_every_access_that_fails_is_told(case: Case, ways: Callable[[str], Machi
         assert answer.left_open == left_open
 
 
+VERIFIED = [case for case in CASES if " verify: " in case.record]
+
+
+def test_what_is_saved_or_activated_is_read_back() -> None:
+    """AM36 6.3, AMM5 6.4, SMA21 6.4: whatever writes a value, and not only a command."""
+    assert sorted(case_name(case) for case in VERIFIED) == [
+        *(f"am36-{name}" for name in ("set_configuration", "set_preset", "set_resolution", "store_preset")),
+        *(f"amm5-{name}" for name in ("set_preset", "store_preset")),
+        *(f"sma21-{name}" for name in ("select_preset", "set_configuration", "set_offset", "set_preset")),
+    ]
+
+
+@pytest.mark.parametrize("case", VERIFIED, ids=case_name)
+def test_a_disturbed_value_is_never_saved(case: Case, ways: Callable[[str], Machine]) -> None:
+    """Each byte that is written whole, with each bit turned: the command that would act on it is not given."""
+    count = 0
+    for index, (access, told) in enumerate(case.lines):
+        whole = index == 0 or case.lines[index - 1][1][:2] != (told[0], WRITE)
+        if not access.startswith("w ") or access.startswith((*COMMANDS, OPENS)) or not whole:
+            continue
+        for bit in range(8):
+            encoder = case.encoder()
+            encoder.disturbed = {index: 1 << bit}
+            answer = ways(case.family).run(case.procedure, case.code, case.arguments, encoder)
+            place, value = int(access.split()[1], 16), int(access.split()[2], 16) ^ 1 << bit
+            found = next(item for item in case.lines[index:] if item[1][1] == VERIFY_STEP and item[1][3] == place)
+            at = case.lines.index(found, index)
+            closing = ["w 40 00"] if case.family == "amm5" else []
+            assert answer.record == [*(line for line, _ in case.lines[: at + 1]), *closing]
+            assert not [line for line in answer.record[index:] if line.startswith(COMMANDS)]
+            assert (answer.result, answer.left_open) == (VERIFY, False)
+            assert answer.failure == (found[1][0], VERIFY_STEP, VERIFY_STEP, place, value)
+            count += 1
+    assert count >= 8 or case.procedure == "select_preset"
+
+
+def test_a_field_that_was_not_stored_is_seen(ways: Callable[[str], Machine]) -> None:
+    """SMA21 6.4: of 49h bit 2 enables the preset, bit 1 selects it. The other bits are not looked at."""
+    case = next(item for item in CASES if case_name(item) == "sma21-select_preset")
+    for place, bit, step in ((1, 0x04, 2), (3, 0x02, 3)):
+        encoder = case.encoder()
+        encoder.disturbed = {place: bit}
+        answer = ways("sma21").run(case.procedure, case.code, (), encoder)
+        assert (answer.result, answer.failure[:4]) == (VERIFY, (step, VERIFY_STEP, VERIFY_STEP, 0x49))
+        assert not [line for line in answer.record if line.startswith(COMMANDS)]
+
+
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Machine]) -> None:
     functions = {"read_registers": "r", "write_registers": "w", "wait_us": "wait", "send_request": "send"}
@@ -417,7 +530,9 @@ def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Ma
             assert (answer.result, answer.failure) == (OK, UNTOUCHED)
             continue
         assert (answer.result, answer.failure) == (UNSUPPORTED, (*case.lines[at][1], 0))
-        assert answer.record == [access for access, _ in case.lines[:at]]
+        # What was opened is closed, unless there is no function for it either.
+        closing = case.closing(at)[0] if verb != "w" else []
+        assert answer.record == [*(access for access, _ in case.lines[:at]), *closing]
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
@@ -692,8 +807,8 @@ def test_a_list_that_reads_another_number_of_bytes_does_nothing(ways: Callable[[
 
 
 def test_a_kind_that_does_not_exist_is_refused(ways: Callable[[str], Machine]) -> None:
-    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (7, 0x21, 0, 0, 0, 0)], 0, Encoder())
-    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 7, 7, 0x21, 0))
+    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (8, 0x21, 0, 0, 0, 0)], 0, Encoder())
+    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 8, 8, 0x21, 0))
 
 
 def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> None:

@@ -25,7 +25,8 @@ from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
-WRITE, WAIT, SEND, READ, POLL, CLOSE = range(1, 7)
+VERIFY = 12
+WRITE, WAIT, SEND, READ, POLL, CLOSE, VERIFY_STEP = range(1, 8)
 
 _READ = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
@@ -86,6 +87,8 @@ class Encoder:
     sent: int = 0
     #: Whether every call fails from ``fail_at`` on, or that one alone.
     fail_on: bool = False
+    #: Which bits of a write arrive wrong, by the place of the access.
+    disturbed: dict[int, int] = field(default_factory=dict)
     #: Called before each read, with the address; it may change the memory.
     before_read: Callable[[int], None] = lambda address: None
 
@@ -108,7 +111,8 @@ class Encoder:
 
     def write_registers(self, context: int | None, address: int, data: Any, length: int) -> int:
         given = bytes(data[:length])
-        self.memory[address : address + length] = given
+        wrong = self.disturbed.get(len(self.record), 0)
+        self.memory[address : address + length] = bytes(byte ^ wrong for byte in given)
         return self._noted(context, f"w {address:02X} {given.hex(' ').upper()}")
 
     def wait_us(self, context: int | None, microseconds: int) -> int:

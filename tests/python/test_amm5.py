@@ -36,7 +36,7 @@ def test_preset_of_the_manual(amm5: Any, lika: Any) -> None:
     assert amm5.Preset.decode(bytes.fromhex("00 30 24 F4 00 00 00"), variant).position == 1000003
     steps = amm5.set_preset(variant, 1000003)
     kinds = [type(step).__name__ for step in steps]
-    assert kinds == ["Write"] * 10 + ["Wait", "Write", "Wait"]
+    assert kinds == ["Write"] * 8 + ["Verify"] + ["Write"] * 2 + ["Wait", "Write", "Wait"]
     assert [step.microseconds for step in steps if isinstance(step, lika.Wait)] == [30_000, 30_000]
     assert {step.register for step in steps[1:8]} == {"preset"}
 

@@ -30,8 +30,8 @@ from ._codec import (
 from ._encoder import Encoder, Frame, PositionFrame
 from ._order_codes import OrderCodeError, checked, nearest
 from ._reports import Family, Movement, Report, Verdict
-from ._run import Bus, Line, Reading, StepError, run
-from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
+from ._run import Bus, Line, Reading, StepError, VerifyError, run
+from ._steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -71,6 +71,8 @@ __all__ = [
     "Step",
     "StepError",
     "Verdict",
+    "Verify",
+    "VerifyError",
     "Wait",
     "Write",
     "am36",

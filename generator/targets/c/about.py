@@ -20,7 +20,7 @@ from ...model import (
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction
-from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Waits, Writes
+from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
 from ...say import alarm, crc, field, hardware_input, layout, order_code, parameter, procedure, register
 from ...say.name import full_title, register_field, title
 from ...say.place import addresses, bit_range, field_place
@@ -211,6 +211,8 @@ def note_of_step(device: Device, item: Operation) -> str:
         case Writes(step):
             of = meaning or f"{_where(device, item)}: {step.value_name}"
             return f"{of}; also where a step before it fails" if item.closes else of
+        case Verifies():
+            return f"{_where(device, item)}: read back, which no manual asks for"
         case Reads() | Polls():
             return ": ".join(filter(None, (title(item.field or item.register), meaning)))
         case _:
@@ -222,6 +224,6 @@ def note_of_read(device: Device, item: Reads) -> str:
     return ": ".join(filter(None, (_where(device, item), item.step.meaning)))
 
 
-def _where(device: Device, item: Writes | Reads) -> str:
+def _where(device: Device, item: Writes | Reads | Verifies) -> str:
     field_name = f".{item.field.name}" if item.field is not None else ""
     return register_field(device, item.register.name + field_name).title

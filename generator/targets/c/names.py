@@ -70,13 +70,13 @@ class Names:
 _ENCODER_H = """
     ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
     FAULT_HEAD_MISSING FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_LOST FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT
-    FAULT_TRANSPORT FAULT_UNSUPPORTED GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485 INTERFACE_SSI NODISCARD
-    NOT_TOLD NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US REPLY_BYTES STEP_CLOSE STEP_POLL STEP_READ STEP_SEND
-    STEP_WAIT STEP_WRITE USABLE USABLE_WITH_WARNING VERSION above access capital difference failed failed_at failure
-    field fits_signed from_gray interface is_digit is_letter_or_digit label_ends label_match mask open_code parity read
-    reply_check report_text result run run_closing run_poll run_reads run_send run_step run_together run_write send
-    signed step step_address step_close step_closes step_kind step_poll step_read step_send step_wait step_write
-    to_gray transport verdict wait write write_byte
+    FAULT_TRANSPORT FAULT_UNSUPPORTED FAULT_VERIFY GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485
+    INTERFACE_SSI NODISCARD NOT_TOLD NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US REPLY_BYTES STEP_CLOSE STEP_POLL
+    STEP_READ STEP_SEND STEP_VERIFY STEP_WAIT STEP_WRITE USABLE USABLE_WITH_WARNING VERSION above access capital
+    difference failed failed_at failure field fits_signed from_gray interface is_digit is_letter_or_digit label_ends
+    label_match mask open_code parity read reply_check report_text result run run_closing run_poll run_reads run_send
+    run_step run_together run_verify run_write send signed step step_address step_close step_closes step_kind
+    step_poll step_read step_send step_verify step_wait step_write to_gray transport verdict wait write write_byte
 """
 #: The same of receive.h.
 _RECEIVE_H = """

@@ -20,6 +20,7 @@ from ...plan.steps import (
     Sends,
     Stated,
     Undecodable,
+    Verifies,
     Waits,
     Writes,
     field_refusals,
@@ -83,9 +84,10 @@ class Whole:
 
 @dataclass(frozen=True, slots=True)
 class FilledRows:
-    """The steps from this place of the list on that write such bytes."""
+    """The steps from this place of the list on that write such bytes, or read them back."""
 
     at: int
+    kind: str
     filled: Filled
     note: str
 
@@ -128,7 +130,7 @@ class ProcedureCode:
         self._teaching = {item.register.name for item in run.operations if isinstance(item, Writes) and item.teaches}
         self.arguments = [self._argument(item) for item in run.arguments]
         self.rows = list(self._rows())
-        self.count = sum(len(item.pieces) if isinstance(item, (Writes, Reads, Polls)) else 1 for item in run.operations)
+        self.count = sum(1 if isinstance(item, (Waits, Sends)) else len(item.pieces) for item in run.operations)
         self.reads = list(self._reads())
         self.about = about_procedure(context.device, procedure, self._names)
         self.run_about = about_run(context.device, run, read_state)
@@ -244,8 +246,10 @@ class ProcedureCode:
                 at += 1
                 continue
             filled = self._filled_by(item)
-            if filled is not None:
-                yield FilledRows(at, filled, note)
+            if filled is not None and isinstance(item, Verifies):
+                yield from self._read_back(at, item, filled, note)
+            elif filled is not None:
+                yield FilledRows(at, "write", filled, note)
             elif not item.pieces:
                 raise TargetError(f"'{_place(item)}' moves with the order code; the C target cannot reach it alone")
             elif isinstance(item, Polls) and len(item.pieces) > 1:
@@ -259,20 +263,32 @@ class ProcedureCode:
                     yield Row(at + index, item, note if index == 0 else "", address, mask, value)
             at += len(item.pieces)
 
-    def _filled_by(self, item: Writes | Reads | Polls) -> Filled | None:
-        if isinstance(item, Writes) and isinstance(item.value, AsMember):
-            return self._filled.get((item.value.argument.name, item.register.name))
+    @staticmethod
+    def _read_back(at: int, item: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
+        """All bytes alike where every bit of them counts, else one by one."""
+        if item.pieces == item.write.pieces:
+            yield FilledRows(at, "verify", filled, note)
+            return
+        for index, piece in enumerate(item.pieces):
+            value = masked(Name(f"{filled.bytes}[{piece.byte}]"), piece.mask)
+            yield Row(at + index, item, "" if index else note, item.register.address + piece.byte, piece.mask, value)
+
+    def _filled_by(self, item: Writes | Reads | Polls | Verifies) -> Filled | None:
+        write = item.write if isinstance(item, Verifies) else item
+        if isinstance(write, Writes) and isinstance(write.value, AsMember):
+            return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _bits(self, item: Writes | Reads | Polls, piece: Piece) -> Expr:
-        """What a step writes to a byte or waits for there."""
+    def _bits(self, item: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
+        """What a step writes to a byte, waits for there, or reads back."""
         if isinstance(item, Reads):
             return Number(0)
-        value = Stated(item.step.value) if isinstance(item, Polls) else item.value
+        write = item.write if isinstance(item, Verifies) else item
+        value = Stated(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, Stated):
             return Number((value.number >> piece.left & piece.mask) << piece.right, hexadecimal=True)
         bits = right(Name(self._names[value.argument.name]), piece.left)
-        if isinstance(value, AsNumber) and len(item.pieces) == 1:
+        if isinstance(value, AsNumber) and len(item.pieces) == 1 and piece.mask == 0xFF:
             return bits
         return Cast("uint8_t", left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
 
@@ -296,5 +312,5 @@ def _is_held(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place(item: Writes | Reads | Polls) -> str:
+def _place(item: Writes | Reads | Polls | Verifies) -> str:
     return f"{item.register.name}.{item.field.name if item.field is not None else ''}"

@@ -21,6 +21,7 @@ from ...model import (
     Timing,
     assert_never,
 )
+from ...plan.steps import Verifies, run_of
 from ...say.changed import change_in_words
 from ...say.crc import sent
 from ...say.erratum import errata
@@ -28,7 +29,7 @@ from ...say.field import value
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.place import hexadecimal
-from ...say.procedure import step
+from ...say.procedure import read_back, step
 from ...say.timing import bounds
 from ...say.words import counted, number
 from .layouts import named
@@ -50,8 +51,16 @@ def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, 
 
 
 def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
-    """Number, what to do, why, source."""
-    for index, part in enumerate(item.steps, 1):
+    """Number, what to do, why, source; what generated code does beside the manual's steps has no number."""
+    index = 0
+    for operation in run_of(device, item).operations:
+        part = operation.step
+        if isinstance(operation, Verifies):
+            field = operation.field.name if operation.field is not None else ""
+            what = STYLE.sentence(read_back(device, operation.register, field))
+            yield "", what, "Not in the manual. Generated code does it: a disturbed write can look like a good one.", ""
+            continue
+        index += 1
         source = cited(part.source) if part.source != item.source else ""
         yield f"{index}", STYLE.sentence(step(device, part)), text(part.meaning), source
 

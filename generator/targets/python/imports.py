@@ -20,7 +20,7 @@ from ...plan.refusals import (
     TooWide,
     WholeDisagrees,
 )
-from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stated, Undecodable, Waits, Writes
+from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stated, Undecodable, Verifies, Waits, Writes
 from .codec import Coder
 from .literals import Call, functions
 from .module import Enumeration, Module
@@ -189,6 +189,8 @@ def _of_step(op: Operation, steps: Steps) -> str:
             return "Modify"
         case Polls():
             return "Poll"
+        case Verifies():
+            return "Verify"
         case Reads():
             return "Read"
         case Waits():

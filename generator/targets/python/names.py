@@ -40,7 +40,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
         "._order_codes": "checked",
         "._registers": "Held agrees held_bytes held_parameters held_text whole",
         "._reports": "Family Movement Report Verdict",
-        "._steps": "Modify Poll Read Send Step Wait writes",
+        "._steps": "Modify Poll Read Send Step Verify Wait writes",
     }.items()
 }
 

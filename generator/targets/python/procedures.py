@@ -19,6 +19,7 @@ from ...plan.steps import (
     Polls,
     Stated,
     Undecodable,
+    Verifies,
     Writes,
     run_of,
 )
@@ -128,6 +129,13 @@ class Steps:
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
         return moved(self.scope.ones(field.width), "<<", self.scope.of(field.low))
+
+    def verified(self, op: Verifies) -> Expr:
+        """The bits of a register that are read back, as a mask of its number."""
+        if op.field is not None:
+            return self.mask(op.field)
+        digits = 2 * op.register.length
+        return Atom(f"0x{sum(item.mask << item.left for item in op.pieces):0{digits}X}")
 
     def in_place(self, value: int | str, field: Field) -> Expr:
         """A number or an argument where the field is."""
