@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from time import monotonic, sleep
 from typing import NamedTuple, Protocol, cast
 
-from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
+from ._steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
 
 
 class Bus(Protocol):
@@ -66,6 +66,22 @@ class StepError(RuntimeError):
         return f"step {self.at + 1}, {type(self.step).__name__}{meaning}: {self.reason}{still}"
 
 
+class VerifyError(ValueError):
+    """A register does not hold what was written to it: nothing was saved or activated, so the procedure can be repeated.
+
+    ``register`` is its name and ``address`` that of its first byte, ``written`` what was written, ``found`` what was
+    read, and ``mask`` the bits that count.
+    """
+
+    def __init__(self, register: str, address: int, written: bytes, found: bytes, mask: int) -> None:
+        super().__init__(register, address, written, found, mask)
+        self.register, self.address, self.written, self.found, self.mask = register, address, written, found, mask
+
+    def __str__(self) -> str:
+        was, held = self.written.hex(" ").upper(), self.found.hex(" ").upper()
+        return f"register {self.register} at {self.address:02X}h holds {held} where {was} was written"
+
+
 class _Run:
     """One run of a procedure, and what it has to put back if it fails."""
 
@@ -73,12 +89,14 @@ class _Run:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
         self.readings: list[Reading] = []
         self._written: set[int] = set()
+        self._stored: dict[int, int] = {}
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def do(self, step: Step) -> None:
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
             self._written.add(step.address)
+            self._stored[step.address] = step.value
             bus.write(step.address, bytes([step.value]))
         elif isinstance(step, Wait):
             self.wait(step.microseconds / 1_000_000)
@@ -90,11 +108,23 @@ class _Run:
             data = self._read(step)
             number = int.from_bytes(data, step.order) & ~step.mask | step.value
             self._before.setdefault(step.address, (step.register, data))
-            bus.write(step.address, number.to_bytes(step.length, step.order))
+            changed = number.to_bytes(step.length, step.order)
+            self._stored.update(enumerate(changed, step.address))
+            bus.write(step.address, changed)
+        elif isinstance(step, Verify):
+            self._verify(step)
         else:
             self._poll(step)
 
-    def _read(self, step: Read | Modify | Poll) -> bytes:
+    def _verify(self, step: Verify) -> None:
+        places = range(step.address, step.address + step.length)
+        if any(place not in self._stored for place in places):
+            raise ValueError(f"nothing was written to {step.register} before, so there is nothing to compare")
+        written, found = bytes(self._stored[place] for place in places), self._read(step)
+        if (int.from_bytes(written, step.order) ^ int.from_bytes(found, step.order)) & step.mask:
+            raise VerifyError(step.register, step.address, written, found, step.mask)
+
+    def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
         data = bytes(cast(Bus, self.bus).read(step.address, step.length))
         if len(data) != step.length:
             raise ValueError(f"{len(data)} bytes were read where {step.length} belong")
@@ -168,7 +198,9 @@ def run(
     """Carries out the steps of a procedure in their order, and gives what was read.
 
     If a step fails or is interrupted, a register that was opened is closed again, and one of which bits were changed
-    gets back what it held before; commands are not taken back. Nothing of it was tried on an encoder.
+    gets back what it held before; commands are not taken back. What was written is read back before a command acts on
+    it; leave the ``Verify`` steps out for an encoder that does not give back what it stored. Nothing of it was tried
+    on an encoder.
 
     What is left in a line is discarded before each request. The reply to a request is awaited and checked before the
     next one is sent.
@@ -181,7 +213,8 @@ def run(
         wait: Waits for so many seconds.
 
     Raises:
-        StepError: A step failed; its ``__cause__`` says why.
+        StepError: A step failed; its ``__cause__`` says why: a ``VerifyError`` where a register holds another value
+            than was written.
     """
     from logging import getLogger
 

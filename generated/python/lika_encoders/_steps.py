@@ -57,6 +57,22 @@ class Read(NamedTuple):
 
 
 @by_class
+class Verify(NamedTuple):
+    """Read back what the steps before wrote to a register, and stop where a bit in ``mask`` differs.
+
+    Over BiSS a disturbed write can look as if it were stored. No manual has this step: it makes sure that nothing is
+    saved or activated that was not asked for. ``mask`` and ``order`` are those of the number that the bytes make.
+    """
+
+    address: int
+    length: int
+    register: str
+    mask: int
+    meaning: str = ""
+    order: Literal["little", "big"] = "little"
+
+
+@by_class
 class Modify(NamedTuple):
     """Read a register, set the bits in ``mask`` of the number that its bytes make to those of ``value``, write it.
 
@@ -88,7 +104,7 @@ class Poll(NamedTuple):
     order: Literal["little", "big"] = "little"
 
 
-Step = Union[Write, Wait, Send, Read, Modify, Poll]
+Step = Union[Write, Wait, Send, Read, Modify, Poll, Verify]
 
 
 def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:

@@ -81,7 +81,7 @@ from ._encoder import Encoder, fact
 from ._order_codes import checked
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from ._reports import Family, Movement, Report, Verdict
-from ._steps import Modify, Read, Step, Wait, writes
+from ._steps import Modify, Read, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
     from . import _codes
@@ -2019,6 +2019,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             whole("configuration", Configuration, configuration, 1, "big"),
             "takes effect at once",
         ),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "keep it"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2053,6 +2054,8 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset(variant, position=position).encode(),
             "write the five Preset registers",
         ),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
+        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
         *writes(
             "command",
             Address.COMMAND,
@@ -2091,6 +2094,8 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset(variant, position=position).encode(),
             "write the five Preset registers",
         ),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
+        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2224,6 +2229,8 @@ def set_resolution(
     variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
         *before,
+        Verify(Address.INFORMATION_PER_REVOLUTION, 3, "information_per_revolution", 0xFFFFFF, order="big"),
+        Verify(Address.NUMBER_OF_REVOLUTIONS, 2, "number_of_revolutions", 0xFFFF, order="big"),
         *writes(
             "command",
             Address.COMMAND,
@@ -2238,6 +2245,8 @@ def set_resolution(
             Preset(variant, position=position).encode(),
             "write the preset that was set to zero",
         ),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
+        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
         *writes(
             "command",
             Address.COMMAND,

@@ -90,7 +90,7 @@ from ._encoder import Encoder, fact
 from ._order_codes import checked
 from ._registers import agrees, held_bytes
 from ._reports import Family, Movement, Report, Verdict
-from ._steps import Send, Step, Wait, writes
+from ._steps import Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
     from . import _codes
@@ -3281,6 +3281,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
+        Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
         *writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -3328,6 +3329,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
+        Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
         *writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,

@@ -90,7 +90,7 @@ from ._encoder import Encoder, fact
 from ._order_codes import checked
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from ._reports import Family, Movement, Report, Verdict
-from ._steps import Modify, Read, Send, Step, Wait, writes
+from ._steps import Modify, Read, Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
     from . import _codes
@@ -2894,6 +2894,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             whole("configuration", Configuration, configuration, 1, "big"),
             "active at once",
         ),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "keep it over power-off"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2925,6 +2926,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             PresetOffset(preset_offset=position).encode(),
             "write the four Preset / Offset registers",
         ),
+        Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
         *writes(
             "command",
             Address.COMMAND,
@@ -2952,6 +2954,8 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "keep it over power-off"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2992,6 +2996,8 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let preset and offset be used"),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x02, "let the register hold an offset"),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
+        Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "keep the configuration over power-off"),
         Wait(30_000, "EEPROM writing time"),
         *writes(
@@ -3000,6 +3006,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             PresetOffset(preset_offset=offset).encode(),
             "write the four Preset / Offset registers",
         ),
+        Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
         *writes(
             "command",
             Address.COMMAND,

@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xE8AE553AU)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -2135,9 +2135,9 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
  * After a change of the counting direction a new preset has to be set; after one of the output code
  * the frames have another code.
  */
-#define LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT 3U
+#define LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT 4U
 
-/** Writes the steps into an array of at least 3 places. */
+/** Writes the steps into an array of at least 4 places. */
 LIKA_NODISCARD
 static inline lika_result lika_am36_set_configuration_steps(
     const lika_am36_variant *variant,
@@ -2155,14 +2155,16 @@ static inline lika_result lika_am36_set_configuration_steps(
         return LIKA_FAULT_RANGE;
     }
     steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* takes effect at once */
-    steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it */
-    steps[2] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Configuration: read back, which no manual asks for */
+    steps[1] = lika_step_verify(0x49U, 0xFFU, configuration);
+    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it */
+    steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT;
     return LIKA_OK;
 }
 
 /**
- * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
  */
 LIKA_NODISCARD
@@ -2190,9 +2192,9 @@ static inline lika_result lika_am36_set_configuration(
  * follow from it.
  * Erratum preset_example_bit (settled, wrong data).
  */
-#define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
+#define LIKA_AM36_SET_PRESET_STEPS_COUNT 14U
 
-/** Writes the steps into an array of at least 8 places. */
+/** Writes the steps into an array of at least 14 places. */
 LIKA_NODISCARD
 static inline lika_result lika_am36_set_preset_steps(
     const lika_am36_variant *variant,
@@ -2218,8 +2220,15 @@ static inline lika_result lika_am36_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[6] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
-    steps[7] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Enable preset of Configuration: read back, which no manual asks for */
+    steps[6] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    /* Preset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(position_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
+        steps[7U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+    }
+    steps[12] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
+    steps[13] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -2251,9 +2260,9 @@ static inline lika_result lika_am36_set_preset(
  * activate_preset activates it.
  * Erratum preset_example_bit (settled, wrong data).
  */
-#define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
+#define LIKA_AM36_STORE_PRESET_STEPS_COUNT 14U
 
-/** Writes the steps into an array of at least 8 places. */
+/** Writes the steps into an array of at least 14 places. */
 LIKA_NODISCARD
 static inline lika_result lika_am36_store_preset_steps(
     const lika_am36_variant *variant,
@@ -2279,8 +2288,15 @@ static inline lika_result lika_am36_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[6] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save the preset */
-    steps[7] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Enable preset of Configuration: read back, which no manual asks for */
+    steps[6] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    /* Preset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(position_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
+        steps[7U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+    }
+    steps[12] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save the preset */
+    steps[13] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_STORE_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -2413,9 +2429,9 @@ static inline lika_result lika_am36_restore_defaults(
  * Erratum preset_cleared_when (open, omission).
  * Erratum resolution_byte_by_byte (open, omission).
  */
-#define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 17U
+#define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 28U
 
-/** Writes the steps into an array of at least 17 places. */
+/** Writes the steps into an array of at least 28 places. */
 LIKA_NODISCARD
 static inline lika_result lika_am36_set_resolution_steps(
     const lika_am36_variant *variant,
@@ -2476,21 +2492,40 @@ static inline lika_result lika_am36_set_resolution_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[3U + index] = lika_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
+    /* Information per revolution: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
+        const uint16_t address =
+            (uint16_t)(LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
+        steps[5U + index] =
+            lika_step_verify(address, 0xFFU, information_per_revolution_bytes[index]);
+    }
+    /* Number of revolutions: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
+        steps[8U + index] = lika_step_verify(address, 0xFFU, number_of_revolutions_bytes[index]);
+    }
     /* save the resolution first, apart from the preset */
-    steps[5] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[6] = lika_step_wait(30000U); /* EEPROM writing time */
-    steps[7] = lika_step_write(0x49U, 0x04U, 0x00U); /* let the Preset registers be written */
+    steps[10] = lika_step_write(0x48U, 0xFFU, 0x01U);
+    steps[11] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[12] = lika_step_write(0x49U, 0x04U, 0x00U); /* let the Preset registers be written */
     /* write the preset that was set to zero */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[8U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[13U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[13] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
-    steps[14] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Enable preset of Configuration: read back, which no manual asks for */
+    steps[18] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    /* Preset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(position_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
+        steps[19U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+    }
+    steps[24] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
+    steps[25] = lika_step_wait(30000U); /* EEPROM writing time */
     /* No. of bits used for singleturn resolution: singleturn bits of the frames from now on */
-    steps[15] = lika_step_read(0x56U);
+    steps[26] = lika_step_read(0x56U);
     /* No. of bits used for multiturn resolution: multiturn bits of the frames from now on */
-    steps[16] = lika_step_read(0x57U);
+    steps[27] = lika_step_read(0x57U);
     *count = LIKA_AM36_SET_RESOLUTION_STEPS_COUNT;
     return LIKA_OK;
 }

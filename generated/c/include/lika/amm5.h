@@ -59,7 +59,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xE8AE553AU)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -2960,9 +2960,9 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * follow from it.
  * Editions before 1.4: may differ; the end of this file says how.
  */
-#define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
+#define LIKA_AMM5_SET_PRESET_STEPS_COUNT 20U
 
-/** Writes the steps into an array of at least 13 places. */
+/** Writes the steps into an array of at least 20 places. */
 LIKA_NODISCARD
 static inline lika_result lika_amm5_set_preset_steps(
     const lika_amm5_variant *variant,
@@ -2990,17 +2990,24 @@ static inline lika_result lika_amm5_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
+    /* Preset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(position_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
+        steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+    }
     /* close them before saving; also where a step before it fails */
-    steps[8] = lika_step_close(0x40U, 0xFFU, 0x00U);
-    steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
-    steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
-    steps[11] = lika_step_write(0x77U, 0xFFU, 0x02U); /* let the preset take effect */
-    steps[12] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[15] = lika_step_close(0x40U, 0xFFU, 0x00U);
+    steps[16] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[17] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[18] = lika_step_write(0x77U, 0xFFU, 0x02U); /* let the preset take effect */
+    steps[19] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
 
-/** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+/**
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
 LIKA_NODISCARD
 static inline lika_result lika_amm5_set_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
@@ -3024,9 +3031,9 @@ static inline lika_result lika_amm5_set_preset(
  * Result: The preset is saved; the position is the same as before.
  * Editions before 1.4: may differ; the end of this file says how.
  */
-#define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
+#define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 18U
 
-/** Writes the steps into an array of at least 11 places. */
+/** Writes the steps into an array of at least 18 places. */
 LIKA_NODISCARD
 static inline lika_result lika_amm5_store_preset_steps(
     const lika_amm5_variant *variant,
@@ -3054,15 +3061,22 @@ static inline lika_result lika_amm5_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
+    /* Preset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(position_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
+        steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+    }
     /* close them before saving; also where a step before it fails */
-    steps[8] = lika_step_close(0x40U, 0xFFU, 0x00U);
-    steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
-    steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[15] = lika_step_close(0x40U, 0xFFU, 0x00U);
+    steps[16] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[17] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_STORE_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
 
-/** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+/**
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
 LIKA_NODISCARD
 static inline lika_result lika_amm5_store_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,

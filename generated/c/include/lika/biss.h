@@ -33,7 +33,7 @@
  *    read then fails its CRC. What is written is not stored, but the values whose CRC ends in 0,
  *    half of all, come back as if they were. With a bit a frame late that takes a slave that is
  *    busy and a disturbed CDS at once. So read back what was written before a command acts on it,
- *    or look at what the command did: after a preset, at the next position.
+ *    as the VERIFY steps of procedures do.
  *  - Zeros may complete a byte: where a write is given up within one, the slave can store what it
  *    was sent of it, followed by zeros, if the CRC of that is 0 (one of 68 places and values).
  *    Write such a register again, and think twice where any value starts something.
@@ -53,7 +53,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x74F9C0E9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xE8AE553AU)
 #error "lika/biss.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 

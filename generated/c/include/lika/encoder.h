@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0x74F9C0E9U
+#define LIKA_GENERATION 0xE8AE553AU
 
 #ifdef __cplusplus
 extern "C" {
@@ -61,7 +61,8 @@ typedef enum lika_result {
     LIKA_FAULT_NO_START = 10,   /**< the acknowledge lasted longer than what was received */
     LIKA_FAULT_REPEAT = 11,     /**< two readings of one position do not agree */
     LIKA_FAULT_HEAD_MISSING = 12, /**< RS-485: bytes came, but not the first one of the reply */
-    LIKA_FAULT_LOST = 13        /**< the tracker has lost the axis, until it is restarted */
+    LIKA_FAULT_LOST = 13,       /**< the tracker has lost the axis, until it is restarted */
+    LIKA_FAULT_VERIFY = 14      /**< a register does not hold what was written to it */
 } lika_result;
 
 /**
@@ -109,7 +110,8 @@ typedef enum lika_step_kind {
     LIKA_STEP_READ = 4,  /**< read the register address */
     LIKA_STEP_POLL = 5,  /**< read the register address until its bits under mask are value */
     /** write as WRITE does, and undo with it what a WRITE to the same address opened */
-    LIKA_STEP_CLOSE = 6
+    LIKA_STEP_CLOSE = 6,
+    LIKA_STEP_VERIFY = 7 /**< read the register address: its bits under mask have to be value */
 } lika_step_kind;
 
 /**
@@ -163,6 +165,13 @@ static inline lika_step lika_step_poll(uint16_t address, uint8_t mask, uint8_t v
     return step;
 }
 
+/** A step that reads one byte of a register and fails where these bits of it are not so. */
+static inline lika_step lika_step_verify(uint16_t address, uint8_t mask, uint8_t value)
+{
+    const lika_step step = { LIKA_STEP_VERIFY, address, mask, value, 1U, 0U };
+    return step;
+}
+
 /** A step that closes what a step before it has opened. */
 static inline lika_step lika_step_close(uint16_t address, uint8_t mask, uint8_t value)
 {
@@ -203,7 +212,7 @@ typedef struct lika_transport {
 #define LIKA_REPLY_BYTES 16U /**< the longest reply that a step can look at */
 
 /**
- * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED, with CRC and CONSTANT
+ * Which step failed, and how: told with TRANSPORT, TIMEOUT, VERIFY and UNSUPPORTED, with CRC and CONSTANT
  * of a reply, and with RANGE where a list has a step of no kind. The steps before it were done, and
  * after it those that close what was opened. A fault that is found before the first step, or in
  * what was read, leaves it as it was. NULL will do in its place.
@@ -213,11 +222,12 @@ typedef struct lika_failure {
     lika_step_kind kind; /**< what kind of step that is */
     /**
      * What it was doing: READ, WRITE, WAIT or SEND for the function of the transport that failed or
-     * is missing, POLL where what it waited for did not come.
+     * is missing, POLL where what it waited for did not come, VERIFY where a byte that
+     * was read back is not the one that was written.
      */
     lika_step_kind call;
     uint16_t address; /**< the first register byte of that step; 0 where it has none */
-    int32_t error; /**< what the transport's function returned; 0 where it did not fail */
+    int32_t error; /**< what the transport's function returned; with VERIFY the byte read; else 0 */
     /** What a step had opened could not be closed: do that before all else, by lika_run() with the
        step of the list that closes, or by lika_runner_close(). */
     bool left_open;
@@ -418,7 +428,21 @@ static inline lika_result lika_run_poll(
     return lika_failed(LIKA_FAULT_TIMEOUT, LIKA_STEP_POLL, step->address, 0, failure);
 }
 
-/** How many bytes the steps read. */
+/** Carries out a step that reads back what was written. */
+LIKA_NODISCARD
+static inline lika_result lika_run_verify(
+    const lika_transport *transport, const lika_step *step, lika_failure *failure)
+{
+    uint8_t held = 0U;
+    const lika_result result = lika_read(transport, step->address, &held, 1U, failure);
+    if ((result == LIKA_OK) && (((uint32_t)held & (uint32_t)step->mask) != (uint32_t)step->value)) {
+        return lika_failed(
+            LIKA_FAULT_VERIFY, LIKA_STEP_VERIFY, step->address, (int32_t)held, failure);
+    }
+    return result;
+}
+
+/** How many bytes the steps read for their caller. */
 static inline size_t lika_run_reads(const lika_step *steps, size_t count)
 {
     size_t reads = 0U;
@@ -458,6 +482,8 @@ static inline lika_result lika_run_step(
         return lika_run_send(transport, step, failure);
     case LIKA_STEP_POLL:
         return lika_run_poll(transport, step, failure);
+    case LIKA_STEP_VERIFY:
+        return lika_run_verify(transport, step, failure);
     case LIKA_STEP_READ:
     default:
         return lika_failed(LIKA_FAULT_RANGE, step->kind, step->address, 0, failure);

@@ -34,7 +34,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x74F9C0E9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xE8AE553AU)
 #error "lika/runner.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -74,7 +74,7 @@ typedef struct lika_runner {
     uint32_t round; /**< what was done of the step: accesses, requests, readings */
     uint32_t pause_us; /**< to wait from_us on before anything else */
     uint32_t from_us;
-    uint8_t held[LIKA_REPLY_BYTES]; /**< a byte that is changed or polled, or a reply */
+    uint8_t held[LIKA_REPLY_BYTES]; /**< a byte that is changed, polled or verified, or a reply */
 } lika_runner;
 
 /**
@@ -184,6 +184,7 @@ static inline lika_todo lika_runner_begin(lika_runner *runner)
         length = lika_run_together(step, runner->count - runner->at);
         return lika_runner_ask(runner, LIKA_TODO_READ, step->address, runner->bytes, length);
     case LIKA_STEP_POLL:
+    case LIKA_STEP_VERIFY:
         return lika_runner_ask(runner, LIKA_TODO_READ, step->address, runner->held, 1U);
     case LIKA_STEP_SEND:
         if (step->times == 0U) {
@@ -277,6 +278,14 @@ static inline void lika_runner_accessed(lika_runner *runner, lika_todo did)
         break;
     case LIKA_STEP_POLL:
         lika_runner_polled(runner, step);
+        break;
+    case LIKA_STEP_VERIFY:
+        if (((uint32_t)runner->held[0] & (uint32_t)step->mask) == (uint32_t)step->value) {
+            lika_runner_advance(runner, 1U);
+        } else {
+            lika_runner_fail(
+                runner, LIKA_FAULT_VERIFY, LIKA_STEP_VERIFY, (int32_t)runner->held[0]);
+        }
         break;
     case LIKA_STEP_SEND:
         lika_runner_sent(runner, step);

@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDC7FC247U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xE8AE553AU)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -2848,9 +2848,9 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
  * configuration: Value of the whole register; written to Configuration.
  * Result: The new configuration is active and saved.
  */
-#define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 3U
+#define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 4U
 
-/** Writes the steps into an array of at least 3 places. */
+/** Writes the steps into an array of at least 4 places. */
 LIKA_NODISCARD
 static inline lika_result lika_sma21_set_configuration_steps(
     const lika_sma21_variant *variant,
@@ -2868,14 +2868,16 @@ static inline lika_result lika_sma21_set_configuration_steps(
         return LIKA_FAULT_RANGE;
     }
     steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* active at once */
-    steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it over power-off */
-    steps[2] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Configuration: read back, which no manual asks for */
+    steps[1] = lika_step_verify(0x49U, 0xFFU, configuration);
+    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it over power-off */
+    steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT;
     return LIKA_OK;
 }
 
 /**
- * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
 LIKA_NODISCARD
@@ -2903,9 +2905,9 @@ static inline lika_result lika_sma21_set_configuration(
  * Result: The position at which the activation arrived has the preset value; all other positions
  * follow from it.
  */
-#define LIKA_SMA21_SET_PRESET_STEPS_COUNT 6U
+#define LIKA_SMA21_SET_PRESET_STEPS_COUNT 10U
 
-/** Writes the steps into an array of at least 6 places. */
+/** Writes the steps into an array of at least 10 places. */
 LIKA_NODISCARD
 static inline lika_result lika_sma21_set_preset_steps(
     const lika_sma21_variant *variant,
@@ -2933,13 +2935,20 @@ static inline lika_result lika_sma21_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[4] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
-    steps[5] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Preset / Offset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(position_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
+        steps[4U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+    }
+    steps[8] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
+    steps[9] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
 
-/** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+/**
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
 LIKA_NODISCARD
 static inline lika_result lika_sma21_set_preset(
     const lika_transport *transport, const lika_sma21_variant *variant,
@@ -2961,7 +2970,7 @@ static inline lika_result lika_sma21_set_preset(
  * Enable the function and select preset [6.4 p.30].
  * Result: The register Preset / Offset holds a preset.
  */
-#define LIKA_SMA21_SELECT_PRESET_STEPS_COUNT 4U
+#define LIKA_SMA21_SELECT_PRESET_STEPS_COUNT 6U
 
 static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 {
@@ -2970,6 +2979,10 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
         { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset of Configuration: preset */
         { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
+        /* Enable preset offset of Configuration: read back, which no manual asks for */
+        { LIKA_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
+        /* Select preset offset of Configuration: read back, which no manual asks for */
+        { LIKA_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
         { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* keep it over power-off */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
@@ -3005,9 +3018,9 @@ static inline lika_result lika_sma21_select_preset(
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
  * offset.
  */
-#define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 10U
+#define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 16U
 
-/** Writes the steps into an array of at least 10 places. */
+/** Writes the steps into an array of at least 16 places. */
 LIKA_NODISCARD
 static inline lika_result lika_sma21_set_offset_steps(
     const lika_sma21_variant *variant,
@@ -3032,15 +3045,24 @@ static inline lika_result lika_sma21_set_offset_steps(
     }
     steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* let preset and offset be used */
     steps[1] = lika_step_write(0x49U, 0x02U, 0x02U); /* let the register hold an offset */
-    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep the configuration over power-off */
-    steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Enable preset offset of Configuration: read back, which no manual asks for */
+    steps[2] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    /* Select preset offset of Configuration: read back, which no manual asks for */
+    steps[3] = lika_step_verify(0x49U, 0x02U, 0x02U);
+    steps[4] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep the configuration over power-off */
+    steps[5] = lika_step_wait(30000U); /* EEPROM writing time */
     /* write the four Preset / Offset registers */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
-        steps[4U + index] = lika_step_write(address, 0xFFU, offset_bytes[index]);
+        steps[6U + index] = lika_step_write(address, 0xFFU, offset_bytes[index]);
     }
-    steps[8] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the offset and let it take effect */
-    steps[9] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* Preset / Offset: read back, which no manual asks for */
+    for (index = 0U; index < sizeof(offset_bytes); index++) {
+        const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
+        steps[10U + index] = lika_step_verify(address, 0xFFU, offset_bytes[index]);
+    }
+    steps[14] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the offset and let it take effect */
+    steps[15] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_OFFSET_STEPS_COUNT;
     return LIKA_OK;
 }
