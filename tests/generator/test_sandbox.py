@@ -75,7 +75,7 @@ def refused(rendered: Render, tmp_path: Path, text: str) -> str:
         "{{ joiner.__base__ }}",
         "{{ thing.path.read_text() }}",
         "{{ thing.path.parent }}",
-        '{{ thing.kind("/etc/passwd") }}{{ thing.kind.cwd() }}',
+        '{{ thing.kind("elsewhere") }}{{ thing.kind.cwd() }}',
         "{{ thing.module.modules }}",
         "{{ things.append(1) }}",
         "{{ lipsum(100) }}",

@@ -97,8 +97,8 @@ def _registers(words: list[str]) -> list[Item]:
         {"name": "own_offset", "when": "own_setting.own_mode", "is": "two", "max": 9},
     ]
     return [
-        {**register, "name": "own_setting", "address": 0x7C, **setting},
-        {**register, "name": "own_number", "address": 0x7D},
+        {**register, "name": "own_setting", "address": 0x3C, **setting},
+        {**register, "name": "own_number", "address": 0x3D},
         *(
             {
                 **register,
