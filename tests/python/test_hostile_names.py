@@ -31,7 +31,8 @@ def words() -> list[str]:
     found = {*keyword.kwlist, *dir(builtins), *dir(tuple)}
     for path in (ROOT / "templates" / "python").glob("*.jinja"):
         found |= set(re.findall(r"\b[a-z]\w*\b", path.read_text(encoding="utf-8")))
-    kept = {name for name in found if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
+    # BiSS lays down what error and warning are.
+    kept = {name for name in found - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
     return sorted(kept | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
 
 

@@ -67,7 +67,9 @@ class StepError(RuntimeError):
 
 
 class VerifyError(ValueError):
-    """A register does not hold what was written to it: nothing was saved or activated, so the procedure can be repeated.
+    """A register does not hold what was written to it.
+
+    Nothing was saved or activated, so the procedure can be repeated.
 
     ``register`` is its name and ``address`` that of its first byte, ``written`` what was written, ``found`` what was
     read, and ``mask`` the bits that count.
