@@ -120,18 +120,20 @@ def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
     code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
     assert len(code) == 3
     main = """#include <stdio.h>
+static uint8_t memory[0x80];
 int32_t bus_read(void *context, uint16_t address, uint8_t *bytes, size_t length)
 {
     (void)context;
     printf("r %02X %d\\n", (unsigned)address, (int)length);
     for (; length > 0U; length--) {
-        bytes[length - 1U] = 0U;
+        bytes[length - 1U] = memory[address + length - 1U];
     }
     return 0;
 }
 int32_t bus_write(void *context, uint16_t address, const uint8_t *bytes, size_t length)
 {
     (void)context;
+    memory[address] = bytes[0];
     printf("w %02X %02X\\n", (unsigned)address, (unsigned)bytes[0]);
     return length == 1U && address != 0x77U ? 0 : -5;
 }
@@ -159,15 +161,14 @@ int main(void)
 }
 """
     program = compile_c(["gcc", "-std=c99"], code[0] + code[1] + code[2] + main, tmp_path, include)
-    preset = "".join(
-        f"w {line}\n"
-        for line in ("40 01", "11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00", "40 00", "77 01")
-    )
-    # The serial number is read, and the manual's preset written until the command fails in
-    # step 9 with the bus's own -5.
+    written = ("11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00")
+    read = [f"r {line[:2]} 1" for line in written]
+    preset = "".join(f"{line}\n" for line in ("w 40 01", *(f"w {x}" for x in written), *read, "w 40 00", "w 77 01"))
+    # The serial number is read, the manual's preset is written and read back, and the command fails in step 16 with
+    # the bus's own -5.
     assert (
         subprocess.run([str(program)], capture_output=True, text=True).stdout
-        == f"0 0\n0 0\n0 0\n1 1000003\nr 44 4\n{preset}5 9 77 -5\n"
+        == f"0 0\n0 0\n0 0\n1 1000003\nr 44 4\n{preset}5 16 77 -5\n"
     )
 
 
