@@ -193,7 +193,8 @@ REPLIES = {"amm5": 6, "sma21": 7}
 def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> str:
     """kind, address, mask, value, times, microseconds of each step; or the fault.
 
-    What can be read is read back before a register is written that cannot: a command, or what closes.
+    What can be read is read back before a register is written that cannot (a command, or what closes), and before the
+    same register is written as a whole again.
     """
     try:
         writes = list(register_writes(device, procedure, variant, given))
@@ -219,7 +220,8 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
                 mask = register_mask(register, step.field if isinstance(step, ModifyStep) else "")
                 closes = (step.register, step.value) == ("preset_setting_enable", 0)
                 made = list(byte_rows(6 if closes else 1, register, mask, writes_number(writes, register)))
-                if register.access == "write_only":
+                again = isinstance(step, WriteStep) and bool({row[1] for row in made} & {row[1] for row in written})
+                if register.access == "write_only" or again:
                     rows += [(7, *row[1:]) for row in written]
                     written = []
                 else:

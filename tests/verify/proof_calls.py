@@ -84,7 +84,7 @@ static @maker@_result any_run(
     __CPROVER_assert(failed_with == 0, "nothing is run after a failure");
     for (size_t at = 0; at < count; at++) {
         __CPROVER_assert(steps[at].kind >= @MAKER@_STEP_WRITE, "a kind of step");
-        __CPROVER_assert(steps[at].kind <= @MAKER@_STEP_CLOSE, "a kind of step");
+        __CPROVER_assert(steps[at].kind <= @MAKER@_STEP_VERIFY, "a kind of step");
         reads += steps[at].kind == @MAKER@_STEP_READ;
     }
     __CPROVER_assert(reads == length, "a place for each byte that is read");
