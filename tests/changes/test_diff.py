@@ -128,7 +128,7 @@ def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
     data = json.loads(out)
     validator.validate(data)
-    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 119)
+    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 123)
     assert data["counts"] == {"documentation": 1, "compatible": 1, "behaviour": 1, "breaking": 1}
     assert data["changes"][1] == {
         "family": "demo",
@@ -175,7 +175,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 - command.function: value save: meaning (`words`): all 4 BiSS order codes; C, Python, XML, pages
 
-29 of 119 generated files change.
+29 of 123 generated files change.
 """,
     )
 
