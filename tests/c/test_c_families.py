@@ -224,7 +224,7 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
                 if register.access == "write_only" or again:
                     rows += [(7, *row[1:]) for row in written]
                     written = []
-                else:
+                if register.access != "write_only":
                     written += made
                 rows += made
             case _:
