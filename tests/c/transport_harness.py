@@ -25,7 +25,7 @@ from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
-VERIFY = 12
+VERIFY = 14
 WRITE, WAIT, SEND, READ, POLL, CLOSE, VERIFY_STEP = range(1, 8)
 
 _READ = ctypes.CFUNCTYPE(

@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0xE15B3BFAU
+#define LIKA_GENERATION 0x382F9713U
 
 #ifdef __cplusplus
 extern "C" {
@@ -212,10 +212,10 @@ typedef struct lika_transport {
 #define LIKA_REPLY_BYTES 16U /**< the longest reply that a step can look at */
 
 /**
- * Which step failed, and how. Set with TRANSPORT, TIMEOUT, VERIFY, UNSUPPORTED, and CRC and CONSTANT
- * of a reply, and with RANGE where a list has a step of no kind. The steps before it were done, and
- * after it those that close what was opened. A fault that is found before the first step, or in
- * what was read, leaves it as it was. NULL will do in its place.
+ * Which step failed, and how. Set with TRANSPORT, TIMEOUT, VERIFY, UNSUPPORTED, with CRC and
+ * CONSTANT of a reply, and with RANGE where a list has a step of no kind. The steps before it were
+ * done, and after it those that close what was opened. A fault that is found before the first step,
+ * or in what was read, leaves it as it was. NULL will do in its place.
  */
 typedef struct lika_failure {
     size_t step; /**< which step, the first is 0 */
