@@ -181,8 +181,8 @@ SEEDED = {
     "shift": (
         "asc85",
         "lika_asc85_single_cycle_data_decode",
-        r"word >> 9U",
-        "word >> 8U",
+        r"8U \+ lika_asc85_zero_bits",
+        "7U + lika_asc85_zero_bits",
         "asc85_single_cycle_data everything",
     ),
     "byte order": (
