@@ -76,7 +76,7 @@ check: .venv/.installed
 	@$(PY) -m codewheel check specs
 
 rules-page: .venv/.installed
-	@$(PY) docs/site/rules_page.py docs/rules.md
+	@$(PY) docs/site/rules_page.py
 
 # The pages as a static site in build/site, to be opened as files or put on any server.
 site: .venv/.installed

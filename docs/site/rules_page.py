@@ -1,12 +1,12 @@
 """The page of rules: each rule of ``check`` with a spec of the tests that breaks it, each of ``diff`` with its reason.
 
-``python docs/site/rules_page.py docs/rules.md`` writes the page, which is what ``make rules-page`` does.
+``make rules-page`` writes the page, and the examples for ``codewheel explain`` as JSON.
 """
 
 from __future__ import annotations
 
+import json
 import re
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,8 @@ from codewheel.changes.rules import RULES
 from codewheel.say.markdown import code, table, text
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("tests/check/broken", "tests/check/broken_model")
+PAGE, DATA = ROOT / "docs" / "rules.md", ROOT / "generator" / "spec" / "rules.json"
+FOLDERS = ("tests/check/broken", "tests/check/broken_model", "tests/masters/broken")
 _EXPECTED = re.compile(r"^# expect: (\d+):(\d+): ([\w-]+): (.*)$", re.MULTILINE)
 _WIDEST = 110
 
@@ -87,5 +88,12 @@ def _cut(line: str) -> str:
     return line if len(line) <= _WIDEST else line[: _WIDEST - 1] + "…"
 
 
+def rules_data() -> str:
+    """Return the message and the lines of each example, as JSON."""
+    data = {rule: {"message": item.message, "lines": item.lines} for rule, item in examples().items()}
+    return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+
+
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(rules_page(), encoding="utf-8")
+    PAGE.write_text(rules_page(), encoding="utf-8")
+    DATA.write_text(rules_data(), encoding="utf-8")

@@ -20,8 +20,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, metres, parse
-from .diff import add_diff, add_explain
+from .diff import add_diff
 from .diff import run as run_diff
+from .explain import add_explain
 from .terminal import Stop, prepare, release
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""``codewheel diff`` and ``codewheel explain``: what another version of the specs changes for users, and why."""
+"""``codewheel diff``: list the changes between two versions of specs, with their impact on users."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from ..changes.impact import IMPACTS, OUTPUTS, TITLES, Impact
+from ..changes.impact import IMPACTS, Impact
 from ..say.words import counted
 from . import look_up
 from .arguments import Parser
@@ -64,20 +64,6 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         help="compare specs also where today's language finds problems; what is at fault is left out of them",
     )
     return parser
-
-
-def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
-    """Add the command that explains the rules."""
-    parser = commands.add_parser(
-        "explain", help="why diff calls a change what it does", description="Explain a rule of diff."
-    )
-    parser.add_argument("rule", nargs="?", metavar="RULE", help="the name in brackets; without one, all are listed")
-    parser.set_defaults(run=_explain)
-
-
-def _explain(chosen: argparse.Namespace) -> int:
-    print(explain(chosen.rule))
-    return 0
 
 
 @dataclass(frozen=True)
@@ -211,26 +197,3 @@ def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
         "--lenient, take a later revision, or run the codewheel of that time",
         1,
     )
-
-
-def explain(name: str | None) -> str:
-    """A rule of ``diff``: when it applies, its impact on each output, and why; without a name, all rules in short.
-
-    Raises:
-        Stop: There is no such rule; exit code 2.
-    """
-    from ..changes.rules import RULES
-    from ..say.lines import WIDTH, wrapped
-    from ..spec.problems import suggestion
-
-    if name is None:
-        return "\n".join(
-            wrapped(rule.when, WIDTH, " " * 38, f"{rule.name:<22} {rule.impact.word:<14} ") for rule in RULES.values()
-        )
-    rule = RULES.get(name)
-    if rule is None:
-        near = suggestion(name, RULES) or "; codewheel explain lists them"
-        raise Stop(f"diff has no rule '{name}'{near}", 2)
-    effects = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
-    head = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
-    return "\n".join([head, *effects, wrapped(rule.why, WIDTH, "  ")])

@@ -15,7 +15,7 @@ from codewheel.changes.impact import OUTPUTS, Impact
 from codewheel.changes.members import MEMBERS
 from codewheel.changes.rules import RULES
 from codewheel.changes.walk import compare
-from codewheel.commands.diff import explain
+from codewheel.commands.explain import explain
 from codewheel.commands.terminal import Stop
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -216,5 +216,7 @@ def test_explain() -> None:
     )
     assert all(rule.name in explain(None) for rule in RULES.values())
     assert max(map(len, explain(None).splitlines())) <= 80
-    with pytest.raises(Stop, match="diff has no rule 'register-goen'; did you mean 'register-gone'"):
+    with pytest.raises(Stop, match="there is no rule 'register-goen'; did you mean 'register-gone'"):
         explain("register-goen")
+    with pytest.raises(Stop, match="there is no rule 'unknown-kee'; did you mean 'unknown-key'"):
+        explain("unknown-kee")

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from rules_page import examples, rules_page
-
-ROOT = Path(__file__).resolve().parents[2]
+from codewheel.commands.explain import explain, rules_of_check
+from rules_page import DATA, PAGE, examples, rules_data, rules_page
 
 
 def test_the_page_is_that_of_today() -> None:
-    assert (ROOT / "docs" / "rules.md").read_text(encoding="utf-8") == rules_page(), "make rules-page"
+    assert PAGE.read_text(encoding="utf-8") == rules_page(), "make rules-page"
+    assert DATA.read_text(encoding="utf-8") == rules_data(), "make rules-page"
 
 
 def test_a_known_rule() -> None:
@@ -22,3 +20,15 @@ def test_a_known_rule() -> None:
 def test_each_shows_the_line_that_is_at_fault() -> None:
     assert len(examples()) > 70
     assert all(item.lines[-1].strip() for rule, item in examples().items() if rule != "yaml-syntax")
+
+
+def test_explain_shows_what_the_page_shows() -> None:
+    for rule, item in examples().items():
+        assert explain(rule).startswith(f"{rule}, a rule of check. A message by it:\n  {item.message[:20]}"), rule
+        assert explain(rule).endswith(item.lines[-1])
+    assert [*rules_of_check()] == [*examples()]
+
+
+def test_explain_has_the_rules_about_several_files_and_masters() -> None:
+    for rule in ("readings-disagree", "overlay-conflict", "coverage-file", "writing-shape", "setting-shape"):
+        assert explain(rule).startswith(f"{rule}, a rule of check")

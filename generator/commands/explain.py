@@ -1,0 +1,108 @@
+"""``codewheel explain``: describe a rule of ``check`` or ``diff``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import textwrap
+from importlib.resources import files
+from typing import TypedDict
+
+from .arguments import Parser
+from .terminal import Stop
+
+#: Rules about several files. The tests have no single broken file that could be shown for them.
+_SEVERAL_FILES = {
+    "coverage-file": "the file of coverage next to a spec is not what 'check --coverage --write' writes.",
+    "overlay-change": "a change of an overlay or edition has keys that do not belong to its kind.",
+    "overlay-conflict": "two overlays change the same place.",
+    "overlay-unused": "a change of an overlay does not find what it sets, adds or removes.",
+    "readings-disagree": "the second reading of a manual has another fact than the spec. The manual decides. If the "
+    "manual prints both, record an erratum with 'readings'.",
+}
+
+
+class Example(TypedDict):
+    """A problem in a small spec: the message, and the lines of the spec around it."""
+
+    message: str
+    lines: list[str]
+
+
+def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
+    """Add the command to those of the command line."""
+    parser = commands.add_parser(
+        "explain",
+        help="explain a rule of check or diff",
+        description="Explain a rule: show a problem that check reports by it, or its impact and reason in diff.",
+    )
+    parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
+    parser.set_defaults(run=_explain)
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    print(explain(chosen.rule))
+    return 0
+
+
+def explain(name: str | None) -> str:
+    """Return the description of a rule, or the list of all rules if there is no name.
+
+    Raises:
+        Stop: No command has such a rule. The exit code is 2.
+    """
+    from ..changes.rules import RULES
+    from ..spec.problems import suggestion
+
+    examples = rules_of_check()
+    if name is None:
+        return _list(examples)
+    described = [*_in_check(name, examples), *_in_diff(name)]
+    if not described:
+        near = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
+        raise Stop(f"there is no rule '{name}'{near}", 2)
+    return "\n\n".join(described)
+
+
+def rules_of_check() -> dict[str, Example]:
+    """Read the rules of ``check``, each with an example."""
+    examples: dict[str, Example] = json.loads(
+        files("codewheel.spec").joinpath("rules.json").read_text(encoding="utf-8")
+    )
+    return examples
+
+
+def _list(examples: dict[str, Example]) -> str:
+    from ..changes.rules import RULES
+    from ..say.lines import WIDTH, wrapped
+
+    changes = [
+        wrapped(rule.when, WIDTH, " " * 38, f"{rule.name:<22} {rule.impact.word:<14} ") for rule in RULES.values()
+    ]
+    names = textwrap.fill(", ".join(sorted([*examples, *_SEVERAL_FILES])), WIDTH, break_on_hyphens=False)
+    return "\n".join(["Rules of diff:", "", *changes, "", "Rules of check:", "", names])
+
+
+def _in_check(name: str, examples: dict[str, Example]) -> list[str]:
+    from ..say.lines import WIDTH, wrapped
+
+    if name in _SEVERAL_FILES:
+        return [wrapped(_SEVERAL_FILES[name], WIDTH, "  ", f"{name}, a rule of check: ")]
+    if name not in examples:
+        return []
+    message, lines = examples[name]["message"], examples[name]["lines"]
+    told = wrapped(f"{message}.", WIDTH, "  ")
+    return ["\n".join([f"{name}, a rule of check. A message by it:", told, "", "of these lines:", "", *lines])]
+
+
+def _in_diff(name: str) -> list[str]:
+    from ..changes.impact import OUTPUTS, TITLES
+    from ..changes.rules import RULES
+    from ..say.lines import WIDTH, wrapped
+
+    rule = RULES.get(name)
+    if rule is None:
+        return []
+    effects = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
+    head = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
+    return ["\n".join([head, *effects, wrapped(rule.why, WIDTH, "  ")])]
