@@ -128,7 +128,8 @@ def kind(raw: Raw, context: Context, interface: str) -> Kind:
     if "crc" in raw:
         return CrcValue(raw["crc"])
     if "parity_of" in raw:
-        return Parity(raw["parity_of"], odd=raw.get("parity") == "odd")
+        names = raw["parity_of"]
+        return Parity((names,) if isinstance(names, str) else tuple(names), odd=raw.get("parity") == "odd")
     if "digits" in raw:
         return Decimal(_runs(raw["digits"]))
     if "text" in raw:

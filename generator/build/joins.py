@@ -25,6 +25,7 @@ from .fields import Site
 def check_joined(layout: Layout, site: Site) -> None:
     """What a layout says of joined numbers and of one in Gray code; a number is told of once."""
     faulty = _check_joins(layout, site)
+    _check_parities(layout, site)
     if layout.gray_of and layout.gray_of not in faulty:
         _check_gray(layout, site)
 
@@ -52,6 +53,24 @@ def _check_joins(layout: Layout, site: Site) -> set[str]:
         if len(site.context.report) > before:
             faulty.add(join.name)
     return faulty
+
+
+def _check_parities(layout: Layout, site: Site) -> None:
+    """A parity bit goes with fields of data, each of them once."""
+    for field in layout.fields:
+        of = field.kind.of if isinstance(field.kind, Parity) else ()
+        for index, name in enumerate(of):
+            kind = next((item.kind for item in layout.fields if item.name == name), None)
+            wrong = ""
+            if name in of[:index]:
+                wrong = f"'{field.name}' is the parity of '{name}' twice; name it once"
+            elif isinstance(kind, (CrcValue, Parity)):
+                wrong = f"'{name}' cannot be under the parity bit '{field.name}': it is computed itself; leave it out"
+            elif isinstance(kind, Constant) and len(of) > 1:
+                turn = ", and turn 'parity' round" if kind.value.bit_count() & 1 else ""
+                wrong = f"'{name}' under the parity bit '{field.name}' is constant; leave it out{turn}"
+            if wrong:
+                site.report("parity-of", wrong, "fields", field.name, "parity_of")
 
 
 def _no_plain_bits(kind: Kind) -> str:
@@ -83,7 +102,8 @@ def _check_gray(layout: Layout, site: Site) -> None:
         is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
         what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is no number'}"
         site.report("gray-of", f"{what}; only a number of several bits can be in Gray code", "gray", "of")
-    for name, of in ((item.name, item.kind.of) for item in layout.fields if isinstance(item.kind, Parity)):
+    pairs = ((item.name, of) for item in layout.fields if isinstance(item.kind, Parity) for of in item.kind.of)
+    for name, of in pairs:
         if of in layout.names_in(layout.gray_of):
             wrong = (
                 f"'{name}' is the parity of '{of}', which is sent in Gray code; no word says of which of the two"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..model import INTERFACES, Constant, CrcValue, Field, FoldStep, Form, Join, Layout
+from ..model import INTERFACES, Constant, CrcValue, Field, FoldStep, Form, Join, Layout, Parity
 from ..model.expressions import Expression
 from ..reference.crc import fold_plan
 from ..spec.problems import Path
@@ -57,6 +57,8 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     if byte_order:
         fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
     when, gray = raw.get("when", {}), raw.get("gray", {})
+    joins = {name: tuple(parts) for name, parts in raw.get("join", {}).items()}
+    fields = [_over_fields(field, joins) for field in fields]
     layout = record(
         Layout,
         raw,
@@ -66,7 +68,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         bits=bits,
         widest=widest,
         fields=tuple(_in_order(fields, low_first and total is None)),
-        joins=tuple(Join(name, tuple(parts)) for name, parts in raw.get("join", {}).items()),
+        joins=tuple(Join(name, parts) for name, parts in joins.items()),
         selector=next(iter(when), ""),
         selects=tuple(next(iter(when.values()), ())),
         gaps=gaps,
@@ -75,6 +77,14 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         gray_when=gray.get("when", ""),
     )
     return layout if is_sound(layout, site) else None
+
+
+def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]]) -> Field:
+    """A parity bit of a joined number as the parity of the fields in it."""
+    if not isinstance(field.kind, Parity):
+        return field
+    names = (part for name in field.kind.of for part in joins.get(name, (name,)))
+    return replace(field, kind=replace(field.kind, of=tuple(names)))
 
 
 def _byte_order(raw: Raw, carried_as: str) -> str:

@@ -250,7 +250,7 @@ class _Dump:
             case CrcValue(crc):
                 return "crc", {"crc": crc}
             case Parity(of, odd):
-                return "parity", {"parity_of": of, "parity": "odd" if odd else "even"}
+                return "parity", {"parity_of": list(of), "parity": "odd" if odd else "even"}
             case Decimal(runs):
                 return "digits", {"digits": self.plain(runs, inherited)}
             case Text():

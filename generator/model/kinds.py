@@ -122,9 +122,9 @@ class CrcValue:
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """The bit that makes the count of ones in it and the field ``of`` even, or odd."""
+    """The bit that makes the count of ones in it and the fields ``of`` even, or odd."""
 
-    of: str
+    of: tuple[str, ...]
     odd: bool = False
 
 

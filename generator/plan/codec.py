@@ -67,18 +67,24 @@ class ZerosAbove:
 
 @dataclass(frozen=True, slots=True)
 class ParityIs:
-    """The bit is the parity of the field ``of``: 1 for an odd number of ones, or with ``odd`` for an even one.
+    """The bit is the parity of the fields ``of``: 1 for an odd number of ones, or with ``odd`` for an even one.
 
-    ``known`` is the bit that has to stand in this frame, where ``of`` has one value only.
+    ``known`` is the only bit that is right in this frame, if each field in ``of`` has one value only.
     """
 
     field: Field
     bits: Bits
-    of: Field
-    of_bits: Bits
+    of: tuple[Field, ...]
+    of_bits: tuple[Bits, ...]
     odd: bool
     known: int | None
     fault = Fault.CONSTANT
+
+    @property
+    def selector(self) -> Field:
+        """The one field with a known value."""
+        (field,) = self.of
+        return field
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,9 +202,9 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class ParityOf:
-    """The parity bit of a field."""
+    """The parity bit of fields."""
 
-    of: Field
+    of: tuple[Field, ...]
     odd: bool
 
 
@@ -284,7 +290,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
     by_word = not (layout.in_bytes and placed) or bool(layout.gray_of)
     selector = fixed_selector(layout)
     looked_at = {name for join in layout.joins for name in join.fields}
-    looked_at |= {item.kind.of for item in layout.fields if isinstance(item.kind, Parity)}
+    looked_at |= {name for item in layout.fields if isinstance(item.kind, Parity) for name in item.kind.of}
     parts = (
         Part(item, bits_of(layout, item), item.name in looked_at)
         for item in layout.fields
@@ -369,11 +375,10 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                 yield ZerosAbove(padded, item, bits, beyond)
             case Constant(value=number):
                 yield AlwaysIs(item, bits, number)
-            case Parity(of=name, odd=odd):
-                of = layout.field(name)
-                value = only_value(layout, of)
-                known = parity(value, odd) if value is not None else None
-                yield ParityIs(item, bits, of, bits_of(layout, of), odd, known)
+            case Parity(of=names, odd=odd):
+                of = tuple(map(layout.field, names))
+                of_bits = tuple(bits_of(layout, field) for field in of)
+                yield ParityIs(item, bits, of, of_bits, odd, _known_parity(layout, of, odd))
 
 
 def _ranges(layout: Layout) -> Iterator[Check]:
@@ -396,6 +401,12 @@ def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
     return () if is_full else tuple(values)
 
 
+def _known_parity(layout: Layout, of: tuple[Field, ...], odd: bool) -> int | None:
+    """The parity bit of a single field that has one value only."""
+    value = only_value(layout, of[0]) if len(of) == 1 else None
+    return parity(value, odd) if value is not None else None
+
+
 def parity(number: int, odd: bool) -> int:
     return (number.bit_count() & 1) ^ odd
 
@@ -411,10 +422,10 @@ def _terms(layout: Layout) -> Iterator[Term]:
         match item.kind:
             case CrcValue():
                 continue
-            case Parity(of=name, odd=odd):
-                of = layout.field(name)
-                bit = only_value(layout, of)
-                value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd) if bit is None else Fixed(parity(bit, odd))
+            case Parity(of=names, odd=odd):
+                of = tuple(map(layout.field, names))
+                bit = _known_parity(layout, of, odd)
+                value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd) if bit is None else Fixed(bit)
             case Unused(number):
                 value = Turned(number, places[item.name])
             case _:

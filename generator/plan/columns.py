@@ -25,13 +25,13 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Bits that are one of ``values``, or at most ``limit``, or the parity of the bits at ``parity_of``."""
+    """Bits that are one of ``values``, or at most ``limit``, or the parity of all bits at ``parity_of``."""
 
     place: Place
     check: Check
     values: tuple[int, ...] = ()
     limit: int | None = None
-    parity_of: Place | None = None
+    parity_of: tuple[Place, ...] = ()
     odd: bool = False
 
 
@@ -68,8 +68,8 @@ def conditions(codec: Codec) -> Iterator[Condition]:
             case ZerosAbove(padding=padding):
                 yield Condition(Place(padding.low, padding.width), item, (0,))
             case ParityIs(field=field, of=of, odd=odd):
-                place = Place(of.low, of.width)
-                yield Condition(Place(field.low, field.width), item, parity_of=place, odd=odd)
+                places = tuple(Place(one.low, one.width) for one in of)
+                yield Condition(Place(field.low, field.width), item, parity_of=places, odd=odd)
             case IsOneOf(field, _, values):
                 yield Condition(Place(field.low, field.width), item, values)
             case AtMost(field=field, limit=limit):
@@ -123,9 +123,9 @@ def fixed(codec: Codec) -> Iterator[tuple[Place, int]]:
             yield Place(item.field.low, item.field.width), item.value.number
 
 
-def parities(codec: Codec) -> Iterator[tuple[Place, Place, bool]]:
+def parities(codec: Codec) -> Iterator[tuple[Place, tuple[Place, ...], bool]]:
     """The parity bits of a frame that is made, each with the bits that it is taken over."""
     for item in codec.terms:
         if isinstance(item.value, ParityOf):
-            of = item.value.of
-            yield Place(item.field.low, item.field.width), Place(of.low, of.width), item.value.odd
+            of = tuple(Place(one.low, one.width) for one in item.value.of)
+            yield Place(item.field.low, item.field.width), of, item.value.odd

@@ -20,7 +20,7 @@ from ..model import (
     Unused,
     assert_never,
 )
-from ..spec.problems import Path
+from ..spec.problems import Path, listed
 from .aspects import Aspects
 from .fact import Bit, Case, Key, Names, Placed, Word
 from .reading import Parameters, Reading, bits
@@ -87,9 +87,9 @@ def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
         case CrcValue():
             return "the CRC"
         case Parity(of, odd):
-            other = placed.field(of)
-            where = bits(other.high, other.low) if other is not None else of
-            return f"{'odd' if odd else 'even'} parity of {where}"
+            others = ((name, placed.field(name)) for name in of)
+            where = [bits(other.high, other.low) if other is not None else name for name, other in others]
+            return f"{'odd' if odd else 'even'} parity of {listed(where)}"
         case Text():
             return "a character"
         case _:

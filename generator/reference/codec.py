@@ -186,7 +186,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         if isinstance(item.field.kind, Parity):
             expected = parity_bit(placed, item.field.kind, number)
             if raw != expected:
-                wrong = fault.parity(item.name, f"{raw}", item.field.kind.of, f"{expected}")
+                wrong = fault.parity(item.name, f"{raw}", ", ".join(item.field.kind.of), f"{expected}")
                 problems.append(Problem(Fault.CONSTANT, item.name, wrong))
         elif item.name == placed.layout.selector and raw not in placed.layout.selects:
             problems.append(Problem(Fault.RANGE, item.name, fault.of_other_frame(item.name, f"{raw:X}")))
@@ -234,8 +234,8 @@ def _documented(item: PlacedField) -> int:
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """The parity bit that belongs to the other bits of ``number``."""
-    of = placed.field(parity.of)
-    ones = (number >> of.low & of.mask).bit_count() if of is not None else 0
+    fields = (placed.field(name) for name in parity.of)
+    ones = sum((number >> of.low & of.mask).bit_count() for of in fields if of is not None)
     return (ones + parity.odd) & 1
 
 

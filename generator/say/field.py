@@ -79,7 +79,7 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
         case CrcValue(crc):
             yield said("CRC ", Ref("crc", crc, crc), " over everything before it")
         case Parity(of, odd):
-            yield said("Odd" if odd else "Even", " parity of ", Code(of))
+            yield said("Odd" if odd else "Even", " parity of ", *parted((Code(name),) for name in of))
         case Decimal(runs):
             yield said("Decimal digits, most significant first: ", *parted(map(_run, runs)))
         case Text():

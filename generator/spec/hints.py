@@ -17,6 +17,10 @@ _UNITS = {
     "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6), "mm": ("m", -3), "cm": ("m", -2), "m": ("m", 0),
     "mv": ("v", -3), "v": ("v", 0),
 }  # fmt: skip
+#: What to write if a value does not fit the only unit there is.
+_INSTEAD = {
+    "step_um": ": leave 'measurement' out and state the step as a characteristic; positions are then counts",
+}
 _WORDS = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
 
 _HEX = re.compile(r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#|&[hH])(?P<prefixed>[0-9A-Fa-f]+))")
@@ -86,11 +90,13 @@ def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
         return ""
     wanted = _word(others[right])
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        return f"; the unit is {wanted}: write '{right}'"
+        or_else = f". If that is not a whole number{_INSTEAD[right]}" if right in _INSTEAD else ""
+        return f"; the unit is {wanted}: write '{right}'{or_else}"
     # By its shortest decimal form: 0.05 is five hundredths here, not the binary fraction next to it.
     converted = _converted(Fraction(str(value)), unit.lower(), others[right])
     if converted is None:
-        return f"; there is only '{right}', and {value} {_word(unit.lower())} are no whole number of {wanted}"
+        shown = f"{value} {_word(unit.lower())}"
+        return f"; there is only '{right}', and {shown} is not a whole number of {wanted}{_INSTEAD.get(right, '')}"
     return f"; write '{right}: {converted}', in {wanted}"
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.model.by_hand import steps_of
 from codewheel.targets import Library
+from codewheel.targets.docs.bites import all_values
 
 Files = Mapping[str, str]
 
@@ -59,6 +60,10 @@ def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files)
         for item in device.errata:
             heads = [name for name, page in pages.items() if f" (`{item.name}`)\n" in page and device.name in name]
             assert heads == [f"docs/{device.name}/errata.md"]
+
+
+def test_no_heading_without_errata() -> None:
+    assert all_values([]) == {"standings": []}
 
 
 def test_open_errata_of_all_families_come_first(library: Library, pages: Files) -> None:

@@ -46,8 +46,9 @@ def verilated(folder: Path) -> Path:
     include = Path(root.stdout.strip()) / "include"
     made = []
     for top in ("biss_master", "biss_slave"):
-        command = [program, "--cc", "-Wall", "-O3", "--language", "1364-2001", "-y", str(SOURCES), "--top-module", top]
-        subprocess.run([*command, "--Mdir", str(folder / top), f"{SOURCES / top}.v"], check=True)
+        command = [program, "--cc", "-Wall", "-O3", "--language", "1364-2001", "-y", ".", "--top-module", top]
+        # Verilator does not take the name of a module from a path with a blank.
+        subprocess.run([*command, "--Mdir", str(folder / top), f"{top}.v"], cwd=SOURCES, check=True)
         made += sorted(map(str, (folder / top).glob("*.cpp")))
     sources = [
         str(SOURCES / "bench.cpp"),

@@ -46,7 +46,7 @@ class Struct:
             if not isinstance(check, AlwaysIs) or self.codec.by_word:
                 found[check.field.name] = check.bits
             if isinstance(check, ParityIs):
-                found[check.of.name] = check.of_bits
+                found |= {of.name: bits for of, bits in zip(check.of, check.of_bits, strict=True)}
         return found
 
     @property

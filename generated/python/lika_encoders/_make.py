@@ -217,8 +217,10 @@ def _put_unused(limbs: list[Any], given: Mapping[str, Any], shape: Shape, refuse
 
 
 def _parity(chunk: Chunk, check: Check) -> Any:
-    low, width = check.parity_of or (0, 0)
-    found, shift = chunk.take(low, width).astype(np.uint64), 1 << max(width - 1, 0).bit_length() >> 1
+    found: Any = np.uint64(0)
+    for low, width in check.parity_of:
+        found = found ^ chunk.take(low, width).astype(np.uint64)
+    shift = 1 << max(max(width for _, width in check.parity_of) - 1, 0).bit_length() >> 1
     while shift:
         found = found ^ found >> np.uint64(shift)
         shift >>= 1
@@ -230,7 +232,7 @@ def _check_values(limbs: list[Any], given: Mapping[str, Any], shape: Shape, refu
     by_place = {(item.low, item.width): item for item in shape.columns}
     for check in shape.checks:
         item = by_place.get((check.low, check.width))
-        if item is None or check.parity_of is not None:
+        if item is None or check.parity_of:
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)
         if check.limit is not None:

@@ -272,8 +272,11 @@ def _short(rows: Any, kind: str, is_little: bool) -> Any:
 
 def _holds(chunk: Chunk, item: Check) -> Any:
     bits = chunk.take(item.low, item.width)
-    if item.parity_of is not None:
-        of, width = chunk.take(*item.parity_of), item.parity_of[1]
+    if item.parity_of:
+        # The parity of several fields is that of their bits added without carry.
+        parts = [chunk.take(*place) for place in item.parity_of]
+        of = parts[0] if len(parts) == 1 else np.bitwise_xor.reduce([part.astype(np.uint64) for part in parts])
+        width = max(width for _, width in item.parity_of)
         kind, shift = of.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
         while shift:
             of = of ^ of >> kind(shift)

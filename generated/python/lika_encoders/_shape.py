@@ -30,7 +30,7 @@ class Column(NamedTuple):
 class Check(NamedTuple):
     """What has to hold of ``width`` bits from ``low`` up.
 
-    They are ``values``, or at most ``limit``, or where ``parity_of`` says which bits, their parity; ``odd`` turns it.
+    They are ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``. ``odd`` inverts it.
     """
 
     low: int
@@ -38,7 +38,7 @@ class Check(NamedTuple):
     fault: Fault
     values: tuple[int, ...] = ()
     limit: int | None = None
-    parity_of: tuple[int, int] | None = None
+    parity_of: tuple[tuple[int, int], ...] = ()
     odd: bool = False
 
 
@@ -224,9 +224,9 @@ def sound(shape: Shape) -> Sound:
     left: list[Check] = []
     by_byte: dict[int, list[Check]] = {}
     for item in shape.checks:
-        if not item.width and item.parity_of is None and holds(0, item):
+        if not item.width and not item.parity_of and holds(0, item):
             continue
-        bits = [item, Check(*item.parity_of, item.fault)] if item.parity_of is not None else [item]
+        bits = [item, *(Check(low, width, item.fault) for low, width in item.parity_of)]
         places = {at // 8 for of in bits for at in (of.low, of.low + max(of.width, 1) - 1)}
         plain = [value for value in item.values if not value >> item.width]
         if len(places) == 1:
@@ -257,7 +257,7 @@ def sound(shape: Shape) -> Sound:
 def holds(number: int, item: Check) -> bool:
     """Whether what has to hold does so of one frame."""
     bits = number >> item.low & (1 << item.width) - 1
-    if item.parity_of is not None:
-        low, width = item.parity_of
-        return bits == (number >> low & (1 << width) - 1).bit_count() & 1 ^ item.odd
+    if item.parity_of:
+        ones = sum((number >> low & (1 << width) - 1).bit_count() for low, width in item.parity_of)
+        return bits == ones & 1 ^ item.odd
     return bits <= item.limit if item.limit is not None else bits in item.values

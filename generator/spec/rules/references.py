@@ -85,11 +85,12 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     known = _Names(raw, report)
     for fields in field_lists(spec):
         names = list(field_names(fields, known.groups))
+        joins, gray, here = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
         for path, field in fields:
             known.refer_by("use", path, field, "field group")
             known.refer_by("crc", path, field, "CRC")
             siblings = [name for name in names if name != field.get("name")]
-            known.refer_by("parity_of", path, field, "other field", siblings)
+            known.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
             if (
                 "values_of" in field
                 and fields.kind is not Has.GROUP
@@ -101,7 +102,6 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add("undefined-reference", (*path, "values_of"), message)
             for index, text in enumerate(field.get("explained_by", ())):
                 known.refer_to_bit((*path, "explained_by", index), text)
-        joins, gray, here = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
         known.refer_by("of", here, gray, "field or joined number", [*names, *joins])
         known.refer_by("when", here, gray, "parameter")
         for name in mapping(fields.owner, "when"):

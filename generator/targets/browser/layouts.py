@@ -140,7 +140,7 @@ def _sent(value: object) -> Data:
         case Fixed(fixed):
             return {"fixed": number(fixed)}
         case ParityOf(of, odd):
-            return {"parity": of.name, "odd": int(odd)}
+            return {"parity": [field.name for field in of], "odd": int(odd)}
         case Turned(documented, place):
             return {"unused": number(documented), "place": place}
         case None:
@@ -154,7 +154,6 @@ def _place(item: Place) -> list[Any]:
 
 def _check(layout: Layout, item: Condition) -> Data:
     """What has to hold; ``says`` is the sentence that is said where it does not."""
-    of = item.parity_of
     name, says, most, always = item.check.field.name, "", 0, False
     match item.check:
         case AlwaysIs():
@@ -177,8 +176,8 @@ def _check(layout: Layout, item: Condition) -> Data:
         values=[number(value) for value in item.values],
         limit=number(item.limit) if item.limit is not None else None,
         most=most,
-        of=_place(of) if of is not None else (),
-        of_name=item.check.of.name if isinstance(item.check, ParityIs) else "",
+        of=[_place(of) for of in item.parity_of],
+        of_name=", ".join(of.name for of in item.check.of) if isinstance(item.check, ParityIs) else "",
         odd=int(item.odd),
     )
 

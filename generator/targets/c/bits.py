@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ...model import Digits, Field, Piece
@@ -93,8 +93,13 @@ class Reader:
             number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
         return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
 
-    def parity(self, number: Expr, widest: int) -> Expr:
-        """Whether the count of ones in a number of so many bits is odd."""
+    def parity(self, parts: Sequence[tuple[Expr, int]]) -> Expr:
+        """Whether the count of ones in these numbers together is odd. Each comes with its largest width."""
+        widest = max(width for _, width in parts)
+        kind = unsigned(max(widest, 32))
+        (number, _), *others = parts
+        if others:
+            number = Operation("^", tuple(Cast(kind, item) for item, _ in parts))
         if widest > 32:
             number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", right(number, 32))))
         return Call(f"{self.scope.maker}_parity", (number,))

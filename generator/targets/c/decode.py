@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...model import Constant, CrcValue, Field, Text
@@ -59,7 +59,7 @@ class Decoder:
         self.plan = struct.plan
         self.reader = struct.reader
         self._plain_flags = {part.field.name for part in self.plan.parts if is_plain_flag(part)}
-        checked = {op.of.name for op in self.plan.checks if isinstance(op, ParityIs)}
+        checked = {of.name for op in self.plan.checks if isinstance(op, ParityIs) for of in op.of}
         checked |= {op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove)}
         self._only_reported = {op.field.name for op in self.plan.reserved} - checked
 
@@ -88,7 +88,7 @@ class Decoder:
         """What has to hold, in order; a parity bit of the selector comes last, since it tells of both."""
         checks = self.plan.checks
         parities = [op for op in checks if isinstance(op, ParityIs)]
-        told = {op.of.name for op in parities if op.known is not None}
+        told = {op.selector.name for op in parities if op.known is not None}
         if self.plan.by_word:
             yield from (op for op in checks if isinstance(op, AlwaysIs))
         else:
@@ -103,11 +103,16 @@ class Decoder:
         """That the selector or its parity bit is not that of this frame; a byte that holds both is looked at once."""
         assert op.known is not None
         (selected,) = self.plan.layout.selects
-        pieces = [*((piece, selected) for piece in op.of_bits.pieces), *((piece, op.known) for piece in op.bits.pieces)]
+        pieces = [
+            *((piece, selected) for piece in op.of_bits[0].pieces),
+            *((piece, op.known) for piece in op.bits.pieces),
+        ]
         byte = pieces[0][0].byte if pieces else 0
         if self.plan.by_word or any(piece.byte != byte for piece, _ in pieces):
             other = Operation("!=", (self.local(op.field), Number(op.known)))
-            other_value = self.struct.is_none_of(op.of, self.local(op.of), self.plan.layout.selects, is_raw=True)
+            other_value = self.struct.is_none_of(
+                op.selector, self.local(op.selector), self.plan.layout.selects, is_raw=True
+            )
             return joined("||", (other_value, other))
         # What else is constant in it has been looked at.
         known = next((item for item in _constant_bytes(self.plan.checks) if item.byte == byte), ByteIs(byte, 0, 0, ()))
@@ -116,8 +121,8 @@ class Decoder:
         bits = Name(f"bytes[{byte}]")
         return Operation("!=", (masked(bits, mask) if mask != 0xFF else bits, Number(value, hexadecimal=True)))
 
-    def parity(self, of: Field) -> Expr:
-        return self.reader.parity(self.local(of), of.widest)
+    def parity(self, of: Sequence[Field]) -> Expr:
+        return self.reader.parity([(self.local(field), field.widest) for field in of])
 
     # -- members
 

@@ -60,8 +60,10 @@ class Encoder:
             case Fixed(number):
                 return Number(number, hexadecimal=not isinstance(op.field.kind, Parity))
             case ParityOf(of, odd):
-                bits = self._bits_given(of)
-                ones = self.reader.parity(bits if of.widest > 32 else Cast("uint32_t", bits), of.widest)
+                parts = [(self._bits_given(field), field.widest) for field in of]
+                if len(parts) == 1 and parts[0][1] <= 32:
+                    parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
+                ones = self.reader.parity(parts)
                 return Operation("^", (ones, Number(1))) if odd else ones
             case Given(field):
                 return self._bits_given(field)

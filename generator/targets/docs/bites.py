@@ -85,8 +85,8 @@ def page_values(device: Device) -> ErrataPage:
     return {
         "device": device,
         "errata_summary": f"{len(of_manual)} places where the manual cannot be taken literally; "
-        f"{len(is_open)} of them are open: only hardware or the maker could decide. The others are settled by the "
-        "manual's own evidence or by arithmetic." + facts.changes(len(device.errata) - len(of_manual)),
+        f"{len(is_open)} of them are open: only hardware or the manufacturer could decide. The others are settled by "
+        "the manual's own evidence or by arithmetic." + facts.changes(len(device.errata) - len(of_manual)),
         "erratum_links": [
             (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])
             for standing, found in _by_standing(device.errata)
@@ -118,12 +118,11 @@ def _by_standing(found: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
-    titles = {"open": "Open: only hardware or the maker could decide", "settled": "Settled"}
-    return {
-        "standings": [
-            {"title": title, "anchor": status, "rows": list(_rows(devices, status))} for status, title in titles.items()
-        ]
-    }
+    titles = {"open": "Open: only hardware or the manufacturer could decide", "settled": "Settled"}
+    parts = [
+        {"title": title, "anchor": status, "rows": list(_rows(devices, status))} for status, title in titles.items()
+    ]
+    return {"standings": [part for part in parts if part["rows"]]}
 
 
 def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:

@@ -25,6 +25,10 @@ class Reader:
         on_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
+    def exclusive_or(self, parts: Sequence[Bits]) -> Expr:
+        """Numbers with the parity of all these bits together."""
+        return joined("^", [self.bits(bits) for bits in parts])
+
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
         return from_pieces(pieces, self.codec.length, self._byte)
 

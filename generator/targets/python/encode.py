@@ -61,7 +61,9 @@ class Maker:
             case Given(field):
                 return self._given(field)
             case ParityOf(of, odd):
-                ones = Operation(Atom(f"{self._given(of).operand}.bit_count()"), "&", number(1))
+                by_name = {item.field.name: item for item in self.codec.terms}
+                bits = joined("^", [self._value(by_name[field.name]) for field in of])
+                ones = Operation(Atom(f"{bits.operand}.bit_count()"), "&", number(1))
                 return Operation(ones, "^", number(1)) if odd else ones
             case Turned(value, place):
                 found = moved(Atom("unused"), ">>", number(place))

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from ...model import Choice, Decimal, Flag, Text
 from ...model.expressions import Expression
-from ...plan.codec import AlwaysIs, Check, IsOneOf, ParityIs, Part, ZerosAbove, parity
+from ...plan.codec import AlwaysIs, Bits, Check, IsOneOf, ParityIs, Part, ZerosAbove, parity
 from .bits import Reader
 from .codec import Coder
 from .expr import Atom, Expr, Scope, coded, mask
@@ -68,7 +68,7 @@ class Fast:
         """Whether a check looks at nothing but the first byte."""
         if not self.plan.in_bytes or self.plan.by_word or not isinstance(item, (AlwaysIs, ParityIs, IsOneOf)):
             return False
-        pieces = [*item.bits.pieces, *(item.of_bits.pieces if isinstance(item, ParityIs) else ())]
+        pieces = [*item.bits.pieces, *(piece for of in self._parity_of(item) for piece in of.pieces)]
         return bool(pieces) and all(piece.byte == 0 for piece in pieces)
 
     @cached_property
@@ -87,11 +87,15 @@ class Fast:
             case AlwaysIs(value=value):
                 return found == value
             case ParityIs(of_bits=of, odd=odd):
-                return found == parity(self._of(of.pieces, byte), odd)
+                return found == sum(parity(self._of(bits.pieces, byte), False) for bits in of) & 1 ^ odd
             case IsOneOf(values=values):
                 return found in values
             case _:
                 return True
+
+    @staticmethod
+    def _parity_of(item: Check) -> tuple[Bits, ...]:
+        return item.of_bits if isinstance(item, ParityIs) else ()
 
     @staticmethod
     def _of(pieces: object, byte: int) -> int:

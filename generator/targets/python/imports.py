@@ -141,9 +141,9 @@ def _of_operations(coder: Coder) -> Iterator[str]:
         yield _if(isinstance(part.field.kind, Choice) and not coder.selects(part.field), "choice")
         yield _if(part.field.number.signed, "signed")
     for term in coder.plan.terms:
-        of = term.value.of if isinstance(term.value, ParityOf) else term.field
-        yield _if(isinstance(of.kind, Decimal), "index")
-        yield _if(isinstance(of.kind, Text), "text_number")
+        for of in term.value.of if isinstance(term.value, ParityOf) else (term.field,):
+            yield _if(isinstance(of.kind, Decimal), "index")
+            yield _if(isinstance(of.kind, Text), "text_number")
 
 
 def _of_joins(coder: Coder) -> Iterator[str]:

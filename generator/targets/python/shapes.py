@@ -70,21 +70,22 @@ class Shape:
             )
 
     def _check(self, item: Condition) -> Call:
-        of = item.parity_of
         return record(
             "Check",
             {**self._at(item.place), "fault": Member("Fault", item.check.fault.name)},
             values=item.values,
             limit=item.limit,
-            parity_of=(self._code(of.low), self._code(of.width)) if of is not None else None,
+            parity_of=self._places(item.parity_of),
             odd=item.odd or None,
         )
 
     def _parities(self) -> Iterator[Call]:
         for place, of, odd in parities(self.plan):
-            bits = (self._code(of.low), self._code(of.width))
             fault = Member("Fault", "CONSTANT")
-            yield record("Check", {**self._at(place), "fault": fault}, parity_of=bits, odd=odd or None)
+            yield record("Check", {**self._at(place), "fault": fault}, parity_of=self._places(of), odd=odd or None)
+
+    def _places(self, places: tuple[Place, ...]) -> tuple[tuple[Code, Code], ...]:
+        return tuple((self._code(of.low), self._code(of.width)) for of in places)
 
     def _speaks(self, item: Worth) -> Call | Sometimes:
         names = self.coder.names

@@ -85,11 +85,11 @@ def shape_of_data_request() -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
         ),
         fixed=0x2 << 0,
     )
@@ -108,7 +108,7 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=Fault.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(6,)),
         ),
@@ -135,7 +135,7 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=Fault.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(13,)),
         ),
@@ -169,7 +169,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
@@ -179,7 +179,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             Check(low=3, width=4, fault=Fault.RANGE, values=(0, 7, 8, 12)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
@@ -223,7 +223,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.multiturn_bits + 16,
                 width=24 - variant.multiturn_bits,
@@ -274,7 +274,7 @@ def shape_of_encoder_id_reply() -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(2,)),
         ),
         tells=(
@@ -324,7 +324,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
@@ -395,7 +395,7 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(6,)),
         ),
         tells=(
@@ -426,7 +426,7 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(13,)),
         ),
         tells=(

@@ -91,11 +91,11 @@ def shape_of_data_request() -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(4, 5, 10, 11, 15)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
         ),
         fixed=0x2 << 0,
     )
@@ -128,7 +128,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
@@ -138,7 +138,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Check(low=3, width=4, fault=Fault.RANGE, values=(4, 11, 15)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_error"),
@@ -199,7 +199,7 @@ def shape_of_wide_position_reply() -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(5,)),
         ),
         speaks=(
@@ -253,7 +253,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
+            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
