@@ -52,8 +52,8 @@ def makes(field):  # the manual does not explain a flag for order codes in which
 # The most severe verdict decides. A flag that sums up others is silent while one of these is active.
 worth = {makes(item) for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
 flags = "d:fields/d:field[@kind='flag' and not(@makes_position='usable') and not(string(@only_while))]"
-worth.add("usable" if layout.xpath(flags, namespaces=ns) else "not_told")
-verdict = next(word for word in ("not_usable", "not_told", "usable_with_warning", "usable") if word in worth)
+worth.add("usable" if layout.xpath(flags, namespaces=ns) else "unknown")
+verdict = next(word for word in ("not_usable", "unknown", "usable_with_warning", "usable") if word in worth)
 position = {*root.xpath("//d:measurement/@of", namespaces=ns)}
 joins = root.xpath("//d:layout[@interface=$kind]/d:join/d:join", namespaces=ns, kind=layout.get("interface"))
 position |= {part for join in joins if join.get("name") in position for part in join.get("fields").split()}

@@ -15,13 +15,13 @@ UNEXPLAINED = "the manual does not say what this bit means for this order code"
 class Verdict(Enum):
     """Worth of the position of a valid frame, from worst to best.
 
-    NOT_TOLD: no flag of the frame says anything about it.
+    UNKNOWN: no flag of the frame says anything about it.
     C and the Python columns number the verdicts in this order. The most severe one decides, so that a warning never
     makes a position better than no information does.
     """
 
     NOT_USABLE = "not_usable"
-    NOT_TOLD = "not_told"
+    UNKNOWN = "unknown"
     USABLE_WITH_WARNING = "usable_with_warning"
     USABLE = "usable"
 

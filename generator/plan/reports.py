@@ -67,7 +67,7 @@ class Speaks:
 class Judgement:
     """What the position of a frame is worth: the worst that speaks decides, and ``otherwise`` if nothing speaks.
 
-    Where ``otherwise`` is NOT_TOLD, which is worse than a warning, no warning decides.
+    Where ``otherwise`` is UNKNOWN, which is worse than a warning, no warning decides.
     """
 
     not_usable: tuple[Speaks, ...]
@@ -183,7 +183,7 @@ def _judgement(codec: Codec) -> Judgement:
     flags = (part.field.kind for part in codec.parts if isinstance(part.field.kind, Flag))
     tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
-    otherwise = Verdict.USABLE if tells else Verdict.NOT_TOLD
+    otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
     return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise)
 
 

@@ -123,7 +123,7 @@ def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     speaking = {_worth(item.kind) for item in active if item.name not in silent}
     flags = (item.kind for item in layout.fields if isinstance(item.kind, Flag))
     tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
-    speaking.add(Verdict.USABLE if tells else Verdict.NOT_TOLD)
+    speaking.add(Verdict.USABLE if tells else Verdict.UNKNOWN)
     return next(verdict for verdict in Verdict if verdict in speaking)
 
 

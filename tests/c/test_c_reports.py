@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 #: Frames of each layout and order code; ``make verify-crosscheck`` has a million.
 FRAMES = 300
 VERDICTS = list(Verdict)
-NOT_USABLE, NOT_TOLD, WARNING, USABLE = range(4)
+NOT_USABLE, UNKNOWN, WARNING, USABLE = range(4)
 
 
 def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
@@ -187,7 +187,7 @@ def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every
     device = every_device["am36"]
     variant = next(item for item in device.variants if item.interface == "biss")
     placed = device.interface("biss").layouts[0].place(variant.parameters)
-    said = {0: f"{NOT_TOLD} 0", 1: f"{NOT_TOLD} 2", 2: f"{NOT_USABLE} 1", 3: f"{NOT_USABLE} 3"}
+    said = {0: f"{UNKNOWN} 0", 1: f"{UNKNOWN} 2", 2: f"{NOT_USABLE} 1", 3: f"{NOT_USABLE} 3"}
     for unused, answer in said.items():
         word = codec.encode(device, placed, {"multiturn": 1, "singleturn": 2, "unused": unused})
         assert word >> 6 & 3 == 3 - unused

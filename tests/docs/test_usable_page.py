@@ -115,8 +115,8 @@ def level(layout: Layout, name: str) -> str:
     [
         # 6.3.1 p.21: nE and nW are not used and always 1; the BiSS protocol has them 0 for error and warning.
         ("am36", "single_cycle_data", "error", "0", "not_usable"),
-        ("am36", "single_cycle_data", "warning", "0", "not_told"),
-        ("am36", "single_cycle_data", "none of these", "", "not_told"),
+        ("am36", "single_cycle_data", "warning", "0", "unknown"),
+        ("am36", "single_cycle_data", "none of these", "", "unknown"),
         # 7.3.2 p.42: EE_1 stands for four, which are in ALMC of data ID 3 alone.
         ("amm5", "singleturn_reply", "status_other_error", "1", "not_usable"),
         (
@@ -129,7 +129,7 @@ def level(layout: Layout, name: str) -> str:
         ("amm5", "complete_reply", "busy", "1", "not_usable"),
         ("amm5", "complete_reply", "battery_alarm", "1", "usable_with_warning"),
         ("amm5", "complete_reply", "alarm_zero_3_4", "not 0", "usable_with_warning"),
-        ("amm5", "ssi_word", "nothing", "", "not_told"),
+        ("amm5", "ssi_word", "nothing", "", "unknown"),
         # 5.4 p.22: the error bit of SSI is 0 while there is an error.
         ("sma21", "ssi_word", "error", "0", "not_usable"),
         ("sma21", "wide_position_reply", "status_alarm", "1", "usable_with_warning"),

@@ -187,8 +187,8 @@ def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: li
 @pytest.mark.parametrize(
     ("arguments", "reported", "verdict"),
     [
-        (("AMM5A17/1BG1", "0b" + "0" * 17), [], "not_told"),
-        (("AM3616/4096-I7", "0b" + "0" * 36 + "11" + CRCS["11"]), [], "not_told"),  # its nE and nW are always 1
+        (("AMM5A17/1BG1", "0b" + "0" * 17), [], "unknown"),
+        (("AM3616/4096-I7", "0b" + "0" * 36 + "11" + CRCS["11"]), [], "unknown"),  # its nE and nW are always 1
         (("AMM5A23/65KJP1", reply(0x92, 0x20, 0x23)), ["status_other_error"], None),  # the encoder ID, no position
         (("AMM5A23/65KJP1", *AS_PRINTED, reply(0xEA, 0x03, 0x00)), ["mem_busy"], None),
         (("AMM5A23/65KJP1", *AS_T_FORMAT, reply(0xEA, 0x81, 0x00)), ["mem_busy"], None),
@@ -208,7 +208,7 @@ def test_where_there_is_no_verdict(
 
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
-        "no fault; this frame carries no CRC; nothing in this frame tells whether the position is usable"
+        "no fault; this frame carries no CRC; no bit of this frame says whether the position is usable"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
@@ -238,10 +238,10 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
 @pytest.mark.parametrize(
     ("status", "reported", "verdict", "unused"),
     [
-        ("11", [], "not_told", 0),
+        ("11", [], "unknown", 0),
         ("01", ["error"], "not_usable", 2),
         # A warning does not make a position better that nothing is known of.
-        ("10", ["warning"], "not_told", 1),
+        ("10", ["warning"], "unknown", 1),
         ("00", ["error", "warning"], "not_usable", 3),
     ],
 )

@@ -23,7 +23,7 @@ from codewheel.targets.python.context import Context
 
 #: The manual's only reply to data ID 5, with a bit in SF that the manual has at 0 (7.3.4).
 DATA_ID_5 = bytes.fromhex("2A 02 DA 04 00 43 25 00 90")
-WORDS = ["not_usable", "not_told", "usable_with_warning", "usable"]
+WORDS = ["not_usable", "unknown", "usable_with_warning", "usable"]
 
 
 @pytest.fixture(scope="session")
@@ -101,11 +101,11 @@ def carried(placed: PlacedLayout, number: int) -> Any:
         ("AMM5A21/65KJP1", {"unused": 0x800}, "usable_with_warning", ["alarm_zero_3_4"]),
         ("AMM5A21/65KJP1", {"unused": 0x1C1}, "usable_with_warning", ["status_info", "status_zero", "alarm_zero_0"]),
         # Bits that stand for error and warning in the BiSS protocol, and that this encoder does not use: 6.3.1 p.21.
-        ("AM3616/4096-I7", {}, "not_told", []),
-        ("AM3616/4096-I7", {"unused": 1}, "not_told", ["warning"]),
+        ("AM3616/4096-I7", {}, "unknown", []),
+        ("AM3616/4096-I7", {"unused": 1}, "unknown", ["warning"]),
         ("AM3616/4096-I7", {"unused": 2}, "not_usable", ["error"]),
         # SSI words of the position alone, and with an error bit: 5.4 p.22.
-        ("AMM5A21/65KBG1", {}, "not_told", []),
+        ("AMM5A21/65KBG1", {}, "unknown", []),
         ("SMA21-BG1-0050", {}, "usable", []),
         ("SMA21-BG1-0050", {"error": True}, "not_usable", ["error"]),
     ],

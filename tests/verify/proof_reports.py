@@ -33,7 +33,7 @@ def _speaking(codec: Codec) -> Iterator[tuple[Field, Verdict | None]]:
 
 def _verdict(codec: Codec) -> str:
     by_name = {item.name: item for item, _ in _speaking(codec)}
-    text = str(list(Verdict).index(Verdict.NOT_TOLD))
+    text = str(list(Verdict).index(Verdict.UNKNOWN))
     flags = [item.kind for item in codec.layout.fields if isinstance(item.kind, Flag)]
     tells = any(kind.makes_position is not Verdict.USABLE and not kind.only for kind in flags)
     if tells:

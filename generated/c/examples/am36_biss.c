@@ -106,7 +106,7 @@ static lika_result show_frame(void)
     /* By lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
-        "nothing in this frame tells whether the position is usable",
+        "no bit of this frame says whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };

@@ -54,7 +54,7 @@ class Verdict(Enum):
 
     NOT_USABLE = "not_usable"
     """It is wrong, frozen, 0 or in doubt."""
-    NOT_TOLD = "not_told"
+    UNKNOWN = "unknown"
     """Nothing in the frame tells."""
     USABLE_WITH_WARNING = "usable_with_warning"
     """It can be used, but something wants attention."""

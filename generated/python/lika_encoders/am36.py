@@ -641,7 +641,7 @@ class SsiWord(NamedTuple):
     @property
     def verdict(self) -> Verdict:
         """Nothing in this frame tells what the position is worth."""
-        return Verdict.NOT_TOLD
+        return Verdict.UNKNOWN
 
     @property
     def usable_position(self) -> int | None:
@@ -825,7 +825,7 @@ class SingleCycleData(NamedTuple):
         """What the position is worth: look at it before you use the position."""
         if self.unused & 0x2:
             return Verdict.NOT_USABLE
-        return Verdict.NOT_TOLD
+        return Verdict.UNKNOWN
 
     @property
     def usable_position(self) -> int | None:

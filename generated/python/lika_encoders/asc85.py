@@ -548,7 +548,7 @@ class SsiWord(NamedTuple):
     @property
     def verdict(self) -> Verdict:
         """Nothing in this frame tells what the position is worth."""
-        return Verdict.NOT_TOLD
+        return Verdict.UNKNOWN
 
     @property
     def usable_position(self) -> int | None:

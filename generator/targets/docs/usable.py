@@ -58,7 +58,7 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
     """What speaks in a frame, the worst first."""
     speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
     order = [item.name for item in layout.fields]
-    if judgement.otherwise is Verdict.NOT_TOLD:
+    if judgement.otherwise is Verdict.UNKNOWN:
         # With a warning no more is known of the position than without.
         speaking += [
             (judgement.otherwise, item, None) for item in layout.fields if _is(item, Verdict.USABLE_WITH_WARNING)

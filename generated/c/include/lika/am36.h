@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x382F9713U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x324445BCU)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -596,14 +596,14 @@ static inline lika_result lika_am36_ssi_word_encode(
     return LIKA_OK;
 }
 
-/** What the position is worth: nothing in this frame tells. */
+/** What the position is worth: no bit of this frame says. */
 LIKA_NODISCARD
 static inline lika_verdict lika_am36_ssi_word_verdict(
     const lika_am36_variant *variant, const lika_am36_ssi_word *frame)
 {
     (void)variant;
     (void)frame;
-    return LIKA_NOT_TOLD;
+    return LIKA_UNKNOWN;
 }
 
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
@@ -834,7 +834,7 @@ static inline lika_verdict lika_am36_single_cycle_data_verdict(
     if ((frame->unused & 0x02U) != 0U) {
         return LIKA_NOT_USABLE;
     }
-    return LIKA_NOT_TOLD;
+    return LIKA_UNKNOWN;
 }
 
 /** What the encoder reports: a mask of bits LIKA_AM36_REPORT_. */

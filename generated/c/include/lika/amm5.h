@@ -59,7 +59,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x382F9713U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x324445BCU)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -702,14 +702,14 @@ static inline lika_result lika_amm5_ssi_word_encode(
     return LIKA_OK;
 }
 
-/** What the position is worth: nothing in this frame tells. */
+/** What the position is worth: no bit of this frame says. */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_ssi_word_verdict(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *frame)
 {
     (void)variant;
     (void)frame;
-    return LIKA_NOT_TOLD;
+    return LIKA_UNKNOWN;
 }
 
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */

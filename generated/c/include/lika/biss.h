@@ -53,7 +53,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x382F9713U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x324445BCU)
 #error "lika/biss.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 

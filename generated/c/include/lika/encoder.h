@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0x382F9713U
+#define LIKA_GENERATION 0x324445BCU
 
 #ifdef __cplusplus
 extern "C" {
@@ -71,7 +71,7 @@ typedef enum lika_result {
  */
 typedef enum lika_verdict {
     LIKA_NOT_USABLE = 0,          /**< wrong, frozen, 0 or in doubt */
-    LIKA_NOT_TOLD = 1,            /**< nothing in such frames tells */
+    LIKA_UNKNOWN = 1,             /**< no bit of such frames says */
     LIKA_USABLE_WITH_WARNING = 2, /**< it can be used, but something wants attention */
     LIKA_USABLE = 3               /**< the encoder reports nothing against it */
 } lika_verdict;

@@ -27,7 +27,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         gray=(0, variant.multiturn_bits + variant.singleturn_bits) if variant.ssi_gray else None,
         position="position",
-        otherwise=Verdict.NOT_TOLD,
+        otherwise=Verdict.UNKNOWN,
     )
 
 
@@ -68,7 +68,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         gray=(8, variant.used_multiturn_bits + variant.used_singleturn_bits) if variant.biss_gray else None,
         position="position",
-        otherwise=Verdict.NOT_TOLD,
+        otherwise=Verdict.UNKNOWN,
     )
 
 

@@ -27,7 +27,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
         position="position",
-        otherwise=Verdict.NOT_TOLD,
+        otherwise=Verdict.UNKNOWN,
     )
 
 

@@ -26,7 +26,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         gray=(0, variant.position_bits) if variant.ssi_gray else None,
         position="position",
-        otherwise=Verdict.NOT_TOLD,
+        otherwise=Verdict.UNKNOWN,
     )
 
 
