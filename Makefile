@@ -87,7 +87,7 @@ release: .venv/.installed
 	@sh .ci/release
 
 spec-page: .venv/.installed
-	@$(PY) -m codewheel.spec.language_page docs/spec-language.md
+	@$(PY) -m codewheel.language.language_page docs/spec-language.md
 
 templates-page: .venv/.installed
 	@$(PY) -m codewheel.targets.templates_page docs/templates.md

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Crc
 from codewheel.reference.crc import compute_bits
 from codewheel.targets import Library

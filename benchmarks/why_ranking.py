@@ -16,8 +16,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codewheel.build.load import load_library
 from codewheel.commands.decode import decode_text, why_text
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.reference.order_codes import UnknownOrderCode, find
 from codewheel.why.mistakes import Why

@@ -27,9 +27,9 @@ from jinja2 import (
 )
 from jinja2.bccache import Bucket
 
+from .language.problems import suggestion
 from .sandbox import Sandbox
 from .say.lines import plain, wrapped
-from .spec.problems import suggestion
 
 _SUFFIX = ".jinja"
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 
 SPECS = Path(__file__).resolve().parent / "specs"

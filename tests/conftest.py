@@ -15,8 +15,8 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.build import load
 from codewheel.commands import check, outputs
+from codewheel.loading import library as loading
 from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -78,9 +78,9 @@ def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.M
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
     """Lets commands and tests of one process read the specs of this repository once; others are read each time."""
-    families, masters = _once(load.load_families), _once(sheet.load_masters)
+    families, masters = _once(loading.load_families), _once(sheet.load_masters)
     with pytest.MonkeyPatch.context() as patch:
-        for module in (load, outputs, check):
+        for module in (loading, outputs, check):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
         yield
@@ -104,7 +104,7 @@ def _once(read: Callable[..., Any]) -> Callable[..., Any]:
 @pytest.fixture(scope="session")
 def library() -> Library:
     """Everything that ``specs/`` describes."""
-    devices, report = load.load_library([ROOT / "specs"])
+    devices, report = loading.load_library([ROOT / "specs"])
     assert not report, "\n".join(problem.format() for problem in report.problems)
     return Library(devices)
 

@@ -187,7 +187,7 @@ def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[
 
 
 def _prepare(folder: Path) -> None:
-    shutil.copy(ROOT / "generator" / "spec" / "idbiss.reconstructed.dtd", folder / "idbiss.dtd")
+    shutil.copy(ROOT / "generator" / "language" / "idbiss.reconstructed.dtd", folder / "idbiss.dtd")
     word = 0x55BCD15E2  # AMM5A21/65KSC1: 42 revolutions and 1821973 counts
     (folder / "frames.bin").write_bytes(word.to_bytes(6, "big") * 3)
     (folder / "capture.csv").write_text(f"time,word\n0,{word:#x}\n1,{word:#x}\n", encoding="utf-8")

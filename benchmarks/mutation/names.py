@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from codewheel.spec.rules.walk import items, mapping
+from codewheel.language.rules.walk import items, mapping
 
 from .places import Place
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from codewheel.spec.document import Document, Path
-from codewheel.spec.schema import load_schema
+from codewheel.language.document import Document, Path
+from codewheel.language.schema import load_schema
 
 #: Classes of facts by their keys, lists passed over; the first that fits. What stands in capitals is a key of any name.
 _CLASSES = (

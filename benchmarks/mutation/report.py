@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from codewheel.spec.second import is_second
+from codewheel.language.second_reading import is_second
 
 from .campaign import Tried
 from .effects import Effect

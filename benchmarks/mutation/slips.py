@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-from codewheel.spec.document import Document, Path
+from codewheel.language.document import Document, Path
 
 from .names import other_names
 from .places import PROSE, Place, places

@@ -9,18 +9,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from codewheel.build.alike import check_alike
-from codewheel.build.load import Family, families_of, packaged_masters, packaged_specs
 from codewheel.commands.outputs import targets_named, tell_unfit
+from codewheel.language.document import Document
+from codewheel.language.problems import Report
+from codewheel.language.read import read_specs
+from codewheel.loading.across_devices import check_alike
+from codewheel.loading.library import Family, families_of, packaged_masters, packaged_specs
 from codewheel.readings.compare import compare
 from codewheel.readings.coverage import coverage_of
 from codewheel.readings.fact import Facts
 from codewheel.readings.facts import facts_of
 from codewheel.readings.reading import Reading
 from codewheel.readings.second import Readings, Second, compare_readings, explain, read_beside, second_of, sound_specs
-from codewheel.spec.document import Document
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_specs
 
 from .effects import Effect, Outputs
 from .slips import Mutant, mutants, mutated

@@ -15,7 +15,7 @@ from codewheel.changes.rules import RULES
 from codewheel.say.markdown import code, table, text
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, DATA = ROOT / "docs" / "rules.md", ROOT / "generator" / "spec" / "rules.json"
+PAGE, DATA = ROOT / "docs" / "rules.md", ROOT / "generator" / "language" / "rules.json"
 FOLDERS = ("tests/check/broken", "tests/check/broken_model", "tests/masters/broken")
 _EXPECTED = re.compile(r"^# expect: (\d+):(\d+): ([\w-]+): (.*)$", re.MULTILINE)
 _WIDEST = 110

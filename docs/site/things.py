@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol
 
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout
 from codewheel.say.name import title, words
 from codewheel.say.place import addresses, hexadecimal
-from codewheel.targets.docs.by_code import Codes
+from codewheel.targets.docs.order_code_page import Codes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
 from sphinx.util import logging

@@ -1,4 +1,4 @@
-"""Changes as data, which ``spec/diff.schema.json`` describes."""
+"""Changes as data, which ``language/diff.schema.json`` describes."""
 
 from __future__ import annotations
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..build.history import history_beside, history_text, with_release
-from ..build.load import Family
+from ..loading.history import history_beside, history_text, with_release
+from ..loading.library import Family
 from ..model import Manual, Release, ReleasedChange
 from .change import Change
 from .told import Found, outputs

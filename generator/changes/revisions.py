@@ -18,9 +18,9 @@ from tempfile import TemporaryFile
 from threading import Event, Timer
 from typing import IO
 
-from ..spec.files import SUFFIXES
-from ..spec.problems import suggestion, visible
-from ..spec.yaml import MAX_BYTES
+from ..language.files import SUFFIXES
+from ..language.problems import suggestion, visible
+from ..language.yaml import MAX_BYTES
 
 _MOST_FILES = 1000
 #: All specs of a revision, in bytes.

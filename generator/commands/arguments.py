@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..spec.problems import suggestion
+from ..language.problems import suggestion
 from .terminal import Stop
 
 _WIDTH = 79

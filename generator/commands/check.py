@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..build.load import Family, load_families
+from ..language.problems import Report
+from ..loading.library import Family, load_families
 from ..readings.second import Readings, compare_readings, sound_specs
 from ..say.words import counted
-from ..spec.problems import Report
 from ..targets import Target
 from .editions import check_all
 from .look_up import read_line

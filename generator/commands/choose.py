@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
 
+from ..language.problems import quoted, visible
 from ..model import Alternative, Device, Layout, Variant
 from ..reference.parts import for_interface
-from ..spec.problems import quoted, visible
 from .terminal import Stop
 
 

@@ -26,7 +26,7 @@ from .explain import add_explain
 from .terminal import Stop, prepare, release
 
 if TYPE_CHECKING:
-    from ..build.load import Family
+    from ..loading.library import Family
 
 _DESCRIPTION = (
     "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."

@@ -8,14 +8,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..build.counts import RULE, counts_text
-from ..build.load import Family
+from ..language.problems import Report
+from ..language.second_reading import counts_beside
+from ..loading.library import Family
+from ..loading.reading_counts import RULE, counts_text
 from ..model import TimesRead
 from ..readings.coverage import Coverage, added, coverage_of
 from ..readings.fact import Sort
 from ..say.words import counted
-from ..spec.problems import Report
-from ..spec.second import counts_beside
 from .check import Checked, look_at
 from .editions import check_all
 from .terminal import Stop

@@ -19,10 +19,10 @@ from .arguments import Parser
 from .terminal import Stop
 
 if TYPE_CHECKING:
-    from ..build.load import Family
     from ..changes.told import Files, Found
+    from ..language.problems import Problem
+    from ..loading.library import Family
     from ..model import Device
-    from ..spec.problems import Problem
 
 _MOST_SHOWN = 3
 #: Which generated files are others, of the old devices and the new ones; None where nothing can be generated.
@@ -146,8 +146,8 @@ def _record(found: Found, after: _Side) -> Found:
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """The families of one side; of the old one those that today's language still reads."""
-    from ..build.load import load_families, sound_families
     from ..changes.revisions import RevisionError, lay_out, named
+    from ..loading.library import load_families, sound_families
 
     place = named(text)
     with ExitStack() as stack:

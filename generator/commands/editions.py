@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..build.editions import UnknownEdition, chosen
-from ..build.load import Family, in_edition, load_families
+from ..language.problems import Report
+from ..loading.editions import UnknownEdition, chosen
+from ..loading.library import Family, in_edition, load_families
 from ..model import Device
 from ..reference.editions import told_by_label, told_by_registers, without_tests
 from ..reference.order_codes import Match, UnknownOrderCode, find
-from ..spec.problems import Report
 from . import look_up
 from .terminal import Stop
 

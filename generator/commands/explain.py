@@ -52,7 +52,7 @@ def explain(name: str | None) -> str:
         Stop: No command has such a rule. The exit code is 2.
     """
     from ..changes.rules import RULES
-    from ..spec.problems import suggestion
+    from ..language.problems import suggestion
 
     examples = rules_of_check()
     if name is None:
@@ -67,7 +67,7 @@ def explain(name: str | None) -> str:
 def rules_of_check() -> dict[str, Example]:
     """Read the rules of ``check``, each with an example."""
     examples: dict[str, Example] = json.loads(
-        files("codewheel.spec").joinpath("rules.json").read_text(encoding="utf-8")
+        files("codewheel.language").joinpath("rules.json").read_text(encoding="utf-8")
     )
     return examples
 

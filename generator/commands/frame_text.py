@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import re
 
+from ..language.problems import quoted, visible
 from ..model import PlacedLayout
-from ..spec.problems import quoted, visible
 from ..why.mistakes import BitText
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)

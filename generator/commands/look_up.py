@@ -8,14 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..language.files import SUFFIXES, own_specs
 from ..say.words import counted
-from ..spec.files import SUFFIXES, own_specs
 from .terminal import Stop
 
 if TYPE_CHECKING:
+    from ..language.problems import Report
     from ..model import Device
     from ..reference.order_codes import Match
-    from ..spec.problems import Report
 
 #: From this likeness on, of 1, a code is worth naming as the nearest.
 _NEAR = 0.4
@@ -28,7 +28,7 @@ def load(paths: Sequence[Path]) -> tuple[Device, ...]:
     Raises:
         Stop: There are problems, exit code 1, or there is no such path; 2.
     """
-    from ..build.load import load_library
+    from ..loading.library import load_library
 
     refuse_missing(paths)
     devices, report = load_library(paths)
@@ -160,7 +160,7 @@ def _family(devices: Sequence[Device], text: str) -> Device | None:
 @contextmanager
 def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
     """The devices that can be used; where nothing is found, problems of the specs are the likelier reason."""
-    from ..build.load import load_sound
+    from ..loading.library import load_sound
 
     refuse_missing(specs)
     devices, report = load_sound(specs)

@@ -9,8 +9,8 @@ from importlib import resources
 from keyword import iskeyword
 from pathlib import Path
 
-from ..spec.problems import Report
-from ..spec.read import read_document
+from ..language.problems import Report
+from ..language.read import read_document
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
@@ -82,7 +82,7 @@ def _manufacturer(path: Path) -> str:
 
 
 def _schema(kind: str) -> Path:
-    return Path(str(resources.files("codewheel.spec") / f"{kind}.schema.json"))
+    return Path(str(resources.files("codewheel.language") / f"{kind}.schema.json"))
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:

@@ -7,9 +7,9 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ..build.load import Family, load_families, sound_families
+from ..language.problems import Report, listed, suggestion
+from ..loading.library import Family, load_families, sound_families
 from ..model import Device
-from ..spec.problems import Report, listed, suggestion
 from ..targets import Library, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, load_target, problems_of, target_names
 from .editions import beside

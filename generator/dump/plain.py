@@ -6,7 +6,7 @@ the manual does not give or that the kind of thing does not have is null, such a
 position or a limit of a family that depends on the order code is its expression as text, such as
 ``48 - singleturn_bits``; with an order code, everything is resolved.
 
-The shape is described by ``spec/show.schema.json``.
+The shape is described by ``language/show.schema.json``.
 """
 
 from __future__ import annotations

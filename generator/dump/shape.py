@@ -1,4 +1,4 @@
-"""The shape of the plain data, by ``spec/show.schema.json``: which members an object has, and how each is written."""
+"""The shape of the plain data by ``language/show.schema.json``: the members of an object, and how each is written."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
 
-from ..spec.schema import load_schema
+from ..language.schema import load_schema
 
 Shape = Mapping[str, Any]
 

@@ -1,6 +1,6 @@
 """The plain data of a device as XML and back, and the XML Schema for it.
 
-There is one definition of the shape, ``spec/show.schema.json``; the XML has the same members under the same names. How
+There is one definition of the shape, ``language/show.schema.json``; the XML has the same members and names. How
 each is written follows from its place in that schema:
 
 * an object is an element; a list of objects is an element that holds one element for each, named after its type;

@@ -1,7 +1,7 @@
 """The XML Schema of the device description, made from the JSON Schema of the same data.
 
 ``python -m codewheel.dump.xsd`` prints it; with a path it writes it there. It is kept as
-``generator/spec/device-description.xsd``.
+``generator/language/device-description.xsd``.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ powers of two and products of these,
 such as 48 - singleturn_bits; each order_code gives the value of every parameter.
 What is left out has the default of this schema, or else is not said by the manual or does not apply. \
 A source element cites the manual; what has none has those of the element around it.
-This file is made from show.schema.json by: python -m codewheel.dump.xsd generator/spec/device-description.xsd"""
+This file is made from show.schema.json by: python -m codewheel.dump.xsd generator/language/device-description.xsd"""
 _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 
 def schema_text() -> str:
     """The schema as ``spec/device-description.xsd`` holds it."""
-    return (resources.files("codewheel.spec") / XSD_NAME).read_text(encoding="utf-8")
+    return (resources.files("codewheel.language") / XSD_NAME).read_text(encoding="utf-8")
 
 
 def make() -> str:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from ..language.master_items import NUMBERS
 from ..model import (
     Alternative,
     Biss,
@@ -32,7 +33,6 @@ from ..reference.parameters import needed_parameters
 from ..reference.run_time import decided
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
-from ..spec.master_items import NUMBERS
 from .cable import CableRow, CableTable, cable_table
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})

@@ -1,7 +1,7 @@
 """Masters: descriptions of what a BiSS or SSI master has to be told, and what one of them is told about one order code.
 
 A description is a file of ``specs/masters``; it holds everything about a master, this module nothing.
-See ``spec/master.schema.json``.
+See ``language/master.schema.json``.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..build.load import packaged_masters
+from ..language.check import check_document
+from ..language.master_items import NUMBERS
+from ..language.problems import Report, listed
+from ..language.read import read_specs
+from ..loading.library import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
 from ..say.words import hertz
-from ..spec.check import check_document
-from ..spec.master_items import NUMBERS
-from ..spec.problems import Report, listed
-from ..spec.read import read_specs
 from .record import Part, Record
 from .writing import Writing, writing_of
 

@@ -227,7 +227,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
 
 
 def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
-    """The same as plain data; the shape is described by ``spec/master_settings.schema.json``."""
+    """The same as plain data; the shape is described by ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
         "order_code": record.code,

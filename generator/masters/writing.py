@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..spec.problems import listed
+from ..language.problems import listed
 
 Raw = Mapping[str, Any]
 

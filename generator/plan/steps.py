@@ -26,7 +26,7 @@ from ..model import (
     WriteStep,
     assert_never,
 )
-from .closing import closing_steps
+from .closing_steps import closing_steps
 from .codec import allowed_values, codec_of
 from .limits import Limits, limited_member, limits_of
 from .refusals import NotOneOf, TooWide

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..language.problems import Path
 from ..model import Alarm, Connector, Input
-from ..spec.problems import Path
 from .fact import Fact, Key, Sort
 from .printed import plain, printed_names
 from .procedures import programs

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from ..language.problems import Path
+from ..language.rules.parameters import kind_of_unit
 from ..model import Choice, Crc, CrcValue, Decimal, Field, Flag, Number, PlacedField, Register, Unused
 from ..model.expressions import Expression
-from ..spec.problems import Path
-from ..spec.rules.parameters import kind_of_unit
 from .fact import Aspect, Key, Name, Names, Sort
 from .printed import printed_names
 from .reading import Parameters, Reading, as_delivered, bits, in_hex, over

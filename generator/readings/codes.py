@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..language.problems import Path
+from ..language.rules.parameters import kind_of_unit
 from ..model import Interface, Measurement, Parameter
 from ..model.expressions import Expression
 from ..reference.order_codes import spelled
-from ..spec.problems import Path
-from ..spec.rules.parameters import kind_of_unit
 from .fact import Fact, Facts, Key, Name, Sort
 from .reading import Reading, bits, short
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from ..spec.problems import Path
+from ..language.problems import Path
 from .fact import NOTHING, Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .naming import are_settled, mistaken
 from .printed import same_name

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from ..language.document import Document
+from ..language.problems import Path
 from ..model import TimesRead
-from ..spec.document import Document
-from ..spec.problems import Path
 from .compare import Comparison, Read
 from .fact import Sort
 from .second import Readings

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from ..spec.problems import Path
+from ..language.problems import Path
 
 #: The value of what a reading does not have.
 NOTHING = "nothing"

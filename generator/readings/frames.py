@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..language.problems import Path
 from ..model import Biss, ControlField, Interface, Layout, Rs485, Ssi, Timeout, Timing
-from ..spec.problems import Path
 from .aspects import Aspects, crc_aspects
 from .fact import Fact, Facts, Key, Name, Sort
 from .printed import plain, printed_names

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..language.problems import Path
 from ..model import (
     ModifyStep,
     PollStep,
@@ -16,7 +17,6 @@ from ..model import (
     WriteStep,
     assert_never,
 )
-from ..spec.problems import Path
 from .fact import Fact, Key, Sort
 from .reading import Reading, at, in_hex, over
 

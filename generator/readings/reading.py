@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..language.document import Document
+from ..language.problems import Path
 from ..model import INTERFACES, Device, Field, Layout, Parameter, Register
 from ..model.expressions import Expression
 from ..reference.run_time import resolve_parameters
-from ..spec.document import Document
-from ..spec.problems import Path
 from .fact import Case, Key
 
 Parameters = Mapping[str, int]

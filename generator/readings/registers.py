@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from ..language.problems import Path
 from ..model import Choice, Register
 from ..model.expressions import Expression
 from ..reference.limits import bounded, bounds
-from ..spec.problems import Path
 from .aspects import Aspects
 from .fact import NOTHING, Fact, Facts, Key, Name, Sort, Value
 from .printed import printed_names

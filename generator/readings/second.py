@@ -6,14 +6,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as File
 
-from ..build.device import build_device
-from ..build.load import Family
+from ..language.check import check_second
+from ..language.document import Document
+from ..language.problems import Path, Report, quoted
+from ..language.read import read_document
+from ..language.second_reading import beside
+from ..loading.device import build_device
+from ..loading.library import Family
 from ..model import Manufacturer
-from ..spec.check import check_second
-from ..spec.document import Document
-from ..spec.problems import Path, Report, quoted
-from ..spec.read import read_document
-from ..spec.second import beside
 from .compare import Comparison, Disagreement, Read, compare
 from .fact import Facts, Sort
 from .facts import facts_of

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..language.problems import Path, listed
 from ..model import (
     Choice,
     Constant,
@@ -20,7 +21,6 @@ from ..model import (
     Unused,
     assert_never,
 )
-from ..spec.problems import Path, listed
 from .aspects import Aspects
 from .fact import Bit, Case, Key, Names, Placed, Word
 from .reading import Parameters, Reading, bits

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+from ..language.problems import Path as Place
 from ..model import Biss, Device, Manufacturer
 from ..render import Templates
-from ..spec.problems import Path as Place
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 

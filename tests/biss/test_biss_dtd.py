@@ -20,7 +20,7 @@ NAME = "biss/idbiss4C69.xml"
 
 @pytest.fixture(scope="module")
 def ours() -> bytes:
-    return (resources.files("codewheel.spec") / "idbiss.reconstructed.dtd").read_bytes()
+    return (resources.files("codewheel.language") / "idbiss.reconstructed.dtd").read_bytes()
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import from_xml, read_xml
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.biss.files import ascii_only, ascii_text, comment, generate
@@ -34,7 +34,7 @@ PROVEN = {
 
 
 def dtd() -> etree.DTD:
-    with (resources.files("codewheel.spec") / "idbiss.reconstructed.dtd").open("rb") as file:
+    with (resources.files("codewheel.language") / "idbiss.reconstructed.dtd").open("rb") as file:
         return etree.DTD(file)
 
 

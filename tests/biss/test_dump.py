@@ -10,17 +10,17 @@ from typing import Any
 
 import jsonschema
 import pytest
-from codewheel.build.record import parse_sources
 from codewheel.commands.decode import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
+from codewheel.language.second_reading import is_second
+from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError
 from codewheel.reference.codec import decode_bytes
 from codewheel.reference.findings import findings
 from codewheel.reference.order_codes import find
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
-from codewheel.spec.second import is_second
 
 # Holds all families against the schemas of data, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow
@@ -29,7 +29,7 @@ SPECS = Path(__file__).parents[2] / "specs"
 
 
 def validator(name: str) -> Any:
-    schema = json.loads((resources.files("codewheel.spec") / name).read_text(encoding="utf-8"))
+    schema = json.loads((resources.files("codewheel.language") / name).read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case, cases, compared
-from codewheel.build.load import load_library
 from codewheel.commands.frame_text import FrameTextError, checked, frame_bytes, frame_number
+from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text
 from codewheel.reference import codec
 from codewheel.reference.limits import bounded, bounds

@@ -28,7 +28,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Device, Text
 from codewheel.targets import Library
 from codewheel.targets.c.codec import StructCodec

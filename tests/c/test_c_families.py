@@ -8,7 +8,7 @@ from typing import Literal
 
 import pytest
 from c_harness import Run, functions
-from codewheel.build.examples import decode_example, example_variant
+from codewheel.loading.examples import decode_example, example_variant
 from codewheel.model import (
     CrcExample,
     Device,

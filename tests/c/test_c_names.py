@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 from c_harness import FAMILIES, write
-from codewheel.build.load import load_library
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.device import DeviceView

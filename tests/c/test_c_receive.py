@@ -17,7 +17,7 @@ import pytest
 from biss_line import ssi_only
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
 from codewheel.model import Alternative, Answer, Device
-from codewheel.plan.received import Received, longest_reply, received
+from codewheel.plan.receive_lengths import Received, longest_reply, received
 from codewheel.targets import Library, TargetError
 from codewheel.targets.c.files import generate
 

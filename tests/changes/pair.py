@@ -8,10 +8,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TypedDict
 
-from codewheel.build.load import load_library
 from codewheel.changes.text import as_text
 from codewheel.changes.told import Found
 from codewheel.changes.walk import compare
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 
 BASE = Path(__file__).parent / "base"

@@ -18,7 +18,7 @@ from jsonschema import Draft202012Validator
 from pair import BASE
 
 ROOT = Path(__file__).resolve().parents[2]
-SCHEMA = json.loads((ROOT / "generator" / "spec" / "diff.schema.json").read_text(encoding="utf-8"))
+SCHEMA = json.loads((ROOT / "generator" / "language" / "diff.schema.json").read_text(encoding="utf-8"))
 Git = Callable[..., str]
 #: They start git.
 pytestmark = pytest.mark.slow

@@ -8,10 +8,10 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.changes.impact import Impact
 from codewheel.changes.version import due
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from codewheel.targets.c.files import TARGET
 from codewheel.targets.c.generation import generation

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pathlib
 
 import pytest
-from codewheel.spec.check import check_document
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
+from codewheel.language.check import check_document
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
 
 HERE = pathlib.Path(__file__).parent
 BROKEN = sorted((HERE / "broken").glob("*.yaml"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from codewheel.spec.problems import Problem, Report, listed, quoted, suggestion
+from codewheel.language.problems import Problem, Report, listed, quoted, suggestion
 
 
 def problem(text: str, column: int, *, file: str = "a.yaml", message: str = "wrong", path: str = "") -> Problem:

@@ -7,9 +7,9 @@ import pathlib
 import time
 
 import pytest
-from codewheel.spec.document import Document
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document, read_specs
+from codewheel.language.document import Document
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document, read_specs
 
 
 def read(folder: pathlib.Path, content: str | bytes) -> tuple[Document | None, list[str]]:

@@ -10,15 +10,15 @@ from typing import Any
 
 import pytest
 import yaml
-from codewheel.build.device import build_device
+from codewheel.language.check import check_document
+from codewheel.language.document import Document
+from codewheel.language.messages import KEYWORDS, PATTERNS, explain
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
+from codewheel.language.schema import MAX_PROBLEMS, check_schema, load_schema
+from codewheel.language.second_reading import is_second
+from codewheel.loading.device import build_device
 from codewheel.model import Manufacturer
-from codewheel.spec.check import check_document
-from codewheel.spec.document import Document
-from codewheel.spec.messages import KEYWORDS, PATTERNS, explain
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
-from codewheel.spec.schema import MAX_PROBLEMS, check_schema, load_schema
-from codewheel.spec.second import is_second
 from jsonschema import Draft202012Validator
 
 MAKER = Manufacturer("acme", "Acme", None, "acme_encoders", "0.0.0", ())
@@ -105,7 +105,7 @@ def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(
         explained.append(error)
         return explain(error, kind)
 
-    monkeypatch.setattr("codewheel.spec.schema.explain", counted)
+    monkeypatch.setattr("codewheel.language.schema.explain", counted)
     found, report = document(
         tmp_path, MINIMAL.read_text() + "".join(f"  - {{name: r{index}, adress: {index}}}\n" for index in range(5000))
     )

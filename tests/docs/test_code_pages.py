@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from itertools import product, zip_longest
 
 import pytest
-from codewheel.build.load import load_sound
+from codewheel.loading.library import load_sound
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.reference.applied import applied
 from codewheel.targets import Library
-from codewheel.targets.docs.by_code import TAKEN
-from codewheel.targets.docs.patterns import patterns
+from codewheel.targets.docs.order_code_page import TAKEN
+from codewheel.targets.docs.order_code_patterns import patterns
 from codewheel.targets.file_names import names_of_codes
 
 Files = Mapping[str, str]

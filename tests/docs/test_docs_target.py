@@ -10,9 +10,9 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import read_xml
+from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Rs485
 from codewheel.say.markdown import cited, code, text
 from codewheel.say.name import heading

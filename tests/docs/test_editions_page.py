@@ -10,13 +10,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from codewheel.build import load
-from codewheel.build.load import in_edition
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import from_xml
+from codewheel.language.problems import Report
+from codewheel.loading import library as loading
+from codewheel.loading.library import in_edition
 from codewheel.model import Device
-from codewheel.spec.problems import Report
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +34,7 @@ def fences(word: str) -> list[str]:
 
 
 def edition(name: str, revision: str) -> Device:
-    families, report = load.load_families([SPECS / f"{name}.yaml"])
+    families, report = loading.load_families([SPECS / f"{name}.yaml"])
     made = in_edition(families[0], revision, report)
     assert made is not None
     assert report.problems == ()
@@ -84,7 +84,7 @@ def test_the_story_is_what_the_editions_are(revision: str) -> None:
 
 def test_dates_and_changes_are_those_of_the_revision_table() -> None:
     """By the last page of the manual, in the form of the spec."""
-    families, _ = load.load_families([SPECS / "amm5.yaml"])
+    families, _ = loading.load_families([SPECS / "amm5.yaml"])
     history = {item.revision: item.date for item in families[0].device.manual.history}
     assert list(history) == [*OLD, "1.9"]
     assert {item.revision: item.date for item in families[0].device.editions} == history
@@ -432,7 +432,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
         text.replace('labels: ["{model}{singleturn}/{turns}{output}"', 'labels: ["{model}"'), encoding="utf-8"
     )
     (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
-    _, report = load.load_families([spec])
+    _, report = loading.load_families([spec])
     assert [item.message for item in report.problems] == [
         "no labels are also written as '{model}'; the order code has none such under 'also_written'"
     ]
@@ -440,7 +440,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
 
 def test_both_files_mean_the_same_by_a_change() -> None:
     """The words of a change stand in two schemas, which editors read alone."""
-    from codewheel.spec.schema import load_schema
+    from codewheel.language.schema import load_schema
 
     device, overlay = load_schema("device")["$defs"], load_schema("overlay")["$defs"]
     assert {name: device[name] for name in overlay} == overlay
@@ -448,6 +448,6 @@ def test_both_files_mean_the_same_by_a_change() -> None:
 
 def test_reports_of_editions_are_no_problem_of_the_spec() -> None:
     report = Report()
-    families, _ = load.load_families([SPECS / "amm5.yaml"])
+    families, _ = loading.load_families([SPECS / "amm5.yaml"])
     assert in_edition(families[0], "1.0", report) is not None
     assert len(report) == 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from codewheel.build.record import parse_sources
+from codewheel.loading.from_mapping import parse_sources
 from codewheel.say.markdown import cited, code, paragraph, table, text
 
 

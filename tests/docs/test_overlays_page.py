@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "overlays.md").read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ import re
 from importlib import resources
 from pathlib import Path
 
-from codewheel.spec.language_page import spec_page
+from codewheel.language.language_page import spec_page
 
 PAGE = Path(__file__).parents[2] / "docs" / "spec-language.md"
 
@@ -17,7 +17,7 @@ def test_the_page_is_up_to_date() -> None:
 
 
 def test_every_key_is_explained() -> None:
-    schema = json.loads((resources.files("codewheel.spec") / "device.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((resources.files("codewheel.language") / "device.schema.json").read_text(encoding="utf-8"))
     page = spec_page()
     for name, shape in schema["$defs"].items():
         assert f'<a id="{name}"></a>' in page

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.model.by_hand import steps_of
 from codewheel.targets import Library
-from codewheel.targets.docs.bites import all_values
+from codewheel.targets.docs.inline_errata import all_values
 
 Files = Mapping[str, str]
 

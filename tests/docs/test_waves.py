@@ -8,10 +8,10 @@ from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
-from codewheel.build.load import load_sound
+from codewheel.loading.library import load_sound
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.docs.waves import drawn, wave
+from codewheel.targets.docs.timing_pictures import drawn, wave
 
 SVG = "{http://www.w3.org/2000/svg}"
 

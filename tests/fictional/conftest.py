@@ -9,8 +9,8 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -237,7 +237,7 @@ def test_the_description_is_valid_and_whole(generated: Path, device: Device) -> 
 
 
 def test_idbiss_is_valid(generated: Path) -> None:
-    with (resources.files("codewheel.spec") / "idbiss.reconstructed.dtd").open("rb") as file:
+    with (resources.files("codewheel.language") / "idbiss.reconstructed.dtd").open("rb") as file:
         checker = etree.DTD(file)
     data = (generated / "biss" / "idbiss5476.xml").read_bytes()
     root = etree.fromstring(data, etree.XMLParser(load_dtd=False, no_network=True))

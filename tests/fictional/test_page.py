@@ -9,8 +9,8 @@ import textwrap
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 EXAMPLE = DOCS / "example"

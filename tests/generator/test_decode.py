@@ -17,8 +17,8 @@ from typing import Any
 
 import jsonschema
 import pytest
-from codewheel.build.load import load_library
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 from codewheel.model import Flag, Verdict
 from planted import crc
 
@@ -35,7 +35,7 @@ def decode(capsys: Capture, *arguments: str) -> tuple[int, dict[str, Any]]:
     """Exit code and data; the data have the shape that their schema says."""
     code = main(["decode", *arguments, "--json"])
     data: dict[str, Any] = json.loads(capsys.readouterr().out)
-    schema = json.loads((resources.files("codewheel.spec") / "decode.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((resources.files("codewheel.language") / "decode.schema.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator(schema).validate(data)
     return code, data
 

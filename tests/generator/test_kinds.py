@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Device, Fault, Kind, Layout, Parity
 from codewheel.reference import codec
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.reference.codec import EncodeError
 from codewheel.reference.limits import bounds

@@ -10,11 +10,11 @@ from shutil import copy
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_families
 from codewheel.commands.cli import main
 from codewheel.commands.editions import beside, check_all
 from codewheel.commands.terminal import Stop
-from codewheel.spec.yaml import parse
+from codewheel.language.yaml import parse
+from codewheel.loading.library import load_families
 
 # Loads a library for each missing key.
 pytestmark = pytest.mark.slow

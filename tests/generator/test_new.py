@@ -9,8 +9,8 @@ import pytest
 from codewheel.commands import new
 from codewheel.commands.cli import main
 from codewheel.commands.outputs import load_for, targets_named
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate as generate_biss
 from codewheel.targets.docs.files import generate as generate_docs
@@ -46,22 +46,22 @@ def test_whoever_clones_the_spec_has_its_schema(tmp_path: Path) -> None:
     for kind, name in (("device", "demo.yaml"), ("manufacturer", "manufacturer.yaml")):
         assert modeline(tmp_path / name) == f"{kind}.schema.json"
         assert (tmp_path / f"{kind}.schema.json").read_bytes() == (
-            ROOT / "generator" / "spec" / f"{kind}.schema.json"
+            ROOT / "generator" / "language" / f"{kind}.schema.json"
         ).read_bytes()
 
 
-@pytest.mark.parametrize("place", ["generator/spec", ".venv/lib/site-packages/codewheel/spec"])
+@pytest.mark.parametrize("place", ["generator/language", ".venv/lib/site-packages/codewheel/language"])
 def test_in_the_tools_own_checkout_the_schema_is_not_copied(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:
     (tmp_path / ".git").mkdir()
     (tmp_path / "specs").mkdir()
-    shutil.copytree(ROOT / "generator" / "spec", tmp_path / place)
+    shutil.copytree(ROOT / "generator" / "language", tmp_path / place)
     monkeypatch.setattr(new, "_schema", lambda kind: tmp_path / place / f"{kind}.schema.json")
     assert main(["new", "demo", "-o", str(tmp_path / "specs")]) == 0
     of_the_tool = "site-packages" not in place
     assert modeline(tmp_path / "specs/demo.yaml") == (
-        "../generator/spec/device.schema.json" if of_the_tool else "device.schema.json"
+        "../generator/language/device.schema.json" if of_the_tool else "device.schema.json"
     )
     assert (tmp_path / "specs/device.schema.json").exists() != of_the_tool
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_families, load_library, load_sound
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import from_xml, to_xml
+from codewheel.language.problems import Report
+from codewheel.loading.library import load_families, load_library, load_sound
 from codewheel.model import Device
-from codewheel.spec.problems import Report
 
 # Loads a whole library for each overlay, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.spec.files import own_specs
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_specs
+from codewheel.language.files import own_specs
+from codewheel.language.problems import Report
+from codewheel.language.read import read_specs
 
 # What other tools keep in YAML, each with the keys that their own documentation shows.
 FOREIGN = {

@@ -13,9 +13,9 @@ from typing import Any
 
 import jsonschema
 import pytest
-from codewheel.build.load import load_library
 from codewheel.commands.cli import main
 from codewheel.commands.decode import decode_text, explain, why_text
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.reference.order_codes import find
 from codewheel.why.mistakes import BitText, Why, explain_bits
@@ -158,7 +158,7 @@ def test_the_command_line_lists_them(
     chosen = ["--choose", "zero_bit=as_printed"] if encoder.below else []
     assert main(["decode", encoder.code, "-", "--json", *chosen]) == 1
     schema = jsonschema.Draft202012Validator(
-        json.loads((resources.files("codewheel.spec") / "decode.schema.json").read_text(encoding="utf-8"))
+        json.loads((resources.files("codewheel.language") / "decode.schema.json").read_text(encoding="utf-8"))
     )
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == len(plants) > 20

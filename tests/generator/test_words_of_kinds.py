@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from codewheel.build.examples import _EXAMPLES
-from codewheel.build.interfaces import _INTERFACES
-from codewheel.build.procedures import _STEPS
+from codewheel.language.schema import load_schema
+from codewheel.loading.examples import _EXAMPLES
+from codewheel.loading.interfaces import _INTERFACES
+from codewheel.loading.procedures import _STEPS
 from codewheel.model import INTERFACES, Example, Step
-from codewheel.spec.schema import load_schema
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
 DO = {kind.do for kind in get_args(Step)}

@@ -14,7 +14,7 @@ from codewheel.commands.cli import main
 from codewheel.masters.sheet import shipped_masters
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.docs import masters
+from codewheel.targets.docs import masters_page
 from codewheel.targets.docs.files import generate
 
 ROOT = Path(__file__).parents[2]
@@ -142,7 +142,9 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("code", CODES)
 def test_json_has_its_shape(capsys: pytest.CaptureFixture[str], code: str) -> None:
-    schema = json.loads((resources.files("codewheel.spec") / "master_settings.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads(
+        (resources.files("codewheel.language") / "master_settings.schema.json").read_text(encoding="utf-8")
+    )
     jsonschema.Draft202012Validator.check_schema(schema)
     data = json.loads(run(capsys, "master", *code.split(), "--json")[1])
     assert [error.message for error in jsonschema.Draft202012Validator(schema).iter_errors(data)] == []
@@ -212,11 +214,11 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 def test_a_device_without_masters(library: Library) -> None:
     """A family with RS-485 alone has no page."""
     device: Device = next(item for item in library.devices if item.name == "amm5")
-    assert masters.has_masters(device)
+    assert masters_page.has_masters(device)
     from dataclasses import replace
 
     alone = replace(device, variants=tuple(item for item in device.variants if item.interface == "rs485"))
-    assert not masters.has_masters(alone)
+    assert not masters_page.has_masters(alone)
     assert "docs/amm5-masters.md" not in generate(Library((alone,)))
 
 

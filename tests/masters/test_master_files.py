@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.language.check import check_document
+from codewheel.language.master_items import NUMBERS, WORDS
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
 from codewheel.masters.sheet import Master
-from codewheel.spec.check import check_document
-from codewheel.spec.master_items import NUMBERS, WORDS
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import pytest
+from codewheel.language.master_items import NUMBERS, WORDS
 from codewheel.masters.record import NoRecord, Record, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.reference.order_codes import find
 from codewheel.reference.run_time import with_registers
-from codewheel.spec.master_items import NUMBERS, WORDS
 
 RecordOf = Callable[[str], Record]
 #: ASC85 with the 0 bit that its manual prints in the BiSS frame.

@@ -6,9 +6,9 @@ import pathlib
 from collections import Counter
 
 import pytest
-from codewheel.spec.document import Document
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
+from codewheel.language.document import Document
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
 from mutation.campaign import drawn, tried
 from mutation.effects import Effect
 from mutation.places import STRICT, places

@@ -13,7 +13,8 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.language.second_reading import is_second
+from codewheel.loading.library import load_library
 from codewheel.model import (
     Choice,
     Constant,
@@ -35,7 +36,6 @@ from codewheel.reference.findings import findings
 from codewheel.reference.limits import bounded, bounds
 from codewheel.reference.procedures import register_writes
 from codewheel.reference.run_time import decided, with_registers
-from codewheel.spec.second import is_second
 from codewheel.targets import Library
 from codewheel.targets.python.context import Context
 from codewheel.targets.python.names import CLASS_NAMES, attribute

@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.targets import Library
 
 Generated = tuple[Path, ModuleType]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.plan.crcs import Carrier, crc_functions
 from codewheel.reference.crc import compute_bits, compute_bytes

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant
 from codewheel.reference import codec
 from codewheel.targets import Library

@@ -15,10 +15,10 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
+from codewheel.loading.library import load_library
 from codewheel.model.by_hand import has_steps
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
 

@@ -8,12 +8,12 @@ import shutil
 from collections.abc import Iterator
 
 import pytest
-from codewheel.build.load import load_families
 from codewheel.commands import check
 from codewheel.commands.cli import main
-from codewheel.spec.problems import Report
-from codewheel.spec.read import read_document
-from codewheel.spec.second import is_prose
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
+from codewheel.language.second_reading import is_prose
+from codewheel.loading.library import load_families
 
 # Reads whole specs twice, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow

@@ -22,10 +22,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.language.second_reading import is_second
+from codewheel.loading.library import load_library
 from codewheel.model import Choice, Device, Flag, Form, Layout, Text
 from codewheel.plan.crcs import Carrier, CrcFunction
-from codewheel.spec.second import is_second
 from codewheel.targets import Library
 from codewheel_rust import TARGET
 from codewheel_rust.family import Family, Struct, crc_name

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from codewheel.model import Choice, Decimal, Flag, Form, PlacedField, Register, Text, Variant
 from codewheel.plan.crcs import Carrier
-from codewheel.plan.held import HeldBy
+from codewheel.plan.run_time_parameters import HeldBy
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bits, compute_bytes
 from codewheel.reference.run_time import RegisterError, with_registers

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from codewheel.targets.templates_page import faults
 from codewheel_rust import TEMPLATES, names

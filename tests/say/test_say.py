@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
 from codewheel.commands.show import device_text, variant_text
 from codewheel.commands.show_parts import at
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.reference.order_codes import find

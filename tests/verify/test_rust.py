@@ -11,7 +11,7 @@ import warnings
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from rust_frames import decoding
 from rust_harness import CRATES, LIBRARY, ROOT, SPECS, Workshop, rust_tool, write

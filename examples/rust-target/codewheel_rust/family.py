@@ -9,8 +9,8 @@ from codewheel.model import Device, Field, Interface, Layout, Register, Text, Va
 from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches
-from codewheel.plan.held import held_parameters
 from codewheel.plan.limits import Limits, limits_of
+from codewheel.plan.run_time_parameters import held_parameters
 from codewheel.targets import TargetProblem
 
 from .names import OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ...model import Alternative, Crc, Device, Interface
 from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
-from ...plan.held import Held, held_parameters
 from ...plan.reports import reportings
+from ...plan.run_time_parameters import Held, held_parameters
 from ...say.origin import origin
 from ...say.place import field_at
 from ...say.text import BY_NAME

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
-from ...build.examples import example_variant
+from ...loading.examples import example_variant
 from ...model import (
     CrcExample,
     Device,

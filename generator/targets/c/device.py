@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from ...model import Biss, Device
 from ...plan.crcs import crc_functions
-from ...plan.held import held_parameters
+from ...plan.run_time_parameters import held_parameters
 from ...say.erratum import errata, erratum
 from ...say.origin import origin, other_editions, taken_away
 from ...say.text import BY_TITLE

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from ...language.problems import Path
 from ...model import Choice, Device, Field, Value
 from ...say.field import meaning
 from ...say.name import printed, title
 from ...say.text import Said, told
-from ...spec.problems import Path
 from .comments import Paragraph
 from .names import Declared
 from .style import S

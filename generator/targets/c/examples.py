@@ -19,7 +19,7 @@ from ...model import (
     WriteStep,
     cite,
 )
-from ...plan.received import SSI_AROUND, Received, received
+from ...plan.receive_lengths import SSI_AROUND, Received, received
 from ...plan.steps import Sends
 from ...reference import codec
 from ...say.name import title, words

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer
-from ...plan.received import longest_reply
+from ...plan.receive_lengths import longest_reply
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem, has_biss

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...model import Biss, Interface
-from ...plan.received import BISS_ACKNOWLEDGE, Received, received
+from ...plan.receive_lengths import BISS_ACKNOWLEDGE, Received, received
 from ...say.words import hertz, nanoseconds, timeout_words
 from .context import Context
 from .macros import Macro

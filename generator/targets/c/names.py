@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from ...language.problems import Path
 from ...model import Device, Layout
-from ...spec.problems import Path
 from .reserved import c_name
 
 _WORDS = {

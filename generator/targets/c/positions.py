@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...model import Measurement, cite
 from ...model.expressions import Expression
-from ...plan.measure import measured
+from ...plan.measurement import measured
 from .context import Context
 from .expr import Cast, Expr, Number
 from .functions import Function, wide_number_of

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ...language.problems import Path
 from ...model import Device, Layout, Unused, Verdict, cite
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Only, Report, Reporting, Speaks, reportings, reports_of
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import said
-from ...spec.problems import Path
 from .. import TargetError
 from .enumerations import Entry, Enumeration
 from .expr import Cast, Either, Expr, Name, Number, Operation, joined, masked

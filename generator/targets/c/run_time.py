@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...plan.held import Held, HeldBy
+from ...plan.run_time_parameters import Held, HeldBy
 from ...say.name import title
 from .. import TargetError
 from .access import Access

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...model import Parameter, Variant
-from ...plan.measure import also_measured
+from ...plan.measurement import also_measured
 from .about import about_order_codes, about_parameter
 from .context import Context
 from .functions import Function, number_of

@@ -15,9 +15,21 @@ from ...say.place import addresses
 from ...say.words import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..licence import licence_in
-from . import across, bites, by_code, changes, facts, family, glossary, over, places, usable, waves
-from . import masters as masters_page
-from .sections import Rows, Section
+from . import (
+    changes_page,
+    cross_family_pages,
+    fact_tables,
+    family_pages,
+    glossary,
+    inline_errata,
+    interface_page,
+    masters_page,
+    order_code_page,
+    page_links,
+    timing_pictures,
+    verdict_page,
+)
+from .interface_sections import Rows, Section
 
 
 class Index(TypedDict):
@@ -37,14 +49,17 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    families = [by_code.Codes(item) for item in library.devices]
+    families = [order_code_page.Codes(item) for item in library.devices]
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
         "README.md": ("index.md.jinja", _index(library, families)),
-        usable.PAGE: ("usable.md.jinja", usable.page_values(library.devices)),
-        across.WHICH: (f"{across.WHICH}.jinja", across.which(library.devices)),
-        across.REGISTERS: (f"{across.REGISTERS}.jinja", across.registers(library.devices)),
-        across.ALARMS: (f"{across.ALARMS}.jinja", across.alarms(library.devices)),
-        bites.ALL: (f"{bites.ALL}.jinja", bites.all_values(library.devices)),
+        verdict_page.PAGE: ("usable.md.jinja", verdict_page.page_values(library.devices)),
+        cross_family_pages.WHICH: (f"{cross_family_pages.WHICH}.jinja", cross_family_pages.which(library.devices)),
+        cross_family_pages.REGISTERS: (
+            f"{cross_family_pages.REGISTERS}.jinja",
+            cross_family_pages.registers(library.devices),
+        ),
+        cross_family_pages.ALARMS: (f"{cross_family_pages.ALARMS}.jinja", cross_family_pages.alarms(library.devices)),
+        inline_errata.ALL: (f"{inline_errata.ALL}.jinja", inline_errata.all_values(library.devices)),
         glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
     files = licence_in("docs")
@@ -58,34 +73,34 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _of_family(
-    codes: by_code.Codes, masters: tuple[Master, ...]
+    codes: order_code_page.Codes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
     """Each page with its template and values."""
     device, folder = codes.device, codes.device.name
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
-    yield f"{folder}.md", ("device.md.jinja", family.index_values(codes, bool(taken)))
+    yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(taken)))
     for item in device.interfaces:
-        values = over.page_values(device, item.name, codes.links_beside, item.name in taken, codes.pictures)
+        values = interface_page.page_values(device, item.name, codes.links_beside, item.name in taken, codes.pictures)
         yield f"{folder}/{item.name}.md", ("interface.md.jinja", values)
     for alike in codes.alike:
-        one = by_code.page_values(alike, alike.interface.name in taken, codes.pictures)
+        one = order_code_page.page_values(alike, alike.interface.name in taken, codes.pictures)
         yield f"{folder}/{alike.name}.md", ("code.md.jinja", one)
-    yield f"{folder}/hardware.md", ("hardware.md.jinja", family.hardware_values(device))
-    yield f"{folder}/{places.ERRATA}", ("errata.md.jinja", bites.page_values(device))
-    yield f"{folder}/manual.md", ("manual.md.jinja", family.manual_values(device))
+    yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
+    yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
+    yield f"{folder}/manual.md", ("manual.md.jinja", family_pages.manual_values(device))
     if taken:
         yield f"{folder}-masters.md", ("masters.md.jinja", masters_page.page_values(device, masters))
-    yield changes.page(device), ("changes.md.jinja", changes.page_values(device))
+    yield changes_page.page(device), ("changes.md.jinja", changes_page.page_values(device))
 
 
-def _pictures(codes: by_code.Codes) -> Iterator[tuple[str, str]]:
+def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
     """File name and picture."""
     for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
         yield from ((item.name, item.drawn) for item in group.values())
     for interface in codes.device.interfaces:
-        shown = waves.wave(codes.device, interface)
+        shown = timing_pictures.wave(codes.device, interface)
         if shown is not None:
-            yield f"timing-{interface.name}.svg", waves.drawn(shown)
+            yield f"timing-{interface.name}.svg", timing_pictures.drawn(shown)
 
 
 def _tidy(made: str) -> str:
@@ -97,13 +112,13 @@ def _tidy(made: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _index(library: Library, families: list[by_code.Codes]) -> Index:
+def _index(library: Library, families: list[order_code_page.Codes]) -> Index:
     rows: Rows = []
     for device in library.devices:
         page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
         titles = ", ".join(link(item.title, f"{device.name}/{item.name}.md") for item in device.interfaces)
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
-        manual = f"{text(device.manual.title)}, revision {family.revision(device.manual)}"
+        manual = f"{text(device.manual.title)}, revision {family_pages.revision(device.manual)}"
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
     found: list[Section] = [
         {
@@ -118,26 +133,26 @@ def _index(library: Library, families: list[by_code.Codes]) -> Index:
         if (of_part := [one.code for one in device.variants if one.interface == part.name])
     ]
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
-    return {"rows": rows, "usable_page": usable.PAGE, "order_codes": found, "trademarks": trademarks}
+    return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": found, "trademarks": trademarks}
 
 
 TEMPLATES = Templates(
     our_templates("docs"),
     values={
         "index.md.jinja": Index,
-        "device.md.jinja": family.FamilyPage,
-        "interface.md.jinja": over.InterfacePage,
-        "code.md.jinja": by_code.CodePage,
-        "hardware.md.jinja": family.HardwarePage,
-        "errata.md.jinja": bites.ErrataPage,
-        "manual.md.jinja": family.ManualPage,
+        "device.md.jinja": family_pages.FamilyPage,
+        "interface.md.jinja": interface_page.InterfacePage,
+        "code.md.jinja": order_code_page.CodePage,
+        "hardware.md.jinja": family_pages.HardwarePage,
+        "errata.md.jinja": inline_errata.ErrataPage,
+        "manual.md.jinja": family_pages.ManualPage,
         "masters.md.jinja": masters_page.MastersPage,
-        "changes.md.jinja": changes.ChangesPage,
-        "usable.md.jinja": usable.UsablePage,
-        f"{across.WHICH}.jinja": across.WhichPage,
-        f"{across.REGISTERS}.jinja": across.RegistersPage,
-        f"{across.ALARMS}.jinja": across.AlarmsPage,
-        f"{bites.ALL}.jinja": bites.AllErrataPage,
+        "changes.md.jinja": changes_page.ChangesPage,
+        "usable.md.jinja": verdict_page.UsablePage,
+        f"{cross_family_pages.WHICH}.jinja": cross_family_pages.WhichPage,
+        f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
+        f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
+        f"{inline_errata.ALL}.jinja": inline_errata.AllErrataPage,
         f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
     },
     filters={
@@ -152,7 +167,7 @@ TEMPLATES = Templates(
         "addresses": addresses,
         "said": markdown.STYLE.sentence,
     },
-    functions={"table": markdown.table, "timing_rows": facts.timing_rows, "table_rows": family.table_rows},
+    functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},
 )
 TARGET = Target(
     name="docs",

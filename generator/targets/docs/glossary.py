@@ -11,7 +11,7 @@ from ...reference.parts import for_interface
 from ...say.markdown import link, text
 from ...say.name import Titled
 from ...say.terms import TERMS, Term
-from .places import interface_page
+from .page_links import interface_page
 
 #: No family can be called so.
 PAGE = "glossary-of-terms.md"

@@ -23,7 +23,7 @@ from ...model import (
     Text,
     Variant,
 )
-from ...plan.measure import counts
+from ...plan.measurement import counts
 from ...reference import codec
 from ...say.report import alarm_of, meaning
 from .codec import Coder

@@ -1,0 +1,107 @@
+"""Checking: the schema, then every rule, all problems in one go."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .document import Document
+from .problems import DocumentReport, Path, Report
+from .rules import FOUNDATIONS, RULES, SHAPES
+from .rules.bases import number_base
+from .rules.master import check_master
+from .rules.order_code import is_whole
+from .schema import Checked, FileKind, check_schema, holder, shape_of, without
+from .second_reading import family_of, filled
+
+#: What stands for keys at the top that are missing, so that the rest can be built and looked at.
+_STAND_INS: dict[str, Any] = {
+    "title": "",
+    "movement": "rotary",
+    "manufacturer": "",
+    "manual": {"title": "", "revision": "", "language": "en"},
+    "interfaces": {},
+}
+_NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
+
+
+def check_document(document: Document, report: Report) -> dict[str, Any] | None:
+    """Checks a document and adds what is wrong with it to ``report``.
+
+    Returns:
+        The data without what is at fault: it can be built, as far as it goes, to find what else is wrong. Of a device
+        whose order codes or parameters are at fault both are empty. None where nothing can be built.
+    """
+    checked = check_schema(document, report)
+    if checked is None:
+        return None
+    if checked.kind is FileKind.DEVICE:
+        return _check_device(checked, document, report)
+    before = len(report)
+    if checked.kind is FileKind.MASTER:
+        check_master(checked.data, report.for_document(document))
+    number_base(checked.data, document.data, report.for_document(document))
+    return checked.data if checked.complete and len(report) == before else None
+
+
+def check_overlay(document: Document, report: Report) -> bool:
+    """Checks an overlay by itself, before it is laid over a spec; whether it can be."""
+    checked = check_schema(document, report, FileKind.OVERLAY)
+    return checked is not None and checked.complete and not checked.cut and not report.faults(document)
+
+
+def check_second(document: Document, report: Report) -> dict[str, Any] | None:
+    """Checks a second reading, which has no words for people; stand-ins take their place.
+
+    Returns:
+        As of ``check_document``.
+    """
+    checked = check_schema(document, report, FileKind.SECOND)
+    return _check_device(checked, document, report) if checked is not None else None
+
+
+class _Noting(DocumentReport):
+    """Notes the places of which a rule speaks."""
+
+    def __init__(self, report: Report, document: Document) -> None:
+        super().__init__(report, document)
+        self.noted: list[Path] = []
+
+    def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
+        self.noted.append(self.document.original(path))
+        super().add(rule, path, message, at_key=at_key)
+
+
+def _check_device(checked: Checked, document: Document, report: Report) -> dict[str, Any]:
+    codes = is_whole(checked.data, document.data)
+    report.mark(document, checked.cut)
+    cut = set(checked.cut)
+    given = _with_words(checked.data, checked.kind)
+    for rule in RULES:
+        about = _Noting(report, document)
+        rule(given, document.data, about)
+        if rule in FOUNDATIONS:
+            codes = codes and not any(path[0] in _NO_CODES for path in about.noted)
+        if rule in SHAPES:
+            cut |= set(map(holder, about.noted))
+    data = _with_words(without(document, cut, checked.given), checked.kind) if cut != checked.cut else given
+    return _whole(data, codes, document)
+
+
+def _with_words(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
+    """The data with stand-ins for the words that a second reading has not."""
+    if kind is not FileKind.SECOND:
+        return data
+    made: dict[str, Any] = filled(data, shape_of(FileKind.DEVICE.value))
+    return made
+
+
+def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
+    """The data with stand-ins for what is missing at the top and at the top of an interface."""
+    whole = {
+        "device": document.family or family_of(document.file),
+        **_STAND_INS,
+        **data,
+        **({} if codes else _NO_CODES),
+    }
+    whole["interfaces"] = {kind: {"layouts": [], **item} for kind, item in whole["interfaces"].items()}
+    return whole

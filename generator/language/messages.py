@@ -1,0 +1,289 @@
+"""What the schema check says: each keyword of JSON Schema in words for someone who is transcribing a manual."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from .hints import key_hint, number_hint
+from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
+from .second_reading import is_prose
+
+_TYPES = {
+    "integer": "a whole number",
+    "string": "text",
+    "object": "a map of keys",
+    "array": "a list",
+    "boolean": "true or false",
+}
+_SUM = "a whole number, or a sum such as singleturn_bits + 8"
+#: What keys take that are a number or a text of some kind.
+_NUMBER_OR_TEXT = {
+    **dict.fromkeys(("bits", "min", "max", "counts_per_turn", "turns", "step_um", "modulus"), _SUM),
+    "at": "a bit number, or a range such as 7:6",
+    "addresses": "an address, or the first and the last as in 0x4B-0x4D",
+    "equals": "a whole number, a sum such as singleturn_bits + 8, or text",
+}
+
+#: Every pattern of the two schemas in words.
+PATTERNS = {
+    "^[a-z][a-z0-9]*(_[a-z0-9]+)*$": (
+        "a name has lower case letters and digits, a letter first, and single underscores between them"
+    ),
+    "^[a-z][a-z0-9]*$": "it has lower case letters and digits, a letter first",
+    "^[a-z]{2}$": "a language code has two lower case letters, as in en",
+    "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is year-month-day, as in 2024-05-10",
+    "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is year-month-day, as in 2024-05-10, or the year alone",
+    '^https?://[^\\s<>"|`^{}\\[\\]\\\\]+$': (
+        "an address begins with https:// and has no spaces, quotes, bars or brackets but round ones; "
+        "write these as %20, %7C and so on"
+    ),
+    "^[0-9A-Fa-f]{2}( [0-9A-Fa-f]{2})*$": (
+        "bytes are two hexadecimal digits each, parted by single spaces, as in 1A 00 3F"
+    ),
+    "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$": "first and last address are written as in 0x4B-0x4D",
+    "^0x[0-9A-Fa-f]{1,4}(-0x[0-9A-Fa-f]{1,4})?( bit [0-9]{1,3})?( = (0x[0-9A-Fa-f]{1,16}|[0-9]{1,3}))?$": (
+        "a write is an address and a byte as in 0x48 = 0x01, an address and a bit as in 0x49 bit 2 = 0, or addresses"
+        " alone as in 0x50-0x54"
+    ),
+    "^[01]+$": "bits are the digits 0 and 1 only",
+    "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$": (
+        "a value of an order code has letters and digits, and single slashes between them"
+    ),
+    "^[A-Za-z0-9\\[\\]{},?+*-]+$": "it has letters, digits, classes in brackets and counts only, as in [A-Z]{2}",
+    "^[a-z][a-z0-9_]*\\.[a-z][a-z0-9_]*$": "it names a register and its field, as in configuration.output_code",
+    "^[A-Za-z0-9_.-]+$": "a file name has letters, digits, '_', '.' and '-'",
+    "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path is names joined by dots, as in registers.preset",
+    "^S[A-Z0-9]+$": "a special model is called as on its label after the slash, as in S042",
+    "^[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*(\\.[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*)*$": (
+        "a place is keys and names joined by dots, items without a name by their number, as in "
+        "procedures.set_preset.steps[3]"
+    ),
+    "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version is three numbers joined by dots, as in 0.1.0",
+}
+
+#: What one item of a list, or one entry of a map of names, is called where cutting the plural s does not give it.
+_ITEMS = {
+    "errata": "an erratum",
+    "before": "a change",
+    "then": "a change",
+    "history": "a revision",
+    "crcs": "a CRC",
+    "leds": "an LED",
+    "data_ids": "a data ID",
+    "memory_access": "a row of the memory access",
+    "printed": "a printed value",
+    "digits": "a run of digits",
+    "sets": "a parameter that is set",
+    "join": "a joined number",
+    "names": "a name",
+    "when": "a condition",
+}
+
+
+#: Maps in which an unknown key is no slip but something that codewheel does not do.
+_ALL_THERE_IS: dict[str | int, str] = {
+    "interfaces": (
+        "codewheel is for encoders with ssi, biss or rs485 (requests and replies of the kind of Tamagawa's T-format), "
+        "and no others"
+    ),
+}
+
+
+#: Keys by the names that they had in earlier versions of the language.
+_RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
+
+#: After a key that a device file has and a second reading has not.
+_NO_PROSE = "; a second reading holds facts and no words for people, so leave it out"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value.
+
+    ``alone`` where what holds the place is none the worse for it: a key too many, or words that are missing.
+    """
+
+    rule: str
+    path: Path
+    message: str
+    at_key: bool = False
+    alone: bool = False
+
+
+def explain(error: Any, kind: str) -> Iterator[Finding]:
+    """The findings that one error of the validator stands for.
+
+    Args:
+        error: A ``jsonschema.ValidationError``.
+        kind: ``device``, ``second``, ``manufacturer``, ``master`` or ``overlay``.
+    """
+    path: Path = tuple(error.absolute_path)
+    if "propertyNames" in error.relative_schema_path:
+        words = PATTERNS.get(error.schema.get("pattern", ""), "")
+        if error.validator == "maxLength":
+            yield Finding(
+                "too-long",
+                (*path, error.instance),
+                f"the key {quoted(error.instance)} is longer than {error.validator_value} characters",
+                True,
+            )
+        else:
+            yield Finding(
+                "bad-pattern", (*path, error.instance), f"the key {quoted(error.instance)} does not fit: {words}", True
+            )
+    elif error.validator == "additionalProperties":
+        for key in error.instance:
+            if key not in error.schema["properties"]:
+                hint = _NO_PROSE if kind == "second" and is_prose(key) else _key_hint(error, path, key)
+                yield Finding(
+                    "unknown-key",
+                    (*path, key),
+                    f"unknown key {quoted(key)}{hint or _all_known(error, key)}",
+                    True,
+                    alone=hint in ("", _NO_PROSE),
+                )
+    elif error.validator == "required":
+        yield from _missing(error, path, kind)
+    else:
+        rule, message = _MESSAGES[error.validator](error, _subject(path))
+        yield Finding(rule, path, message)
+
+
+def _key_hint(error: Any, path: Path, key: str) -> str:
+    known = error.schema["properties"]
+    if _RENAMED.get(key) in known:
+        return f"; it is called '{_RENAMED[key]}' by now"
+    near = meant(key, list(known))
+    if near:
+        return f"; did you mean '{near}'?"
+    if path and path[-1] in _ALL_THERE_IS:
+        return f"; {_ALL_THERE_IS[path[-1]]}"
+    if " " in key.strip():
+        return "; no key has spaces: if this belongs to a text, put the whole text in quotes"
+    return key_hint(key, error.instance[key], known)
+
+
+def _all_known(error: Any, key: str) -> str:
+    return suggestion(key, error.schema["properties"], "known are")
+
+
+def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
+    """One finding for all keys that are missing here, but for those that an unknown key is a misspelling of."""
+    known = error.schema["properties"]
+    unknown = [key for key in error.instance if key not in known]
+    misspelt = [
+        key for key in error.validator_value if any(_stands_for(word, key, error.instance, known) for word in unknown)
+    ]
+    gone = [key for key in error.validator_value if key not in error.instance and key not in misspelt]
+    if gone:
+        needs = missing(gone, _owner(error, path, kind))
+        only_words = not misspelt and WORDS_ONLY.issuperset(gone)
+        yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str), alone=only_words)
+
+
+def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
+    return meant(word, list(known)) == key or f"'{key}" in key_hint(word, instance[word], known)
+
+
+def _owner(error: Any, path: Path, kind: str) -> str:
+    """Who needs a key: ``a register`` for items and named entries, else the key of the map itself."""
+    if not path:
+        return {"second": "a second reading", "overlay": "an overlay"}.get(kind, f"a {kind} file")
+    schema_path = list(error.absolute_schema_path)
+    if len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties"):
+        return _item(next(step for step in reversed(path[:-1]) if isinstance(step, str)))
+    return f"'{path[-1]}'"
+
+
+def _item(plural: str) -> str:
+    singular = plural.removesuffix("s").replace("_", " ")
+    return _ITEMS.get(plural) or f"{'an' if singular[0] in 'aeiou' else 'a'} {singular}"
+
+
+def _subject(path: Path) -> str:
+    """What a message speaks of: the key, or the list that an item is in."""
+    if path and isinstance(path[-1], int):
+        return f"an item of '{path[-2]}'"
+    return f"'{path[-1]}'" if path else "the file"
+
+
+def _type(error: Any, subject: str) -> tuple[str, str]:
+    types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
+    key = str(error.absolute_path[-1]) if error.absolute_path else ""
+    sums = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
+    wanted = sums or listed([_TYPES[name] for name in types], "or")
+    if error.instance is None:
+        return "wrong-type", f"{subject} has no value; it must be {wanted}"
+    hint = "; put it in quotes" if "string" in types and isinstance(error.instance, (int, float)) else ""
+    if sums or types == ["integer"]:
+        hint = number_hint(key, error.instance)
+    return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
+
+
+def _enum(error: Any, subject: str) -> tuple[str, str]:
+    hint = ""
+    if not isinstance(error.instance, (dict, list)):
+        hint = suggestion(str(error.instance), map(str, error.validator_value), "it is one of")
+    if not hint:
+        hint = f"; it is one of {', '.join(map(str, error.validator_value))}"
+    return "not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}"
+
+
+def _const(error: Any, subject: str) -> tuple[str, str]:
+    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}"
+
+
+def _pattern(error: Any, subject: str) -> tuple[str, str]:
+    words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
+    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {words}"
+
+
+def _range(error: Any, subject: str) -> tuple[str, str]:
+    low, high = error.schema.get("minimum"), error.schema.get("maximum")
+    bounds = (
+        f"from {low} to {high}" if None not in (low, high) else f"at least {low}" if high is None else f"at most {high}"
+    )
+    return "out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}"
+
+
+def _long(error: Any, subject: str) -> tuple[str, str]:
+    return "too-long", f"{subject} has {len(error.instance)} characters; it may have {error.validator_value}"
+
+
+def _empty(error: Any, subject: str) -> tuple[str, str]:
+    return "too-short", f"{subject} is empty; say something or leave it out"
+
+
+def _few(error: Any, subject: str) -> tuple[str, str]:
+    count, least = len(error.instance), error.validator_value
+    if least > 1:
+        return (
+            "too-short",
+            f"{subject} has {count or 'no'} {'entry' if count == 1 else 'entries'}; it needs at least {least}",
+        )
+    return "too-short", f"{subject} is empty; it needs at least one entry"
+
+
+def _many(error: Any, subject: str) -> tuple[str, str]:
+    return "too-long", f"{subject} has {len(error.instance)} entries; it may have {error.validator_value}"
+
+
+_MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
+    "type": _type,
+    "enum": _enum,
+    "const": _const,
+    "pattern": _pattern,
+    "minimum": _range,
+    "maximum": _range,
+    "maxLength": _long,
+    "minLength": _empty,
+    "minItems": _few,
+    "minProperties": _few,
+    "maxProperties": _many,
+    "maxItems": _many,
+}
+
+#: The keywords of JSON Schema that the schemas may use; a message exists for each.
+KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_MESSAGES))

@@ -1,0 +1,141 @@
+"""Reading: from YAML files to plain data that knows where each value stands.
+
+PyYAML does the syntax; scalars are resolved here, by the YAML 1.2 core schema.
+PyYAML's own resolver follows YAML 1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false:
+none of that is what someone means who transcribes a manual. Nothing after this module knows YAML.
+"""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import stat
+from collections.abc import Iterable
+
+from . import files
+from .document import Document, Path
+from .problems import Report
+from .second_reading import family_of, is_second
+from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Refused, parse
+
+
+def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
+    """Reads one file; what is wrong with it goes into ``report``.
+
+    Args:
+        path: The file.
+        report: Gets every problem.
+        shown_as: The name to show for the file; its path as given, unless said.
+
+    Returns:
+        The document, or None where nothing of the file can be used. A document may come with problems.
+    """
+    file = shown_as if shown_as is not None else str(path)
+    report.files.append(file)
+    try:
+        content = _content(path)
+        text = _text(content)
+    except Refused as refusal:
+        report.add_at(file, refusal.line, refusal.column, refusal.rule, refusal.message)
+        return None
+    lines = tuple(LINE_BREAK.split(text))
+    forbidden = FORBIDDEN.search(text)
+    if forbidden is not None:
+        before = LINE_BREAK.split(text[: forbidden.start()])
+        message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} has no place in a text; remove it")
+        shown = "" if "\0" in text else lines[len(before) - 1]
+        report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=shown)
+        return None
+    return _document(file, text, lines, report)
+
+
+def _document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
+    findings: list[Refused] = []
+    broken: list[Path] = []
+    try:
+        data, marks = parse(text, findings.append, broken.append)
+    except Refused as refusal:
+        findings.append(refusal)
+        data = None
+    for item in findings:
+        shown = lines[item.line - 1] if item.line <= len(lines) else ""
+        report.add_at(file, item.line, item.column, item.rule, item.message, text=shown)
+    doubtful = tuple(item.path for item in findings if item.path)
+    return None if data is None else Document(file, lines, data, marks, tuple(broken), doubtful)
+
+
+def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
+    """Reads files and whole folders, each file once.
+
+    A folder stands for the specs in it and below it, in sorted order; ``spec_files`` knows which files are specs.
+    A file that is given is read whatever it holds, but for a second reading: it belongs to a spec.
+    """
+    documents = []
+    seen: set[str] = set()
+    asked = tuple(paths)
+    for given in asked:
+        if is_second(given) and not files.is_folder(given):
+            spec = given.with_name(f"{family_of(str(given))}{given.suffix}")
+            if spec not in asked:
+                message = f"this is a second reading; give {spec.name}, the spec to which it belongs"
+                report.add_at(str(given), 1, 1, "second-reading", message)
+            continue
+        found = files.below(given) if files.is_folder(given) else files.Found((given,), ())
+        report.passed_over += map(str, found.passed_over)
+        if not found.specs:
+            count = len(found.passed_over)
+            others = f"; {count} other YAML file{'s were' if count > 1 else ' was'} passed over" if count else ""
+            message = (
+                "the folder holds no spec, a .yaml file with one of the keys 'device', 'manufacturer' and 'master'"
+            )
+            report.add_at(str(given), 1, 1, "no-specs", message + others)
+        for path in found.specs:
+            real = os.path.realpath(path) if "\0" not in str(path) else str(path)
+            if real not in seen:
+                seen.add(real)
+                document = read_document(path, report)
+                if document is not None:
+                    documents.append(document)
+    return documents
+
+
+def _content(path: pathlib.Path) -> bytes:
+    """The bytes of a file.
+
+    Raises:
+        Refused: It cannot be read, is no regular file, or is too large.
+    """
+    try:
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode):
+            kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
+            raise Refused(1, 1, "unreadable", f"this is {kind}; a spec is a .yaml file")
+        with open(path, "rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise Refused(1, 1, "unreadable", "there is no such file") from None
+    except (OSError, ValueError) as error:
+        raise Refused(
+            1, 1, "unreadable", f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
+        ) from None
+    if len(content) > MAX_BYTES:
+        raise Refused(1, 1, "too-large", f"the file is larger than {MAX_BYTES // 2**20} MB; one spec holds one manual")
+    return content
+
+
+def _text(content: bytes) -> str:
+    """The text of a file.
+
+    Raises:
+        Refused: It is not UTF-8.
+    """
+    try:
+        return content.decode("utf-8").removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        wrong = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
+        raise Refused(line, 1, "not-text", _not_text(content, wrong)) from None
+
+
+def _not_text(content: bytes, otherwise: str) -> str:
+    return "this is a binary file; a spec is a text in UTF-8" if b"\0" in content[:65536] else otherwise

@@ -1,0 +1,180 @@
+"""Rules on names and numbers that have to be unique."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ..problems import DocumentReport, Path, quoted
+from ..second_reading import family_of
+from .walk import Spec, by_name, expanded, field_lists, interface_of, items, layouts, mapping
+
+#: Lists at the top whose items have to differ, with the word for an item and the key by which they differ.
+_LISTS = (
+    ("crcs", "a CRC", "name"),
+    ("field_groups", "a field group", "name"),
+    ("registers", "a register", "name"),
+    ("alarms", "an alarm", "name"),
+    ("procedures", "a procedure", "name"),
+    ("timings", "a timing", "name"),
+    ("inputs", "an input", "name"),
+    ("tables", "a table", "name"),
+    ("connectors", "a connector", "name"),
+    ("leds", "a light", "name"),
+    ("characteristics", "a characteristic", "name"),
+    ("examples", "an example", "name"),
+    ("errata", "an erratum", "name"),
+)
+
+#: The same for lists inside of these items.
+_INNER_LISTS = (
+    ("registers", "meanings", "name", "a meaning"),
+    ("procedures", "arguments", "name", "an argument"),
+    ("connectors", "contacts", "contact", "a contact"),
+    ("leds", "states", "state", "a state"),
+)
+
+#: Names of families that an output needs for something else: what each says of it.
+_TAKEN = {
+    "encoder": "the C header that all families share",
+    "biss": "the part of the Python package on BiSS",
+    **dict.fromkeys(
+        ("decode_file", "decode_partition", "identify", "lookup", "run", "why"), "a function of the Python package"
+    ),
+    "nearest": "a function of the Python package",
+    "annotations": "a word of Python",
+}
+
+Named = tuple[Path, object]
+
+
+def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The name of the family is the stem of its file, so that either leads to the other."""
+    stem = report.document.family or family_of(report.document.file)
+    if "device" in spec and spec["device"] != stem:
+        report.add(
+            "device-name",
+            ("device",),
+            f"the device is called {quoted(spec['device'])} and the file {quoted(stem)}; give both the same name",
+        )
+    if spec.get("device") in _TAKEN:
+        report.add(
+            "device-name",
+            ("device",),
+            f"{quoted(spec['device'])} is the name of {_TAKEN[spec['device']]}; give the family another",
+        )
+
+
+def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No two things of one kind share a name."""
+    for key, word, label in _LISTS:
+        _unique(_labels(items(spec, key), label), word, report)
+    _unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
+    for interface in mapping(spec, "interfaces"):
+        _unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
+        for key, word in (
+            ("name", "a data ID"),
+            ("id", "a data ID with the number"),
+            ("control", "a data ID with the control field"),
+        ):
+            _unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
+    for key, label in (("editions", "language"), ("history", "revision")):
+        _unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
+    _unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
+    for key, inner, label, word in _INNER_LISTS:
+        for path, item in items(spec, key):
+            _unique(_labels((((*path, *below), entry) for below, entry in items(item, inner)), label), word, report)
+
+
+def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Fields, joins and runs of digits of a layout share one space of names: a decoder hands them all out together."""
+    groups = by_name(spec, "field_groups")
+    for fields in field_lists(spec):
+        used = {path for path, field in fields if "use" in field}
+        named: list[Named] = []
+        for path, field in expanded(fields, groups):
+            place = (*path, "name") if path not in used else path
+            named.append((place, field.get("name")))
+            named += (((*path, *below, "name"), run["name"]) for below, run in items(field, "digits"))
+        named += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
+        _unique(named, "a field", report)
+
+
+def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A value of the selecting field tells one frame of its sender."""
+    told: dict[tuple[str, object, object], object] = {}
+    for layout in layouts(spec):
+        for selector, values in mapping(layout.owner, "when").items():
+            for index, value in enumerate(values):
+                key = (layout.interface, layout.owner.get("from"), value)
+                first = told.setdefault(key, layout.owner["name"])
+                if first != layout.owner["name"] or value in values[:index]:
+                    here = "here already" if first == layout.owner["name"] else f"told by {quoted(first)} already"
+                    wrong = f"{quoted(selector)} {value} is {here}; one frame of the {key[1]} has it"
+                    report.add("duplicate-name", (*layout.path, "when", selector, index), wrong)
+
+
+def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No two registers of an interface and bank share a byte,
+    but for one that is only read and one that is only written at the same place."""
+    registers = sorted(items(spec, "registers"), key=lambda entry: entry[1]["address"])
+    for index, (path, register) in enumerate(registers):
+        for other_path, other in reversed(registers[max(0, index - 128) : index]):
+            if _space(other) != _space(register) or other["address"] + other["length"] <= register["address"]:
+                continue
+            accesses = {register["access"], other["access"]}
+            if register["address"] == other["address"] and accesses == {"read_only", "write_only"}:
+                continue
+            earlier, later = (other_path, other), (path, register)
+            if path < other_path:
+                earlier, later = later, earlier
+            line = report.document.position(earlier[0])[0]
+            message = (
+                f"{_range(later[1])} overlap{'s' if later[1]['length'] == 1 else ''} "
+                f"{quoted(earlier[1]['name'])} on line {line}, which has {_range(earlier[1])}"
+            )
+            report.add("duplicate-address", (*later[0], "address"), message)
+            break
+
+
+def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No two names stand for one number: a decoder could not choose."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            seen: dict[int, str] = {}
+            for name, value in mapping(field, "values").items():
+                first = seen.setdefault(value["value"], name)
+                if first != name:
+                    message = f"{value['value']:#x} is already {quoted(first)}; a number has one name"
+                    report.add("value-clash", (*path, "values", name, "value"), message)
+
+
+def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
+    return (((*path, label), entry[label]) for path, entry in entries)
+
+
+def _unique(named: Iterable[Named], word: str, report: DocumentReport) -> None:
+    """Reports every value that an earlier one equals; ``word`` says with its article what has it."""
+    seen: dict[object, Path] = {}
+    for path, value in named:
+        if value is None:
+            continue
+        first = seen.setdefault(value, path)
+        if first != path:
+            shown = f"{value:#04x}" if isinstance(value, int) else quoted(value)
+            line = report.document.position(first)[0]
+            report.add(
+                "duplicate-name",
+                path,
+                f"there is already {word} {shown} on line {line}; give each its own",
+                at_key=path[-2] == "join",
+            )
+
+
+def _space(register: Spec) -> tuple[str, object]:
+    """Registers of one space have addresses of their own; each bank is a space, and so is what lies in no bank."""
+    return interface_of(register), register.get("bank")
+
+
+def _range(register: Spec) -> str:
+    first, last = register["address"], register["address"] + register["length"] - 1
+    return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -1,0 +1,268 @@
+"""The schema check: is a document written in the language, word by word?
+
+The JSON Schemas are what editors use; jsonschema does the walking. The messages are our own,
+since those of a validator speak of instances and properties to someone who is transcribing a manual.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from importlib import resources
+from types import MappingProxyType
+from typing import Any
+
+from jsonschema import Draft202012Validator, ValidationError, validators
+
+from .document import Document
+from .messages import Finding, explain
+from .problems import WORDS_ONLY, Path, Report
+from .second_reading import facts_only
+
+#: A source that no rule objects to.
+_SOME_SOURCE = "Cover"
+#: Problems of one document after which the rest is not worth reading.
+MAX_PROBLEMS = 200
+
+
+class FileKind(Enum):
+    """The kinds of files, each with a schema of its name; that of second readings is made from that of devices."""
+
+    DEVICE = "device"
+    SECOND = "second"
+    MANUFACTURER = "manufacturer"
+    MASTER = "master"
+    OVERLAY = "overlay"
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What the schema check leaves.
+
+    ``data`` is a deep copy without what is broken: it keeps to the schema,
+    but for keys that are missing at the top or at the top of an interface. ``complete`` says that none is. ``cut``
+    are the places that were cut out, ``given`` the words that stand in for missing ones, by the place of the item.
+    Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
+    """
+
+    data: dict[str, Any]
+    kind: FileKind
+    complete: bool
+    cut: frozenset[Path] = frozenset()
+    given: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
+
+
+def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> Checked | None:
+    """Checks a document against the schema of its kind, adds a problem for each fault, and cuts the faults out.
+
+    Args:
+        document: The document.
+        report: Gets every problem.
+        kind: What it is; without it, what its keys say.
+
+    Returns:
+        What is left, or None where the document is no device, manufacturer or master file, or has too many faults.
+    """
+    kind = kind or _kind(document.data)
+    if kind is None:
+        message = (
+            "'device' is missing; a device file names its family with it, a manufacturer file has 'manufacturer' alone"
+        )
+        report.add("missing-key", document, (), message)
+        return None
+    document.kept.clear()
+    validator = _validator(kind.value)
+    cut = set(document.broken)
+    findings = _findings(validator, document.data, cut, kind.value)
+    for finding in findings[:MAX_PROBLEMS]:
+        report.add(
+            finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=_is_of_words(finding)
+        )
+    if len(findings) > MAX_PROBLEMS:
+        report.add(
+            "too-many-problems",
+            document,
+            findings[MAX_PROBLEMS].path,
+            "from here on there are more problems; they are told when these are mended",
+        )
+        return None
+    if not findings and not cut:
+        return Checked(without(document, frozenset()), kind, complete=True)
+    faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
+    places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
+    return _cut_out(validator, document, places | set(map(holder, cut)), kind)
+
+
+@functools.cache
+def load_schema(kind: str) -> dict[str, Any]:
+    """The JSON Schema of this name, such as ``device``; to be read, not changed."""
+    if kind == FileKind.SECOND.value:
+        return facts_only(load_schema(FileKind.DEVICE.value))
+    text = resources.files("codewheel.language").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(text)
+    return schema
+
+
+@functools.cache
+def keys_of(kind: str) -> frozenset[str]:
+    """The keys that may stand at the top of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
+    return frozenset(load_schema(kind)["properties"])
+
+
+def _kind(data: dict[str, Any]) -> FileKind | None:
+    """A file with a key that only device files have is one, even where ``device`` itself is missing or misspelt."""
+    shared = set(load_schema("manufacturer")["properties"])
+    if "master" in data or "takes" in data:
+        return FileKind.MASTER
+    if "overlay" in data or "changes" in data:
+        return FileKind.OVERLAY
+    if "device" in data or any(key in data for key in load_schema("device")["properties"] if key not in shared):
+        return FileKind.DEVICE
+    return FileKind.MANUFACTURER if "manufacturer" in data else None
+
+
+def without(
+    document: Document, cut: Collection[Path], given: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
+) -> dict[str, Any]:
+    """A document's data without these places and with these words; the document knows which list items are gone."""
+    document.kept.clear()
+    data: dict[str, Any] = _without(document.data, cut, (), document.kept)
+    for path, words in given.items():
+        item = _found(data, path, document.kept)
+        if isinstance(item, dict):
+            item.update(words)
+    return data
+
+
+def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> Checked:
+    """Removes what holds the broken places, and what cannot do without that, until the rest keeps to the schema."""
+    given: dict[Path, Mapping[str, str]] = {}
+    while True:
+        data = without(document, cut, given)
+        complete, more = True, set()
+        before = len(given)
+        for error in validator.iter_errors(data):
+            path = _original(tuple(error.absolute_path), document.kept)
+            if kind is FileKind.DEVICE and path and error.validator == "required" and _lacks_words(error):
+                given[path] = {
+                    key: _SOME_SOURCE if key == "source" else "?"
+                    for key in error.validator_value
+                    if key not in error.instance
+                }
+                continue
+            if _can_be_incomplete(path) and error.validator == "required":
+                complete = False
+            elif path:
+                more.add(path)
+        if more <= cut and len(given) == before:
+            return Checked(data, kind, complete, frozenset(cut), given)
+        cut |= more
+
+
+def _is_of_words(finding: Finding) -> bool:
+    return finding.alone and finding.rule == "missing-key"
+
+
+def _lacks_words(error: Any) -> bool:
+    """Whether only words are missing: with others in their place all the rest of the item can be looked at."""
+    return WORDS_ONLY.issuperset(key for key in error.validator_value if key not in error.instance)
+
+
+def _can_be_incomplete(path: Path) -> bool:
+    """The file as a whole, and an interface: one missing key shall not keep us from checking all the rest."""
+    return not path or (len(path) == 2 and path[0] == "interfaces")
+
+
+def holder(path: Path) -> Path:
+    """What to cut out for a fault at ``path``: the nearest list item, all that holds a field, else the place.
+
+    A width or a key that is merely gone would look like another fault: the item would lack it,
+    or bits would lack a field. Words are not missed.
+    """
+    if path[-1:] and path[-1] in WORDS_ONLY:
+        return path
+    if "fields" in path[:-1]:
+        return path[: path.index("fields")]
+    return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
+
+
+def _without(value: Any, cut: Collection[Path], path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+    if isinstance(value, dict):
+        return {key: _without(item, cut, (*path, key), kept) for key, item in value.items() if (*path, key) not in cut}
+    if isinstance(value, list):
+        indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
+        if len(indices) < len(value):
+            kept[path] = indices
+        return [_without(value[index], cut, (*path, index), kept) for index in indices]
+    return value
+
+
+def _found(data: Any, path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+    """What stands in pruned data at a path into the data as read; None where it is gone."""
+    for end, step in enumerate(path):
+        if isinstance(data, list) and isinstance(step, int):
+            places = kept.get(path[:end], range(len(data)))
+            data = data[places.index(step)] if step in places else None
+        else:
+            data = data.get(step) if isinstance(data, dict) else None
+    return data
+
+
+def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
+    result: Path = ()
+    for step in path:
+        result += (kept[result][step] if isinstance(step, int) and result in kept else step,)
+    return result
+
+
+def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
+    """One finding for each place, those of the reader left out; not many more than are shown."""
+    found: dict[tuple[Path, bool], Finding] = {}
+    for error in validator.iter_errors(data):
+        for finding in explain(error, kind):
+            if not any(finding.path[:end] in broken for end in range(len(finding.path) + 1)):
+                found.setdefault((finding.path, finding.at_key), finding)
+        if len(found) > MAX_PROBLEMS:
+            break
+    return list(found.values())
+
+
+@functools.cache
+def _validator(kind: str) -> Any:
+    """A validator stricter than JSON Schema in two points, where that lets through what the language refuses."""
+
+    def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
+        # With the search of JSON Schema a name could end in a line break.
+        if isinstance(instance, str) and not re.fullmatch(expected, instance.replace("\n", "\0")):
+            yield ValidationError("pattern")
+
+    def integer(_: Any, instance: Any) -> bool:
+        # For JSON Schema 1.0 is an integer.
+        return isinstance(instance, int) and not isinstance(instance, bool)
+
+    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", integer)
+    extend: Any = validators.extend  # Its stub has no types.
+    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(shape_of(kind))
+
+
+@functools.cache
+def shape_of(kind: str) -> dict[str, Any]:
+    """The JSON Schema of a kind of files without references; to be read, not changed."""
+    schema = load_schema(kind)
+    made: dict[str, Any] = _inlined(schema, schema.get("$defs", {}))
+    return made
+
+
+def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
+    """The schema with every reference replaced by its definition, which halves the time; none refers to itself."""
+    if isinstance(schema, list):
+        return [_inlined(item, definitions) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    target = definitions[schema["$ref"].removeprefix("#/$defs/")] if "$ref" in schema else {}
+    whole = {**schema, **target}
+    return {key: _inlined(value, definitions) for key, value in whole.items() if key not in ("$ref", "$defs")}

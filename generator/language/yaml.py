@@ -1,0 +1,290 @@
+"""The YAML side of reading: events of PyYAML to data and marks, within bounds.
+
+Built on events, not on PyYAML's nodes: depth and aliases can then be bounded before anything is built, so that no file,
+however hostile, costs more than its own size.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from .document import Mark, Path
+from .problems import quoted
+from .syntax import explain
+from .typos import Mended
+
+MAX_BYTES = 4 * 2**20
+#: Values in a spec, those that aliases repeat counted each time. The largest manuals come to some 20,000.
+MAX_VALUES = 200_000
+#: Maps and lists inside each other. The language needs 9.
+MAX_DEPTH = 60
+#: Digits of a number. 64 bits need 20.
+MAX_DIGITS = 40
+
+# Besides what YAML forbids: line breaks of YAML 1.1 that are none in 1.2 (they would shift the line numbers),
+# characters that reorder the text around them, and those that nobody sees (a spec, and the comments made from it,
+# would read other than they are).
+_UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff"
+FORBIDDEN = re.compile(f"[^\t\n\r\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]|[{_UNSEEN}]")
+
+LINE_BREAK = re.compile(r"\r\n|\r|\n")
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+_NULL = frozenset(("", "~", "null", "Null", "NULL"))
+_BOOLEAN = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+
+_CORE = "tag:yaml.org,2002:"
+_TAGGED_TYPES: dict[str, tuple[type, ...]] = {
+    f"{_CORE}null": (type(None),),
+    f"{_CORE}bool": (bool,),
+    f"{_CORE}int": (int,),
+    f"{_CORE}float": (int, float),
+}
+
+
+class Refused(Exception):
+    """Something that cannot be read. ``rule`` and ``message`` are those of a problem;
+    the path is given where the rest of the file can be read."""
+
+    def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
+        super().__init__(message)
+        self.line, self.column, self.rule, self.message, self.path = line, column, rule, message, path
+
+
+@dataclass(slots=True)
+class _Value:
+    """A value that was read: its data, its mark, and what it adds when an alias repeats it."""
+
+    data: Any
+    mark: Mark
+    count: int
+    depth: int
+
+
+def parse(
+    text: str, complain: Callable[[Refused], None], stand_in: Callable[[Path], None]
+) -> tuple[dict[str, Any], Mark]:
+    """The data of a YAML text, and its marks.
+
+    Args:
+        text: The text, free of characters that YAML forbids.
+        complain: Called with what is wrong but does not keep the rest from being read, such as a duplicate key.
+        stand_in: Called with the path of each value that could not be read and that None stands for.
+
+    Raises:
+        Refused: Nothing can be read: broken syntax, too deep, too many values, no map.
+    """
+    try:
+        return _Parser(text, complain, stand_in).document()
+    except yaml.MarkedYAMLError as error:
+        raise Refused(*explain(error, text)) from None
+    except yaml.YAMLError as error:
+        raise Refused(1, 1, "yaml-syntax", f"this is no YAML: {str(error).splitlines()[0]}") from None
+
+
+class _Parser:
+    def __init__(self, text: str, complain: Callable[[Refused], None], stand_in: Callable[[Path], None]) -> None:
+        self._complain = complain
+        lines = LINE_BREAK.split(text)
+        self._events = iter(
+            Mended(
+                iter(yaml.parse(text, Loader=_LOADER)),
+                lines,
+                lambda scalar: isinstance(_resolved(scalar), str),
+                self._refuse,
+            )
+        )
+        self._stand_in = stand_in
+        self._anchors: dict[str, _Value | None] = {}
+        self._count = 0
+
+    def _refuse(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
+        self._complain(_refused(event, rule, message, path))
+
+    def document(self) -> tuple[dict[str, Any], Mark]:
+        next(self._events)  # The start of the stream.
+        start = next(self._events)
+        if isinstance(start, yaml.StreamEndEvent):
+            raise Refused(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+        if getattr(start, "version", None) not in (None, (1, 2)):
+            raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; leave the %YAML line out")
+        value = self._value(next(self._events), (), 1)
+        next(self._events)  # The end of the document.
+        following = next(self._events)
+        if not isinstance(following, yaml.StreamEndEvent):
+            raise _refused(following, "several-documents", "a second document begins here; a file holds one")
+        if value.data is None:
+            raise Refused(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+        if not isinstance(value.data, dict):
+            message = (
+                "a spec is a map of keys and begins with 'codewheel: 1'; "
+                f"this is {'a list' if isinstance(value.data, list) else 'one value'}"
+            )
+            raise Refused(value.mark.line, value.mark.column, "not-a-map", message)
+        return value.data, value.mark
+
+    def _value(self, event: Any, path: Path, depth: int) -> _Value:
+        """The value that begins with ``event``.
+
+        Raises:
+            Refused: A bound is exceeded, or an alias cannot be followed.
+        """
+        if isinstance(event, yaml.AliasEvent):
+            return self._alias(event, depth)
+        self._add(1, event)
+        if depth > MAX_DEPTH:
+            raise _refused(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} deep")
+        anchor = event.anchor
+        if anchor is not None:
+            self._anchors[anchor] = None  # Open: an alias to it from inside would have no end.
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        mark = Mark(line, column, line, column)
+        if isinstance(event, yaml.ScalarEvent):
+            value = _Value(self._scalar(event, path), mark, 1, 0)
+        else:
+            self._check_container_tag(event)
+            value = (self._map if isinstance(event, yaml.MappingStartEvent) else self._list)(mark, path, depth)
+        if anchor is not None:
+            self._anchors[anchor] = value
+        return value
+
+    def _alias(self, event: Any, depth: int) -> _Value:
+        if event.anchor not in self._anchors:
+            raise _refused(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
+        value = self._anchors[event.anchor]
+        if value is None:
+            raise _refused(
+                event, "alias", f"the alias '*{event.anchor}' stands inside what it repeats; that has no end"
+            )
+        self._add(value.count, event)
+        if depth + value.depth > MAX_DEPTH:
+            raise _refused(
+                event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} deep through this alias"
+            )
+        # The values keep the place where they are written; only the item itself is found at the alias.
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
+
+    def _add(self, count: int, event: Any) -> None:
+        self._count += count
+        if self._count > MAX_VALUES:
+            raise _refused(
+                event,
+                "too-large",
+                f"more than {MAX_VALUES} values up to here, repetitions by alias included; write the spec without them",
+            )
+
+    def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
+        result: list[Any] = []
+        count, deepest = 1, 0
+        while not isinstance(event := next(self._events), yaml.SequenceEndEvent):
+            value = self._value(event, (*path, len(result)), depth + 1)
+            mark.children[len(result)] = value.mark
+            result.append(value.data)
+            count, deepest = count + value.count, max(deepest, value.depth)
+        return _Value(result, mark, count, deepest + 1)
+
+    def _map(self, mark: Mark, path: Path, depth: int) -> _Value:
+        result: dict[str, Any] = {}
+        count, deepest = 1, 0
+        while not isinstance(event := next(self._events), yaml.MappingEndEvent):
+            key = self._key(event, path, depth)
+            value = self._value(next(self._events), (*path, "" if key is None else key), depth + 1)
+            count, deepest = count + value.count, max(deepest, value.depth)
+            if key is None:
+                continue
+            if key in result:
+                first = mark.children[key].key_line
+                self._refuse(
+                    event,
+                    "duplicate-key",
+                    f"the key {quoted(key)} is already on line {first}; keep one of the two",
+                    (*path, key),
+                )
+                continue
+            value.mark.key_line, value.mark.key_column = event.start_mark.line + 1, event.start_mark.column + 1
+            mark.children[key] = value.mark
+            result[key] = value.data
+        return _Value(result, mark, count, deepest + 1)
+
+    def _key(self, event: Any, path: Path, depth: int) -> str | None:
+        """The key as written, or None where there is no usable one.
+        Keys are never numbers: an order code part ``01`` stays ``01``."""
+        if not isinstance(event, yaml.ScalarEvent):
+            self._value(event, (), depth + 1)
+            self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
+            return None
+        if event.value == "<<" and not event.style:
+            self._refuse(event, "merge-key", "merge keys are not part of YAML 1.2; write the entries out", path)
+            return None
+        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
+            self._refuse(event, "bad-key", "a key is one word, without a tag and without control characters", path)
+            return None
+        return str(event.value)
+
+    def _scalar(self, event: Any, path: Path) -> Any:
+        """The value of a scalar by the core schema; None, noted as a stand-in, where it has none."""
+        text, tag = event.value, event.tag
+        forbidden = FORBIDDEN.search(text) if event.style == '"' else None
+        if forbidden is not None:  # Only an escape in double quotes can bring one in.
+            return self._unusable(
+                event,
+                path,
+                "not-text",
+                f"the character U+{ord(forbidden[0]):04X} has no place in a text; remove its escape",
+            )
+        if tag in ("!", f"{_CORE}str") or (tag is None and event.style):
+            return text
+        if tag is not None and tag not in _TAGGED_TYPES:
+            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not known here; leave it out")
+        if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
+            return self._unusable(
+                event,
+                path,
+                "number-too-long",
+                f"a number of {len(text)} digits is no value of an encoder; quote it if it is a text",
+            )
+        value = _resolved(text)
+        if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
+            return self._unusable(event, path, "tag", f"{quoted(text)} is no {_short(tag)}")
+        return value
+
+    def _unusable(self, event: Any, path: Path, rule: str, message: str) -> None:
+        self._refuse(event, rule, message)
+        self._stand_in(path)
+
+    def _check_container_tag(self, event: Any) -> None:
+        kind = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
+        if event.tag not in (None, "!", f"{_CORE}{kind}"):
+            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not known here; leave it out")
+
+
+def _resolved(text: str) -> str | int | float | bool | None:
+    """An unquoted scalar by the core schema of YAML 1.2."""
+    if text in _NULL:
+        return None
+    if text in _BOOLEAN:
+        return _BOOLEAN[text]
+    if _INTEGER.fullmatch(text):
+        if text.startswith(("0x", "0o")):
+            return int(text[2:], 16 if text[1] == "x" else 8)
+        return int(text)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    return float(text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(text) else text
+
+
+def _short(tag: str) -> str:
+    return tag.replace(_CORE, "!!")
+
+
+def _refused(event: Any, rule: str, message: str, path: Path = ()) -> Refused:
+    return Refused(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)

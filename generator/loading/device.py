@@ -1,0 +1,365 @@
+"""From checked data to the model.
+
+What rules cannot see in the text is found here, while the model comes together: bits that overlap, limits that do not
+fit, examples that contradict their layout. A part that cannot be built is reported and left out, so that one run shows
+every problem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from ..language.problems import DocumentReport, Path
+from ..language.rules.walk import interface_of
+from ..model import (
+    Alarm,
+    Alternative,
+    Answer,
+    CodePart,
+    CodeValue,
+    Crc,
+    DataId,
+    Device,
+    Document,
+    Manufacturer,
+    OrderCode,
+    Parameter,
+    PlacedLayout,
+    Register,
+    RegisterMeaning,
+    Rs485,
+    SpelledValue,
+    Spelling,
+    Variant,
+)
+from ..model.expressions import Expression, ExpressionError
+from ..reference import codec
+from ..reference.crc import form, polynomial_text
+from ..reference.limits import bounded, bounded_width, bounds, representable
+from ..reference.order_codes import combinations
+from ..reference.run_time import corners, resolve_parameters
+from .editions import editions
+from .examples import build_examples, check_examples
+from .expression_range import check_reach
+from .facts import supply, table
+from .fields import Context, Site
+from .from_mapping import Raw, record, records, sources
+from .interfaces import build_interfaces, build_measurement
+from .layouts import build_layout
+from .measurement_rules import check_measurements
+from .only import check_alarms, check_only, only_while, set_parameters
+from .procedures import build_procedures
+from .repeated_facts import check_agreement
+from .run_time_parameters import held_in_registers
+from .valid_parts import sound_so_far
+
+
+def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
+    """The family that a checked device file describes, or None where an expression has no value.
+
+    What could not be built is missing from the result; the caller uses it only when nothing was reported.
+    """
+    definitions = _definitions(raw)
+    order_code = _order_code(raw["order_code"])
+    alternatives = tuple(_alternative(item) for item in raw.get("alternatives", ()))
+    first = {name: value for item in alternatives for name, value in item.answers[0].sets.items()}
+    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
+    context = _context(raw, report, definitions, variants, alternatives)
+    if variants and not check_reach(raw, context, variants):
+        return None
+    check_only(raw, variants, report)
+    check_alarms(raw, report)
+    device = _device(raw, manufacturer, order_code, variants, alternatives, context)
+    _check_control_bytes(device, report)
+    device = replace(device, procedures=build_procedures(raw, device))
+    check_measurements(device, report)
+    device = replace(device, editions=editions(raw))
+    check_agreement(raw, device, report)
+    check_examples(device, report)
+    return device
+
+
+def _context(
+    raw: Raw,
+    report: DocumentReport,
+    definitions: Mapping[str, Expression],
+    variants: Sequence[Variant],
+    alternatives: Sequence[Alternative],
+) -> Context:
+    groups = enumerate(raw.get("field_groups", ()))
+    return Context(
+        report=report,
+        groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in groups}),
+        definitions=definitions,
+        parameter_sets=_parameter_sets(raw, definitions, variants, alternatives),
+        crcs=MappingProxyType({item["name"]: _crc(item) for item in raw.get("crcs", ())}),
+        data_ids=MappingProxyType(
+            {kind: records(DataId, item, "data_ids") for kind, item in raw["interfaces"].items()}
+        ),
+        only_while=lambda only: only_while(only, variants, set_parameters(raw)),
+    )
+
+
+def _device(
+    raw: Raw,
+    manufacturer: Manufacturer,
+    order_code: OrderCode,
+    variants: tuple[Variant, ...],
+    alternatives: tuple[Alternative, ...],
+    context: Context,
+) -> Device:
+    """The family, still without its procedures, which need the built device."""
+    # Interfaces come first, registers next: so is the order in which problems are reported.
+    interfaces, registers = build_interfaces(raw, context), _registers(raw, context)
+    parameters = raw["parameters"].items()
+    return record(
+        Device,
+        raw,
+        name=raw["device"],
+        manufacturer=manufacturer,
+        documents=tuple(record(Document, item, key=key) for key, item in raw.get("documents", {}).items()),
+        parameters=tuple(_parameter(name, item, context) for name, item in parameters),
+        order_code=order_code,
+        variants=variants,
+        crcs=tuple(context.crcs.values()),
+        interfaces=interfaces,
+        registers=registers,
+        alarms=tuple(record(Alarm, {"implemented": True, **item}) for item in raw.get("alarms", ())),
+        procedures=(),
+        examples=build_examples(raw),
+        measurement=build_measurement(raw, context),
+        tables=tuple(map(table, raw.get("tables", ()))),
+        supply=supply(raw),
+        alternatives=alternatives,
+    )
+
+
+def _definitions(raw: Raw) -> Mapping[str, Expression]:
+    found = {}
+    for name, item in raw["parameters"].items():
+        if "equals" in item:
+            try:
+                found[name] = Expression.parse(item["equals"])
+            except ExpressionError:
+                continue  # reported by the rule on expressions
+    return MappingProxyType(found)
+
+
+def _order_code(raw: Raw) -> OrderCode:
+    parts = (
+        record(
+            CodePart,
+            part,
+            values=tuple(_code_value(text, value or {}, part) for text, value in part["values"].items()),
+            open_only_with=_only(part, "open_only_with"),
+        )
+        for part in raw["parts"]
+    )
+    return record(OrderCode, raw, parts=tuple(parts), also_written=tuple(map(_spelling, raw.get("also_written", ()))))
+
+
+def _spelling(raw: Raw) -> Spelling:
+    texts = ((part, *item) for part, found in raw.get("values", {}).items() for item in found.items())
+    return record(Spelling, raw, values=tuple(SpelledValue(part, text, value) for part, text, value in texts))
+
+
+def _alternative(raw: Raw) -> Alternative:
+    answers = (
+        Answer(name, item["meaning"], MappingProxyType(dict(item["sets"])), sources(item))
+        for name, item in raw["values"].items()
+    )
+    return Alternative(raw["name"], raw["meaning"], tuple(answers), sources(raw))
+
+
+def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
+    return record(CodeValue, raw, text=text, only_with=_only(raw, "only_with"), supply=supply(raw, sources(part)))
+
+
+def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
+    return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
+
+
+def _variants(
+    order_code: OrderCode, definitions: Mapping[str, Expression], held: Mapping[str, int]
+) -> tuple[Variant, ...]:
+    found = combinations(order_code) if order_code.parts else ()
+    return tuple(
+        Variant(code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held, **sets}, definitions))
+        for code, parts, interface, sets in found
+    )
+
+
+def _parameter_sets(
+    raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant], alternatives: Sequence[Alternative]
+) -> Mapping[str, Sequence[Mapping[str, int]]]:
+    """By interface, every set of parameters that a layout has to suit: the order codes', the bounds of those held in
+    registers, one by one and together, and each answer of an alternative with them."""
+    kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
+    if not variants:  # Nothing is known of parameters; what does without them can be looked at all the same.
+        return MappingProxyType({kind: ({},) for kind in kinds})
+    found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
+    answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
+    bounds = {
+        name: [item[key] for key in ("min", "max") if key in item]
+        for name, item in raw["parameters"].items()
+        if "read_from" in item
+    }
+    # One by one first: the fewest parameters that show a fault are told.
+    singles = ({name: value} for name, values in bounds.items() for value in values)
+    held = [{}, *singles, *(corners(bounds) if len(bounds) > 1 else ())]
+    seen: set[tuple[str, tuple[int, ...]]] = set()
+    for variant in variants:
+        known = found.setdefault(variant.interface, [])
+        base = {name: value for name, value in variant.parameters.items() if name not in definitions}
+        for changed in ({**one, **answer} for one in held for answer in answers):
+            given = {**base, **changed}
+            key = (variant.interface, tuple(given.values()))
+            if key not in seen:
+                seen.add(key)
+                known.append(resolve_parameters(given, definitions))
+    # An interface that no order code selects has been reported; its layouts are looked at with the parameters of the
+    # others.
+    every = [parameters for known in found.values() for parameters in known]
+    return MappingProxyType({kind: known or every for kind, known in found.items()})
+
+
+def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
+    values = (parameters.get(name, 0) for sets in context.parameter_sets.values() for parameters in sets)
+    return record(Parameter, raw, name=name, equals=context.definitions.get(name), largest=max(values, default=0))
+
+
+def _crc(raw: Raw) -> Crc:
+    shape = {key: raw[key] for key in ("width", "poly", "init", "refin", "refout")}
+    return record(Crc, raw, form=form(**shape), polynomial=polynomial_text(raw["width"], raw["poly"]))
+
+
+def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
+    built = (_register(item, ("registers", index), context) for index, item in enumerate(raw.get("registers", ())))
+    return tuple(item for item in built if item is not None)
+
+
+def _register(raw: Raw, path: Path, context: Context) -> Register | None:
+    interface = interface_of(raw)
+    body = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": 8 * raw["length"]}]}
+    layout = build_layout(body, Site(path, context, interface), 8 * raw["length"])
+    if layout is None:
+        return None
+    opened = raw.get("opened_by", {})
+    register = record(
+        Register,
+        raw,
+        interface=interface,
+        byte_order=raw.get("byte_order", "high_byte_first"),
+        min=context.expression(raw["min"]) if "min" in raw else None,
+        max=context.expression(raw["max"]) if "max" in raw else None,
+        limits_of=raw.get("limits_of", raw["name"]),
+        opened_by=opened.get("register", ""),
+        opened_by_value=opened.get("value", ""),
+        layout=layout,
+        meanings=tuple(_register_meaning(item, context) for item in raw.get("meanings", ())),
+        opened_by_field=opened.get("field", ""),
+    )
+    _check_limits(register, path, context)
+    return register
+
+
+def _register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
+    low, high = (context.expression(raw[key]) if key in raw else None for key in ("min", "max"))
+    return record(RegisterMeaning, raw, value=raw["is"], min=low, max=high)
+
+
+def _check_limits(register: Register, path: Path, context: Context) -> None:
+    """Whether the limits fit what they bound, and the default fits the limits and the named values.
+
+    Only the first thing wrong is reported, by the first order code that shows it.
+    """
+    for parameters in context.parameter_sets.get(register.interface, ()):
+        placed = register.layout.place(parameters)
+        wrong = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
+        if wrong is not None:
+            rule, key, message = wrong
+            context.report.add(rule, (*path, key), message)
+            return
+
+
+#: Something wrong with a register: the rule, the key that it stands at, the message.
+_Wrong = tuple[str, str, str]
+
+
+def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> tuple[int, int, int]:
+    """The lowest and the highest value as stored, and what a stored zero means."""
+    item = placed.field(bounded(register))
+    zero_means = item.field.number.zero_means if item is not None else 0
+    low, high = bounds(register, placed, (register.min, register.max), parameters)
+    return low, high - 1 if zero_means and high == zero_means else high, zero_means
+
+
+def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+    lowest, highest = representable(register, placed)
+    low, high, _ = _limits(register, placed, parameters)
+    if lowest <= low <= high <= highest:
+        return None
+    key, end = ("max", high) if high > highest else ("min", low)
+    if lowest <= low and high <= highest:
+        return "limit-does-not-fit", key, f"the minimum {low} is above the maximum {high}"
+    width = bounded_width(register, placed)
+    message = f"the {key}imum {end} does not fit into the {width} bits of '{register.limits_of}'"
+    return "limit-does-not-fit", key, message
+
+
+def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+    default = register.default
+    if default is None:
+        return None
+    low, high, zero_means = _limits(register, placed, parameters)
+    value = _bounded_part(register, placed, default)
+    named = [item.value for item in register.values]
+    if default >> (8 * register.length):
+        wrong = f"{default:#x} does not fit into {8 * register.length} bits"
+    elif not low <= (value or zero_means) <= max(high, zero_means):
+        wrong = f"{value} is outside the limits {low} to {high}"
+    elif named and default not in named and not register.clears_itself:
+        wrong = f"{default:#x} is none of the values {', '.join(f'{item:#x}' for item in named)}"
+    else:
+        return None
+    return "default-does-not-fit", "default", f"the default {wrong}"
+
+
+def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
+    """The part of the default that the limits bound, with its sign."""
+    width = bounded_width(register, placed)
+    join = next((item for item in register.layout.joins if item.name == bounded(register)), None)
+    if join is not None:
+        value = codec.join_value(placed, join, default)
+    else:
+        item = placed.field(bounded(register))
+        value = default >> (item.low if item is not None else 0) & ((1 << width) - 1)
+    return value - (1 << width) if value > representable(register, placed)[1] else value
+
+
+def _check_control_bytes(device: Device, report: DocumentReport) -> None:
+    """Whether each printed control byte is what its data ID encodes to."""
+    interface = device.over(Rs485)
+    if interface is None or not sound_so_far(report).has_frames:
+        return
+    variant = next((variant for variant in device.variants if variant.interface == interface.name), None)
+    if variant is None:
+        return
+    for item in interface.data_ids:
+        path: Path = ("interfaces", interface.name, "data_ids", item.name)
+        layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
+        if layout is None:
+            wrong = f"no layout is sent or received for data ID {item.id:X}; add it to a layout's 'when'"
+            report.add("undefined-reference", path, wrong)
+            continue
+        placed = layout.place(variant.parameters)
+        values = {field.name: 0 for field in layout.data_fields} | {layout.selector: item.id}
+        try:
+            made = codec.number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
+        except codec.EncodeError:
+            continue  # a layout that cannot be encoded with zeros is found by other rules
+        if made != item.control:
+            wrong = f"the control field of data ID {item.id:X} is {made:#04x} by its fields; the manual's"
+            report.add("control-mismatch", (*path, "control"), f"{wrong} {item.control:#04x} does not agree")

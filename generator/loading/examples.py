@@ -1,0 +1,194 @@
+"""The worked examples, and whether they agree with the model; an example that does not has to be tied to an erratum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import get_args
+
+from ..language.problems import DocumentReport, Path
+from ..model import (
+    CrcExample,
+    Device,
+    Example,
+    Fault,
+    FrameExample,
+    MeasureExample,
+    ProcedureExample,
+    RegisterExample,
+    Variant,
+    assert_never,
+)
+from ..reference import codec
+from ..reference.crc import compute_bytes
+from ..reference.order_codes import UnknownOrderCode, find
+from ..reference.procedures import register_writes
+from ..reference.run_time import decided
+from .from_mapping import Raw, record
+from .valid_parts import sound_so_far
+
+#: Where in an example, and what is wrong there.
+Wrong = tuple[Path, str]
+
+
+_EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in get_args(Example)}
+
+
+def build_examples(raw: Raw) -> tuple[Example, ...]:
+    return tuple(
+        record(
+            _EXAMPLES[item["kind"]],
+            {"sender": item.get("from", "encoder"), **item, "bytes": bytes.fromhex(item.get("bytes", ""))},
+        )
+        for item in raw.get("examples", ())
+    )
+
+
+def check_examples(device: Device, report: DocumentReport) -> None:
+    """Report every example that contradicts its layout, CRC or procedure, where these are sound themselves."""
+    known = sound_so_far(report)
+    for example in device.examples:
+        for below, wrong in _faults(device, example) if known.holds(example) and _is_built(device, example) else ():
+            message = f"example '{example.name}' does not hold: {wrong}"
+            report.add("example-contradicts", ("examples", example.name, *below), message)
+
+
+def _is_built(device: Device, example: Example) -> bool:
+    """Whether all that the example names is there; what could not be built has been reported."""
+    registers = {register.name for register in device.registers}
+    match example:
+        case FrameExample():
+            found = example.layout in {"", *(layout.name for _, layout in device.layouts())}
+        case RegisterExample():
+            found = example.register in registers
+        case ProcedureExample():
+            named = [item for item in device.procedures if item.name == example.procedure]
+            found = any(item.registers <= registers for item in named)
+        case CrcExample() | MeasureExample():
+            found = True
+        case _:
+            assert_never(example)
+    return found and {variant.interface for variant in device.variants} <= {item.name for item in device.interfaces}
+
+
+def _faults(device: Device, example: Example) -> list[Wrong]:
+    try:
+        return list(_check(device, example))
+    except UnknownOrderCode as reason:
+        return [(("order_code",), str(reason))]
+    except codec.EncodeError as reason:
+        return [(_data(example), str(reason))]
+
+
+def example_variant(device: Device, example: Example) -> Variant:
+    """The order code that the example holds for; without one, the first of the family."""
+    if isinstance(example, CrcExample) or not example.order_code:
+        return device.variants[0]
+    found = find(device, example.order_code).variant
+    return decided(device, found, example.alternatives) if isinstance(example, FrameExample) else found
+
+
+def _check(device: Device, example: Example) -> Iterator[Wrong]:
+    match example:
+        case FrameExample():
+            yield from _check_frame(device, example)
+        case RegisterExample():
+            yield from _check_register(device, example)
+        case CrcExample():
+            made = compute_bytes(device.crc(example.crc), example.bytes)
+            if made != example.check:
+                yield ("check",), f"the CRC over these bytes is {made:#04x}"
+        case ProcedureExample():
+            yield from _check_procedure(device, example)
+        case MeasureExample():
+            yield from _check_measure(device, example)
+        case _:
+            assert_never(example)
+
+
+def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
+    procedure, variant = device.procedure(example.procedure), example_variant(device, example)
+    made = register_writes(device, procedure, variant, example.arguments)
+    if made != example.writes:
+        listed = ", ".join(f"{item.address:02X}h = {item.value:02X}h" for item in made)
+        yield ("writes",), f"the writes are {listed}"
+
+
+def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
+    variant = example_variant(device, example)
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None or measurement.step_um is None:
+        yield (), "the device measures no length"
+        return
+    made = measurement.step_um.value(variant.parameters) * example.counts
+    if made != example.micrometres:
+        yield ("micrometres",), f"{example.counts} counts are {made} micrometres"
+
+
+def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
+    register, variant = device.register(example.register), example_variant(device, example)
+    if len(example.bytes) != register.length:
+        wrong = f"register '{register.name}' has {register.length} bytes; the example has {len(example.bytes)}"
+        yield ("bytes",), wrong
+        return
+    number = codec.number_from_bytes(register.layout, example.bytes)
+    yield from _check_decoded(device, codec.decode(device, register.layout.place(variant.parameters), number), example)
+
+
+def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
+    decoded = decode_example(device, example, example_variant(device, example))
+    if example.refused:
+        kinds = {problem.fault.value for problem in decoded.problems}
+        if example.refused not in kinds:
+            says = ", ".join(sorted(kinds)) or "that all is well"
+            yield ("refused",), f"it should be refused for its {example.refused}; the decoder says {says}"
+        return
+    layout = decoded.layout.name if decoded.layout is not None else example.layout
+    if example.layout and layout != example.layout and not decoded.problems:
+        yield ("layout",), f"it is a {layout}, not a {example.layout}"
+    else:
+        yield from _check_decoded(device, decoded, example)
+
+
+def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+    """Whether the bits hold no fault and the values that are printed, and come out again when these are encoded."""
+    problems = decoded.problems
+    if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # What is then wrong besides need not be.
+        problems = problems[:1]
+    found: list[Wrong] = [(_data(example), problem.message) for problem in problems] or list(_compare(decoded, example))
+    yield from found or _back(device, decoded, example)
+
+
+def _data(example: Example) -> Path:
+    if isinstance(example, ProcedureExample):
+        return ("arguments",)
+    return ("bits",) if isinstance(example, FrameExample) and example.bits else ("bytes",)
+
+
+def decode_example(device: Device, example: FrameExample, variant: Variant) -> codec.Decoded:
+    """What the model makes of the frame of an example."""
+    if not example.bits:
+        return codec.decode_bytes(device, variant, example.sender, example.bytes)
+    placed = device.layout(example.layout).place(variant.parameters)
+    return codec.decode_bits(device, placed, int(example.bits, 2), len(example.bits))
+
+
+def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+    made = decoded.values
+    for name, value in example.values.items():
+        if name not in made:
+            yield ("values", name), f"there is no field '{name}'"
+        elif made[name] != value:
+            yield ("values", name), f"{name} is {made[name]}, not {value}"
+
+
+def _back(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+    """Encoding what was decoded gives the example again."""
+    if decoded.layout is None:
+        return
+    joins = {join.name for join in decoded.layout.layout.joins}
+    runs = {run.name for field in decoded.layout.layout.fields for run in field.runs}
+    fixed = {field.name for field in decoded.layout.layout.fields if not field.carries_data}
+    values = {name: value for name, value in decoded.values.items() if name not in joins | runs | fixed}
+    made = codec.encode(device, decoded.layout, values)
+    if made != decoded.number:
+        yield _data(example), f"encoding its fields again gives {made:#x}, not {decoded.number:#x}"

@@ -1,0 +1,45 @@
+"""Whether the expressions of a spec have a value: an exponent may be below 0, or beyond what any encoder needs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..language.rules.parameters import all_parameters, uses
+from ..model import Variant
+from ..model.expressions import Expression, ExpressionError
+from .fields import Context
+from .from_mapping import Raw
+
+
+def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
+    """Reports what has no value for an order code of the interface that uses it, and parameters that never have one."""
+    before = len(context.report)
+    for path, interface, text in uses(dict(raw)):
+        behind = [
+            raw["parameters"][name]["equals"]
+            for name in all_parameters(text, raw["parameters"])
+            if "equals" in raw["parameters"][name]
+        ]
+        faults = (
+            _fault(item, parameters)
+            for parameters in context.parameter_sets.get(interface, ())
+            for item in (text, *behind)
+        )
+        wrong = next(filter(None, faults), "")
+        if wrong:
+            context.report.add("bad-expression", path, wrong)
+    for name, item in raw["parameters"].items():
+        found = [_fault(item["equals"], variant.parameters) for variant in variants] if "equals" in item else []
+        if found and all(found):
+            context.report.add("bad-expression", ("parameters", name, "equals"), found[0])
+    return len(context.report) == before
+
+
+def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
+    try:
+        found = Expression.parse(text)
+        if parameters.keys() >= set(found.parameters):  # Another name is reported by the rule on expressions.
+            found.value(parameters)
+    except ExpressionError as error:
+        return str(error)
+    return ""

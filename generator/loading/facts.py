@@ -1,0 +1,22 @@
+"""From checked data to those parts of the model that nothing is computed with and that differ from the spec."""
+
+from __future__ import annotations
+
+from ..model import Manufacturer, Sources, Supply, Table
+from .from_mapping import Raw, record, sources
+
+
+def build_manufacturer(raw: Raw) -> Manufacturer:
+    """The manufacturer that a checked manufacturer file describes."""
+    name = raw["manufacturer"]
+    return record(Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw, "name": name})
+
+
+def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
+    """The supply of a device or of a value of its order code."""
+    found = raw.get("supply")
+    return None if found is None else record(Supply, found, source=sources(found) or sources(raw) or inherited)
+
+
+def table(raw: Raw) -> Table:
+    return record(Table, raw, rows=tuple(tuple(map(str, row)) for row in raw["rows"]))

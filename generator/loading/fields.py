@@ -1,0 +1,179 @@
+"""What a layout may refer to, and the parts of a field that do not depend on where it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..language.problems import DocumentReport, Path
+from ..model import (
+    INTERFACES,
+    Choice,
+    Constant,
+    Crc,
+    CrcValue,
+    DataId,
+    Decimal,
+    Digits,
+    Field,
+    Flag,
+    Kind,
+    Number,
+    Parity,
+    Piece,
+    Sources,
+    Text,
+    Unused,
+    Value,
+    Verdict,
+)
+from ..model.expressions import Expression, ExpressionError
+from .from_mapping import Raw, record
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a layout may refer to.
+
+    ``parameter_sets`` holds, by interface, the parameters of its order codes, each set once. ``only_while`` returns the
+    parameter that is 0 for all order codes but those of an ``only``.
+    """
+
+    report: DocumentReport
+    groups: Mapping[str, tuple[Raw, Path]]
+    definitions: Mapping[str, Expression]
+    parameter_sets: Mapping[str, Sequence[Mapping[str, int]]]
+    crcs: Mapping[str, Crc]
+    data_ids: Mapping[str, tuple[DataId, ...]]
+    only_while: Callable[[str], str] = lambda only: ""
+
+    def expression(self, text: int | str) -> Expression | None:
+        """The expression over parameters that order codes set, or None when it is none."""
+        try:
+            found = Expression.parse(text).substitute(self.definitions)
+            known = next((parameters for sets in self.parameter_sets.values() for parameters in sets), {})
+            return found if known.keys() >= set(found.parameters) else None
+        except ExpressionError:
+            return None  # reported by the rules on references and expressions
+
+
+def _makes_position(raw: Raw, interface: str) -> Verdict | None:
+    """What the position is worth while the flag ``raw`` is active, by the spec or else by the interface itself."""
+    said: str = raw.get("makes_position", "") or INTERFACES[interface].flags.get(raw["name"], "")
+    return Verdict(said) if said else None
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where a layout is built: its place in the spec, and the interface whose order codes it has to suit."""
+
+    path: Path
+    context: Context
+    interface: str
+
+    @property
+    def sets(self) -> Sequence[Mapping[str, int]]:
+        """The parameters of its order codes."""
+        return self.context.parameter_sets.get(self.interface, ())
+
+    def widest(self, width: Expression) -> int:
+        return max((width.value(parameters) for parameters in self.sets), default=width.constant)
+
+    def report(self, rule: str, message: str, *below: str | int) -> None:
+        """Adds a problem with the layout, or with what stands ``below`` in it."""
+        self.context.report.add(rule, (*self.path, *below), message)
+
+
+def bit_range(text: int | str) -> tuple[int, int] | None:
+    """``7:6`` as (7, 6) and ``5`` as (5, 5); None when it is neither, or upside down."""
+    high, _, low = str(text).partition(":")
+    if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
+        return None
+    bounds = int(high), int(low or high)
+    return bounds if bounds[0] >= bounds[1] else None
+
+
+def equals(raw: Raw, context: Context) -> Expression | int | str | None:
+    """What a reader finds: text as it is, a number as a number, an expression where it depends on the order code."""
+    found = raw.get("equals")
+    if isinstance(found, str) and "text" not in raw:
+        return context.expression(found)
+    return found if isinstance(found, (int, str)) else None
+
+
+def zero_field(name: str, kind: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
+    return Field(
+        name=name,
+        kind=kind,
+        low=low,
+        width=width,
+        widest=site.widest(width),
+        meaning="always zero",
+        source=source,
+    )
+
+
+def kind(raw: Raw, context: Context, interface: str) -> Kind:
+    """The kind of a field, by the key that tells it; a field without any is a number."""
+    if "constant" in raw:
+        return Constant(raw["constant"])
+    if "unused" in raw:
+        return Unused(raw["unused"], Verdict(raw.get("makes_position", "usable_with_warning")))
+    if "active" in raw:
+        return _flag(raw, context, interface)
+    if "values" in raw:
+        return Choice(build_values(raw))
+    if "values_of" in raw:
+        return Choice(_data_ids(context.data_ids.get(interface, ())))
+    if "crc" in raw:
+        return CrcValue(raw["crc"])
+    if "parity_of" in raw:
+        names = raw["parity_of"]
+        return Parity((names,) if isinstance(names, str) else tuple(names), odd=raw.get("parity") == "odd")
+    if "digits" in raw:
+        return Decimal(_runs(raw["digits"]))
+    if "text" in raw:
+        return Text()
+    return record(Number, raw)
+
+
+def _flag(raw: Raw, context: Context, interface: str) -> Flag:
+    # What the spec does not say of a flag, the interface may define itself.
+    return record(
+        Flag,
+        raw,
+        active_low=raw["active"] == "low",
+        makes_position=_makes_position(raw, interface),
+        only_while=context.only_while(raw["only"]) if "only" in raw else "",
+    )
+
+
+def build_values(raw: Raw) -> tuple[Value, ...]:
+    """The named values that ``raw['values']`` lists, as the spec orders them."""
+    return tuple(record(Value, value, name=name) for name, value in raw.get("values", {}).items())
+
+
+def _data_ids(data_ids: Sequence[DataId]) -> tuple[Value, ...]:
+    return tuple(Value(item.name, item.id, f"Data ID {item.id:X}", {}, item.meaning, item.source) for item in data_ids)
+
+
+def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
+    runs, divisor = [], 1
+    for run in reversed(digits):
+        runs.append(record(Digits, run, divisor=divisor, modulus=10 ** run["digits"]))
+        divisor *= 10 ** run["digits"]
+    return tuple(reversed(runs))
+
+
+def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
+    """The bytes that hold the field, where that is the same for every order code."""
+    size = field.container or (field.width.constant if field.width.is_constant else 0)
+    if not field.low.is_constant or not size:
+        return ()
+    low, pieces, done = field.low.constant, [], 0
+    while done < size:
+        bit = low + done
+        part = min(8 - bit % 8, size - done)
+        pieces.append(Piece(bit // 8 if low_first else length - 1 - bit // 8, bit % 8, (1 << part) - 1, done))
+        done += part
+    return tuple(pieces)

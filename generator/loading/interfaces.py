@@ -1,0 +1,97 @@
+"""From checked data to interfaces; each kind has a function of its own.
+
+A needed key that is missing has been reported; something stands in for it, so that the rest can be checked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ..model import (
+    INTERFACES,
+    Alignment,
+    CableLength,
+    Clock,
+    ControlField,
+    Interface,
+    Measurement,
+    OutputCode,
+    Port,
+)
+from .fields import Context, Site, build_values
+from .from_mapping import Raw, record, sources
+from .layouts import build_layout
+
+
+def build_interfaces(raw: Raw, context: Context) -> tuple[Interface, ...]:
+    return tuple(_interface(name, item, context) for name, item in raw["interfaces"].items())
+
+
+def _interface(name: str, raw: Raw, context: Context) -> Interface:
+    layouts = (
+        build_layout(item, Site(("interfaces", name, "layouts", index), context, name))
+        for index, item in enumerate(raw["layouts"])
+    )
+    kind: Callable[..., Interface] = INTERFACES[name]
+    return record(
+        kind,
+        raw,
+        layouts=tuple(item for item in layouts if item is not None),
+        measurement=build_measurement(raw, context),
+        **_INTERFACES[name](raw, context),
+    )
+
+
+def build_measurement(raw: Raw, context: Context) -> Measurement | None:
+    """What the position counts, of a device or over one of its interfaces."""
+    if "measurement" not in raw:
+        return None
+    found = raw["measurement"]
+    parts = {
+        key: context.expression(found[key]) if key in found else None
+        for key in ("counts_per_turn", "turns", "step_um", "modulus", "highest")
+    }
+    return Measurement(of=found["of"], source=sources(found), **parts)
+
+
+def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
+    code = raw.get("output_code")
+    return {
+        "clock": record(Clock, raw.get("clock", {})),
+        "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or sources(raw)),
+        "output_code": OutputCode(code, sources(raw, "output_code_source") or sources(raw)) if code else None,
+        "cable_lengths": tuple(
+            record(CableLength, item, source=sources(item) or sources(raw)) for item in raw.get("cable_lengths", ())
+        ),
+    }
+
+
+def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
+    control = raw.get("control_data", {})
+    return {
+        "clock": record(Clock, raw.get("clock", {})),
+        "control_data": tuple(_control_field(item, control, context) for item in control.get("fields", ())),
+        "control_data_note": control.get("note", ""),
+    }
+
+
+def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
+    return {"port": record(Port, {**_PORT, **raw.get("port", {})})}
+
+
+#: The settings of a port of which the manual says nothing.
+_PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
+#: The members of each interface that the spec does not have as they are.
+_INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485}
+
+
+def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
+    bits = raw.get("bits", context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1)
+    return record(
+        ControlField,
+        raw,
+        bits=bits if isinstance(bits, int) else 0,
+        values=build_values(raw),
+        source=sources(raw) or sources(parent),
+    )

@@ -1,0 +1,377 @@
+"""From the fields that a spec lists to a layout with a position for every bit.
+
+Fields are listed in the order in which they are sent, or each is placed by bit number. Widths may depend on parameters,
+so positions are expressions; what cannot be seen from those, an overlap or a width below zero, is looked for with every
+order code's parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..language.problems import Path
+from ..language.rules.shapes import PLACES
+from ..model import INTERFACES, Constant, CrcValue, Field, FoldStep, Form, Join, Layout, Parity
+from ..model.expressions import Expression
+from ..reference.crc import fold_plan
+from .fields import Context, Site, bit_range, equals, kind, pieces, zero_field
+from .from_mapping import Raw, record, sources
+from .layout_rules import LARGEST_NUMBER, is_sound
+
+ZERO = Expression(0)
+#: More than any frame of an encoder has; beyond, a slip would take hours to lay out.
+_MOST_BITS = 100_000
+
+
+@dataclass(frozen=True)
+class Item:
+    """A field on its way: what the spec says, where, and where it goes. ``span`` is the width with padding."""
+
+    raw: Raw
+    path: Path
+    group: str
+    width: Expression
+    span: Expression
+    low: Expression = ZERO
+
+
+def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | None:
+    """The layout that ``raw`` describes, or None after reporting why there is none.
+
+    Args:
+        raw: A layout, or a register, whose ``fields`` have passed the schema.
+        total: The number of bits, where that is given (a register) rather than summed up (a frame).
+    """
+    byte_order = _byte_order(raw, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
+    low_first = byte_order == "low_byte_first"
+    arranged = _arranged(raw, site, total, low_first)
+    if arranged is None:
+        return None
+    items, bits = arranged
+    gaps = _said_of_gaps(raw, site.context)
+    fields = _covering(items, bits, gaps, site)
+    if fields is None:
+        return None
+    widest = site.widest(bits)
+    if byte_order:
+        fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
+    when, gray = raw.get("when", {}), raw.get("gray", {})
+    joins = {name: tuple(parts) for name, parts in raw.get("join", {}).items()}
+    fields = [_over_fields(field, joins) for field in fields]
+    layout = record(
+        Layout,
+        raw,
+        sender=raw.get("from", ""),
+        in_bytes=byte_order != "",
+        byte_order=byte_order,
+        bits=bits,
+        widest=widest,
+        fields=tuple(_in_order(fields, low_first and total is None)),
+        joins=tuple(Join(name, parts) for name, parts in joins.items()),
+        selector=next(iter(when), ""),
+        selects=tuple(next(iter(when.values()), ())),
+        gaps=gaps,
+        fold=_fold(fields, widest, site.context),
+        gray_of=gray.get("of", ""),
+        gray_when=gray.get("when", ""),
+    )
+    return layout if is_sound(layout, site) else None
+
+
+def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]]) -> Field:
+    """A parity bit of a joined number as the parity of the fields in it."""
+    if not isinstance(field.kind, Parity):
+        return field
+    names = (part for name in field.kind.of for part in joins.get(name, (name,)))
+    return replace(field, kind=replace(field.kind, of=tuple(names)))
+
+
+def _byte_order(raw: Raw, carried_as: str) -> str:
+    """The order of the bytes; empty where the layout is carried as bits. ``carried_as`` holds unless ``raw`` has it."""
+    in_bytes = raw.get("carried_as", carried_as) == "bytes"
+    order: str = raw.get("byte_order", "high_byte_first") if in_bytes else ""
+    return order
+
+
+def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple[list[Item], Expression] | None:
+    """The items, each at its place, and how many bits the layout has; None after reporting that they do not fit."""
+    items = _items(raw.get("fields", ()), (*site.path, "fields"), site.context, low_first)
+    if items is None:
+        return None
+    if any(_is_placed(item.raw) for item in items if not item.group):
+        bits = Expression(total if total is not None else _highest(items, site) + 1)
+    else:
+        items, bits = _in_sequence(items, low_first)
+        if total is not None and not _sums_up(bits, total, site):
+            return None
+    return (items, bits) if _fits(items, bits, site) else None
+
+
+def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
+    """The fields from the lowest up, with zeros in the gaps where those are zero; None where bits are left over."""
+    fields = [field for item in items for field in _fields(item, site)]
+    fields = _with_places(fields, site)
+    if not _covers(fields, bits, gaps, site):
+        return None
+    return _with_zeros(fields, bits, site) if gaps == "zero" else fields
+
+
+def _fold(fields: Sequence[Field], widest: int, context: Context) -> tuple[FoldStep, ...]:
+    """How the CRC is computed in one number, where it can be."""
+    crc = next((context.crcs.get(field.kind.crc) for field in fields if isinstance(field.kind, CrcValue)), None)
+    if crc is None or crc.form is not Form.FOLD or widest > LARGEST_NUMBER:
+        return ()
+    return fold_plan(crc.width, crc.poly, widest)
+
+
+def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
+    """The fields with groups taken in; None when one cannot be understood (reported elsewhere)."""
+    items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
+    understood = [item for item in items if item is not None]
+    return understood if len(understood) == len(items) else None
+
+
+def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+    if "use" in raw:
+        group = context.groups.get(raw["use"])
+        inner = _group_items(*group, context, low_first) if group is not None else None
+        if group is None or inner is None:
+            return None
+        return Item({"group": inner}, path, raw["use"], Expression(group[0]["bits"]), Expression(group[0]["bits"]))
+    width = _width(raw, context)
+    if width is None:
+        return None
+    span = Expression(raw["padded_to"]) if "padded_to" in raw else width
+    low = _low(raw, width, path, context) if _is_placed(raw) else ZERO
+    return Item(raw, path, "", width, span, low) if low is not None else None
+
+
+def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
+    """The fields of a group, placed from bit 0 of the group on."""
+    fields = [{"source": group["source"], **raw} for raw in group["fields"]]
+    items = _items(fields, (*path, "fields"), context, low_first)
+    if items is None:
+        return None
+    if not any(_is_placed(item.raw) for item in items):
+        items, bits = _in_sequence(items, low_first)
+        if bits != Expression(group["bits"]):
+            context.report.add(
+                "width-mismatch",
+                path,
+                f"the fields of group '{group['name']}' take {bits.render()} bits; 'bits' says {group['bits']}",
+            )
+            return None
+    return [replace(item, group=group["name"]) for item in items]
+
+
+def _is_placed(raw: Raw) -> bool:
+    return any(key in raw for key in PLACES)
+
+
+def _width(raw: Raw, context: Context) -> Expression | None:
+    if "bits" in raw:
+        return context.expression(raw["bits"])
+    if "at" in raw:
+        high, low = bit_range(raw["at"]) or (0, 0)
+        return Expression(high - low + 1)
+    if "crc" in raw and raw["crc"] in context.crcs:
+        return Expression(context.crcs[raw["crc"]].width)
+    return Expression(1) if "active" in raw or "parity_of" in raw else None
+
+
+def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
+    if "low_bit" in raw:
+        return context.expression(raw["low_bit"])
+    if "top_bit" in raw:
+        return Expression(raw["top_bit"] + 1) - width
+    bounds = bit_range(raw["at"])
+    if bounds is None:
+        context.report.add(
+            "bad-position",
+            (*path, "at"),
+            f"'{raw['at']}' is no position; write a bit number, or a range with the high bit first, as in 7:6",
+        )
+        return None
+    return Expression(bounds[1])
+
+
+def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
+    """The items one after the other as they are sent, and their total width."""
+    placed, position = [], ZERO
+    for item in items if low_first else reversed(items):
+        placed.append(replace(item, low=position))
+        position += item.span
+    return placed if low_first else placed[::-1], position
+
+
+def _flat(items: Iterable[Item]) -> Iterable[Item]:
+    """The items with groups opened, each at its place in the layout."""
+    for item in items:
+        inner = item.raw.get("group")
+        if inner is None:
+            yield item
+        else:
+            yield from (replace(field, low=item.low + field.low) for field in inner)
+
+
+def _highest(items: Sequence[Item], site: Site) -> int:
+    return max(site.widest(item.low + item.span) for item in _flat(items)) - 1
+
+
+def _sums_up(bits: Expression, total: int, site: Site) -> bool:
+    for parameters in site.sets:
+        if (sum_ := bits.value(parameters)) != total:
+            said = f"the fields take {sum_} bits{_with(parameters, bits)}; the register has {total}"
+            site.report("width-mismatch", said)
+            return False
+    return True
+
+
+def _bits(high: int, low: int) -> str:
+    return f"bits {high}:{low}" if high != low else f"bit {low}"
+
+
+def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
+    """`` with singleturn_bits = 17`` for the parameters that matter."""
+    names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
+    return " with " + ", ".join(f"{name} = {parameters[name]}" for name in names) if names else ""
+
+
+def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
+    """Whether every field has a possible width, lies inside the layout and on no other field."""
+    sound, report = True, site.context.report
+    flat = list(_flat(items))
+    for parameters in site.sets:
+        total = bits.value(parameters)
+        if total > _MOST_BITS:
+            site.report("too-long", f"the fields take {total} bits{_with(parameters, bits)}; {_MOST_BITS} is the most")
+            return False
+        taken: list[tuple[int, int, Item]] = []
+        for item in flat:
+            width, low, span = (part.value(parameters) for part in (item.width, item.low, item.span))
+            where = _with(parameters, item.width, item.low)
+            name = item.raw.get("name", "")
+            if width < 0 or width > span:
+                wrong = f"'{name}' has {width} bits{where}" + (f"; it is padded to {span}" if width > span else "")
+                report.add("width-mismatch", item.path, wrong)
+                return False
+            if low < 0 or low + span > total:
+                report.add(
+                    "bit-out-of-range",
+                    item.path,
+                    f"'{name}' takes {_bits(low + span - 1, low)}{where}; there are bits {total - 1} to 0",
+                )
+                return False
+            for other_low, other_high, other in taken:
+                if width and low <= other_high and other_low <= low + span - 1:
+                    shared = _bits(min(low + span - 1, other_high), max(low, other_low))
+                    report.add(
+                        "bit-overlap",
+                        item.path,
+                        f"'{name}' and '{other.raw.get('name', '')}' both take {shared}{where}",
+                    )
+                    sound = False
+            if width:
+                taken.append((low, low + span - 1, item))
+        if not sound:
+            return False
+    return sound
+
+
+def _fields(item: Item, site: Site) -> Iterable[Field]:
+    """The fields of an item: one, two with its padding, or those of a group."""
+    for part in _flat([item]):
+        raw, width = part.raw, part.width
+        widest = site.widest(width)
+        container = raw.get("padded_to", 0)
+        yield record(
+            Field,
+            raw,
+            kind=kind(raw, site.context, site.interface),
+            low=part.low,
+            width=width,
+            widest=widest,
+            group=part.group,
+            container=container,
+            equals=equals(raw, site.context),
+        )
+        if container:
+            rest = part.span - width
+            padding = Constant(padding_of=raw["name"])
+            yield zero_field(f"{raw['name']}_padding", padding, part.low + width, rest, site, sources(raw))
+
+
+def _with_places(fields: Sequence[Field], site: Site) -> list[Field]:
+    """The fields from the lowest up. All order codes have a say: a field without bits lies where its neighbour does."""
+    sets = site.sets
+
+    def place(field: Field) -> tuple[int, int]:
+        lows = sum(field.low.value(parameters) for parameters in sets)
+        return lows, sum(field.width.value(parameters) for parameters in sets)
+
+    return sorted(fields, key=place)
+
+
+def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
+    return fields if low_first else list(reversed(fields))
+
+
+def _said_of_gaps(raw: Raw, context: Context) -> str:
+    """What bits without a field are. In a frame only a group can leave some; what it says of them holds."""
+    used = (context.groups[item["use"]][0] for item in raw.get("fields", ()) if item.get("use") in context.groups)
+    said: str = raw.get("other_bits") or next((group["other_bits"] for group in used if "other_bits" in group), "")
+    return said
+
+
+def _gaps(
+    fields: Sequence[Field], bits: Expression
+) -> Iterable[tuple[Field | None, Field | None, Expression, Expression]]:
+    """Bits between neighbours, from the lowest up: the field below, the field above, first bit, width."""
+    position, below = ZERO, None
+    for field in fields:
+        if (rest := field.low - position) != ZERO:
+            yield below, field, position, rest
+        position, below = field.low + field.width, field
+    if (rest := bits - position) != ZERO:
+        yield below, None, position, rest
+
+
+def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
+    """Whether every bit has a field, or the spec says what the others are."""
+    if gaps:
+        return True
+    for parameters in site.sets:
+        position, below = 0, Expression(0)
+        present = [field for field in fields if field.width.value(parameters)]
+        for field in (*sorted(present, key=lambda item: item.low.value(parameters)), None):
+            low = field.low if field is not None else bits
+            if (first := low.value(parameters)) > position:
+                where = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
+                wrong = f"no field covers {where}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'"
+                site.report("bits-without-field", wrong)
+                return False
+            if field is not None:
+                below = field.low + field.width
+                position = below.value(parameters)
+    return True
+
+
+def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
+    """The fields with a constant zero field in every gap, from the lowest up; None where fields change places."""
+    zero, zeros = Constant(fills_gap=True), []
+    for below, above, low, width in _gaps(fields, bits):
+        for parameters in site.sets:
+            if width.value(parameters) < 0 and below is not None and above is not None:
+                where = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
+                site.report("bit-overlap", f"{where}; with 'other_bits: zero' fields keep their order")
+                return None
+        name = (
+            f"zero_below_{above.name}"
+            if above is not None
+            else f"zero_above_{below.name}"
+            if below is not None
+            else "zero"
+        )
+        zeros.append(zero_field(name, zero, low, width, site, (above or below or fields[0]).source))
+    return _with_places([*fields, *zeros], site)

@@ -1,0 +1,213 @@
+"""From paths to the library: read, check and build every spec, with all problems in one report."""
+
+from __future__ import annotations
+
+import keyword
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from ..language.check import check_document
+from ..language.document import Document
+from ..language.problems import Report, listed
+from ..language.read import read_document, read_specs
+from ..model import Device, Manufacturer
+from .across_devices import check_alike
+from .device import build_device
+from .editions import check_editions, edition_of, notes
+from .facts import build_manufacturer
+from .history import read_history
+from .overlays import Family as Family
+from .overlays import is_overlay, lay_over, overlays_beside
+from .reading_counts import read_counts
+
+
+def packaged_specs() -> Path:
+    """The folder of the specs that ship with the tool; in an editable install, the checkout's ``specs``."""
+    return Path(str(resources.files("codewheel.specs")))
+
+
+def packaged_masters() -> Path:
+    """The folder of the descriptions of masters that ship with the tool."""
+    return packaged_specs() / "masters"
+
+
+def _packaged_families() -> list[Path]:
+    return sorted(
+        path
+        for path in packaged_specs().iterdir()
+        if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml"))
+    )
+
+
+def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+    """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
+
+    Args:
+        paths: Files and folders; without any, the specs that ship with the tool.
+
+    Returns:
+        The devices, to be used only when the report is empty, and the report.
+    """
+    families, report = load_families(paths)
+    return tuple(family.device for family in families), report
+
+
+def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+    """Like ``load_library``, but the devices are those that can be used although something else is wrong."""
+    families, report = load_families(paths)
+    sound = sound_families(families, report)
+    broken = [family.device for family in families if family not in sound]
+    devices = (family.device for family in sound)
+    return tuple(device for device in devices if not any(_share(device, other) for other in broken)), report
+
+
+def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
+    """The families in whose files nothing is wrong up to now."""
+    faulty = {problem.file for problem in report.problems}
+    return [family for family in families if faulty.isdisjoint(family.files)]
+
+
+def _share(one: Device, other: Device) -> bool:
+    """Whether two devices have one name or order code, so that neither can be told from the other."""
+    if one.base or other.base:  # These share order codes with the family that they were made of, and are told apart.
+        return one.name == other.name
+    codes = {item.code for item in one.variants}
+    return one.name == other.name or any(item.code in codes for item in other.variants)
+
+
+def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
+    """Like ``load_library``, with the spec and the files of each device."""
+    report = Report()
+    documents = read_specs(paths or _packaged_families(), report)
+    if documents and all(map(is_overlay, documents)):  # They lie over what ships with the tool.
+        documents += read_specs(_packaged_families(), report)
+    documents += _missing_manufacturers(documents, report)
+    given = {Path(document.file).resolve() for document in documents}
+    documents += read_specs((path for path in overlays_beside(documents) if path.resolve() not in given), report)
+    return families_of(documents, report), report
+
+
+def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
+    """The families of documents that have been read, in order of name; what is wrong with them goes into ``report``."""
+    overlays = [document for document in documents if is_overlay(document)]
+    documents = [document for document in documents if not is_overlay(document)]
+    checked = [(document, check_document(document, report)) for document in documents]
+    makers = _makers(checked, report)
+    # A manufacturer file with problems of its own is there all the same.
+    broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
+    families: list[Family] = []
+    for document, data in checked:
+        if data is None or "device" not in data:
+            continue
+        maker = makers.get(data["manufacturer"])
+        if maker is None and data["manufacturer"] not in broken and "manufacturer" in document.data:
+            known = f"; known: {listed(sorted(makers))}" if makers else ""
+            report.add(
+                "undefined-reference",
+                document,
+                ("manufacturer",),
+                f"there is no manufacturer file for '{data['manufacturer']}'{known}",
+            )
+        device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
+        if device is None:
+            continue
+        check_editions(data, device, report.for_document(document))
+        place, told = Path(document.file), tuple(notes(data))
+        counts, releases = read_counts(place, report), read_history(place, report)
+        device = replace(device, times_read=counts, releases=releases, errata=(*device.errata, *told))
+        _compare_with_others(device, [family.device for family in families], document, report)
+        makers_files = (item for item in documents if "device" not in item.data)
+        of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
+        families.append(Family(device, document, frozenset({document.file, *of_maker})))
+    check_alike(documents, report)
+    plain = sorted(families, key=lambda family: family.device.name)
+    return lay_over(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+
+
+def in_edition(family: Family, revision: str, report: Report) -> Family | None:
+    """A family in another edition of its manual; what is wrong with that goes into ``report``."""
+    maker = family.device.manufacturer
+    return edition_of(family, revision, partial(_built_again, {maker.name: maker}), report)
+
+
+def _built_again(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
+    """The device of a document that was made of one that had been built."""
+    data = check_document(document, report)
+    if data is None:
+        return None
+    maker = makers.get(data["manufacturer"]) or _unknown_manufacturer(data["manufacturer"])
+    return build_device(data, maker, report.for_document(document))
+
+
+def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:
+    makers: dict[str, Manufacturer] = {}
+    for document, data in checked:
+        if data is not None and "device" not in data and "manufacturer" in data:
+            if data["manufacturer"] in makers:
+                wrong = f"there is another manufacturer file for '{data['manufacturer']}'"
+                report.add("duplicate-name", document, ("manufacturer",), wrong)
+            built = build_manufacturer(data)
+            _check_manufacturer(built, makers.values(), document, report)
+            makers[built.name] = built
+    return makers
+
+
+def _unknown_manufacturer(name: str) -> Manufacturer:
+    """Stands for a manufacturer of whom no file tells, so that what is wrong with the device can be told."""
+    package = f"{name}_encoders"
+    return Manufacturer(name=name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=())
+
+
+def _check_manufacturer(
+    maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report
+) -> None:
+    """A manufacturer's files are named after it alone, and its Python package hides no module of Python's own."""
+    package = maker.python_package
+    path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
+    if package in sys.stdlib_module_names or keyword.iskeyword(package):
+        report.add(
+            "not-allowed",
+            document,
+            path,
+            f"'python_package' cannot be '{package}': that is a name of Python's own; take '{package}_encoders'",
+        )
+    for other in others:
+        if other.name == maker.name:
+            continue
+        if other.python_package == package:
+            report.add(
+                "duplicate-name",
+                document,
+                path,
+                f"the Python package '{package}' is that of '{other.name}' as well; each has its own",
+            )
+        if maker.biss_id is not None and other.biss_id == maker.biss_id:
+            wrong = f"the BiSS manufacturer ID {maker.biss_id:#06x} is that of '{other.name}' as well"
+            wrong += f"; it names the file idbiss{maker.biss_id:04X}.xml"
+            report.add("duplicate-name", document, ("biss_id",), wrong)
+
+
+def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
+    """The manufacturer files that lie beside device files which were given alone."""
+    given = {Path(document.file).resolve() for document in documents}
+    folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
+    beside = [folder / "manufacturer.yaml" for folder in folders]
+    found = (read_document(path, report) for path in beside if path.resolve() not in given and path.is_file())
+    return [document for document in found if document is not None]
+
+
+def _compare_with_others(device: Device, others: Sequence[Device], document: Document, report: Report) -> None:
+    """Families have names of their own, and no order code belongs to two."""
+    if any(other.name == device.name for other in others):
+        report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
+    codes = {variant.code: other for other in others for variant in other.variants}
+    for variant in device.variants:
+        if variant.code in codes:
+            wrong = f"the order code {variant.code} belongs to '{codes[variant.code].name}' as well"
+            report.add("order-code-ambiguous", document, ("order_code", "pattern"), wrong)
+            return

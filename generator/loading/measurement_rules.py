@@ -1,0 +1,140 @@
+"""Whether the position that a measurement speaks of can hold its counts and turns, for every order code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ..language.problems import DocumentReport, Path
+from ..model import Device, Interface, Layout, Measurement, Variant
+from ..model.expressions import Expression
+
+#: From so many on, one less than a power of two is a highest count and no number of counts.
+_SEVERAL = 15
+_REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
+
+
+@dataclass(frozen=True)
+class _Case:
+    variant: Variant
+    layout: Layout
+    #: The fields of the position that this order code has, most significant first, each with its width.
+    fields: tuple[tuple[str, int], ...]
+
+    @property
+    def width(self) -> int:
+        return sum(width for _, width in self.fields)
+
+
+def check_measurements(device: Device, report: DocumentReport) -> None:
+    """A measurement says of each order code what its position can be; the first that contradicts is told."""
+    told: set[Path] = set()
+    for interface in device.interfaces:
+        path: Path = (
+            ("interfaces", interface.name, "measurement") if interface.measurement is not None else ("measurement",)
+        )
+        measurement = device.measurement_of(interface.name)
+        if measurement is not None:
+            wrong = next(
+                filter(None, (_fault(device, measurement, case) for case in _cases(device, interface, measurement))),
+                None,
+            )
+            if wrong is not None and path not in told:
+                told.add(path)
+                report.add("measurement-does-not-fit", (*path, wrong[0]), wrong[1])
+
+
+def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
+    for layout in interface.layouts:
+        names = layout.names_in(measurement.of)
+        for variant in device.variants:
+            if variant.interface == interface.name:
+                placed = layout.place(variant.parameters)
+                present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
+                yield _Case(variant, layout, tuple(present))
+
+
+def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
+    """The key that is wrong, and why."""
+    key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
+    numbers = {
+        name: part
+        for name in ("counts_per_turn", "turns", "step_um", "modulus")
+        if (part := getattr(measurement, name)) is not None
+    }
+    values = {name: part.value(case.variant.parameters) for name, part in numbers.items()}
+    for name, value in values.items():
+        if value < 1:
+            return name, f"'{name}' is {value} for {case.variant.code}; there is one at least"
+    if key not in values or not case.width:
+        return None
+    for name, value in values.items():
+        if (
+            name != "step_um"
+            and value >= _SEVERAL
+            and value & (value + 1) == 0
+            and not _at_run_time(device, numbers[name])
+        ):
+            return (
+                name,
+                (
+                    f"'{name}' is {value} for {case.variant.code}; that is the highest count, and with 0 there are"
+                    f" {value + 1}"
+                ),
+            )
+    return _does_not_fit(device, measurement, case, key, values) or _uneven(case, key, values)
+
+
+def _does_not_fit(
+    device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
+) -> tuple[str, str] | None:
+    """The position has too few bits; or, where its width is all that decides, more than it can ever use."""
+    turns = values.get("turns", 1)
+    counts = values[key] * turns
+    said = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
+    held = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
+    if counts > 1 << case.width:
+        return key, f"{said} do not fit: {held}"
+    widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
+    counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
+    if 2 * counts <= 1 << case.width and widths and counted <= widths:
+        return (
+            key,
+            f"{said} need {(counts - 1).bit_length()} bits: {held}; zeros above a position are a field of their own",
+        )
+    return None
+
+
+def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+    """Above a number of revolutions the fields below it count one revolution, in all their bits."""
+    for index, (name, _) in enumerate(case.fields[:-1]):
+        below = sum(width for _, width in case.fields[index + 1 :])
+        if case.layout.field(name).unit in _REVOLUTIONS and key == "counts_per_turn" and values[key] != 1 << below:
+            return (
+                key,
+                (
+                    f"'{name}' counts revolutions above {below} bits for {case.variant.code}, so that a turn has"
+                    f" {1 << below} counts, not {values[key]}"
+                ),
+            )
+    return None
+
+
+def _at_run_time(device: Device, expression: Expression) -> bool:
+    """Whether a register decides, which may hold any number."""
+    held = {item.name for item in device.run_time_parameters}
+    return bool(held & _sources(device, expression))
+
+
+def _sources(device: Device, *expressions: Expression) -> set[str]:
+    """The parameters that decide about these expressions: those that order codes set or registers hold."""
+    definitions = {item.name: item.equals for item in device.parameters}
+    names, found = [name for item in expressions for name in item.parameters], set()
+    while names:
+        name = names.pop()
+        inner = definitions.get(name)
+        if inner is None:
+            found.add(name)
+        else:
+            names += inner.parameters
+    return found

@@ -1,0 +1,36 @@
+"""How often the facts of a spec were read, as ``check --coverage --write`` leaves it beside the spec."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from ..language.problems import Report
+from ..language.second_reading import counts_beside
+from ..model import TimesRead
+
+RULE = "coverage-file"
+
+
+def read_counts(spec: Path, report: Report) -> TimesRead | None:
+    """The counts kept beside a spec; None where there are none, or where the file is not what was written."""
+    place = counts_beside(spec)
+    if not place.is_file():
+        return None
+    names = [item.name for item in fields(TimesRead)]
+    try:
+        found = json.loads(place.read_text(encoding="utf-8"))
+        if set(found) == set(names) and all(type(found[name]) is int for name in names):
+            return TimesRead(**found)
+    except (OSError, ValueError, TypeError):
+        pass
+    report.add_at(
+        str(place), 1, 1, RULE, "this is not what was written; write it anew: codewheel check --coverage --write"
+    )
+    return None
+
+
+def counts_text(counts: TimesRead) -> str:
+    """The counts as the file has them."""
+    return json.dumps(asdict(counts)) + "\n"

@@ -1,0 +1,148 @@
+"""What a spec says twice and the model compares: defaults, meanings of order codes, the BiSS ID, selecting fields."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..language.problems import DocumentReport, Path
+from ..model import Biss, Device, Fault, PlacedField, Register, Variant
+from ..reference import codec
+from .from_mapping import Raw
+
+#: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
+_COUNTED = re.compile(
+    r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b"
+)
+#: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
+_BISS_ID = {0x7E: 8, 0x7F: 0}
+#: Below this a number in a text may be about anything.
+_LEAST = 256
+
+
+def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Reports where a spec contradicts itself and only the model shows it."""
+    for register in device.registers:
+        _check_default(device, register, ("registers", register.name), report)
+    _check_biss_id(device, report)
+    _check_meanings(raw, device, report)
+    _check_selectors(device, report)
+
+
+def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
+    """The default of a register has the constants of its fields, what they equal, and their own defaults."""
+    default = register.default
+    if default is None or default >> 8 * register.length:
+        return
+    for variant in _variants(device, register.interface):
+        placed = register.layout.place(variant.parameters)
+        decoded = codec.decode(device, placed, default)
+        # A number without a name is told with the limits; a command may well clear itself to one.
+        faults = [item.message for item in decoded.problems if item.fault is Fault.CONSTANT]
+        faults += [_contradiction(item, default, decoded.values.get(item.name), variant) for item in placed.fields]
+        wrong = next(filter(None, faults), "")
+        if wrong:
+            said = f"the default {default:#x} contradicts a field: {wrong}"
+            report.add("default-does-not-fit", (*path, "default"), said)
+            return
+
+
+def _contradiction(item: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
+    """What a field says against the number that it has in the default of its register."""
+    number = default >> item.low & item.mask
+    expected = item.field.documented(variant.parameters)
+    if expected is not None and expected not in (number, value):
+        shown = expected if isinstance(expected, str) else hex(expected)
+        return f"'{item.name}' is {number:#x} in it and has to equal {shown}"
+    if item.field.default is not None and item.field.default not in (number, value):
+        return f"'{item.name}' is {number:#x} in it, and its own default is {item.field.default:#x}"
+    return ""
+
+
+def _variants(device: Device, interface: str) -> Iterator[Variant]:
+    return (variant for variant in device.variants if variant.interface == interface)
+
+
+def _check_biss_id(device: Device, report: DocumentReport) -> None:
+    """What a reader finds at 7Eh and 7Fh over BiSS is the ID in the manufacturer file, which names the idbiss file."""
+    identity = device.manufacturer.biss_id
+    if identity is None:
+        return
+    for register in device.registers:
+        variant = next(_variants(device, register.interface), None)
+        if register.interface != Biss.name or register.bank is not None or variant is None:
+            continue
+        found, known = 0, 0
+        for item in register.layout.place(variant.parameters).fields:
+            expected = item.field.documented(variant.parameters)
+            if expected is not None and item.low + item.width <= 8 * register.length:
+                number = codec.number_of_text(expected) if isinstance(expected, str) else expected
+                found, known = found | (number & item.mask) << item.low, known | item.mask << item.low
+        places = range(register.address, register.address + register.length)
+        values, masks = (codec.number_to_bytes(register.layout, part, 8 * register.length) for part in (found, known))
+        wrong = [
+            place
+            for place, value, mask in zip(places, values, masks, strict=True)
+            if place in _BISS_ID and (value ^ identity >> _BISS_ID[place]) & mask
+        ]
+        if wrong:
+            shown = ", ".join(f"{value:02X}" for place, value in zip(places, values, strict=True) if place in _BISS_ID)
+            text = (
+                f"'{register.name}' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is"
+                f" {identity:#06x}; one of the two is wrong"
+            )
+            report.add("biss-id-mismatch", ("registers", register.name), text)
+
+
+def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Counts and revolutions that the meaning of a value names are found among the quantities of its order codes."""
+    for index, part in enumerate(raw["order_code"]["parts"]):
+        for text, value in part["values"].items():
+            named = [int(number.replace(",", "")) for number in _COUNTED.findall((value or {}).get("meaning", ""))]
+            named = [number for number in named if number >= _LEAST]
+            if not named or not (value or {}).get("sets"):
+                continue
+            codes = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
+            if not any(number in _quantities(device, variant) for variant in codes for number in named):
+                sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
+                wrong = (
+                    f"the meaning of '{text}' says {named[0]:,}, and nothing of its order codes is so many, with {sets}"
+                )
+                report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
+
+
+def _quantities(device: Device, variant: Variant) -> set[int]:
+    """What is counted for an order code: its parameters, two to their power, and what its measurement says."""
+    measurement = device.measurement_of(variant.interface)
+    parts = (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
+    found = {part.value(variant.parameters) for part in parts if part is not None}
+    found.update(variant.parameters.values())
+    return found | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+
+
+def _check_selectors(device: Device, report: DocumentReport) -> None:
+    """The frames of one sender are told apart by the same bits, in the same place for every order code."""
+    for interface in device.interfaces:
+        first: dict[str, tuple[str, object]] = {}
+        for layout in interface.layouts:
+            if not layout.selector:
+                continue
+            path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
+            field = next((item for item in layout.fields if item.name == layout.selector), None)
+            if field is None:
+                continue  # Reported by the rule on references.
+            if not field.pieces:
+                report.add(
+                    "selector-place",
+                    path,
+                    f"'{layout.selector}' moves with the order code; a frame is told by bits that always lie in one"
+                    " place",
+                )
+                continue
+            name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
+            if pieces != field.pieces:
+                wrong = (
+                    f"'{layout.selector}' does not lie where it does in '{name}'; frames of one sender are told apart"
+                    " by the same bits"
+                )
+                report.add("selector-place", path, wrong)

@@ -1,0 +1,182 @@
+"""Tables of a page about a device, layouts apart: rows whose cells are Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from ...model import (
+    Biss,
+    Crc,
+    CrcExample,
+    Device,
+    Document,
+    Erratum,
+    Example,
+    FrameExample,
+    Interface,
+    MeasureExample,
+    Procedure,
+    ProcedureExample,
+    RegisterExample,
+    Timing,
+    assert_never,
+)
+from ...plan.steps import Verifies, run_of
+from ...say.changed import change_in_words
+from ...say.crc import sent
+from ...say.erratum import errata
+from ...say.field import value
+from ...say.interface import settings
+from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.place import hexadecimal
+from ...say.procedure import read_back, step
+from ...say.timing import bounds
+from ...say.words import counted, number
+from .layout_tables import named
+from .page_links import ERRATA
+
+_SEVERITY = {
+    "wrong_data": "wrong bytes or bits on the wire",
+    "wrong_limit": "a wrong limit or order code",
+    "omission": "something missing",
+    "wording": "wording only",
+}
+SEVERITIES = tuple(_SEVERITY)
+
+
+def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
+    """Fact, value, source."""
+    for item in settings(device, interface):
+        yield text(item.label), STYLE.phrase(item), cited(item.source)
+
+
+def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
+    """Number, what to do, why, source; what generated code does beside the manual's steps has no number."""
+    index = 0
+    for operation in run_of(device, item).operations:
+        part = operation.step
+        if isinstance(operation, Verifies):
+            field = operation.field.name if operation.field is not None else ""
+            what = STYLE.sentence(read_back(device, operation.register, field))
+            yield "", what, "Not in the manual. Generated code does it: a disturbed write can look like a good one.", ""
+            continue
+        index += 1
+        source = cited(part.source) if part.source != item.source else ""
+        yield f"{index}", STYLE.sentence(step(device, part)), text(part.meaning), source
+
+
+def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
+    """A row for each time: name, meaning, how long, source."""
+    for item in timings:
+        yield joined([code(item.name), text(item.symbol)]), text(item.meaning), bounds(item), cited(item.source)
+
+
+def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
+    """The parameters and every spelling of the polynomial that masters ask for."""
+    full = crc.poly_with_top_bit
+    yield "Polynomial", text(crc.polynomial)
+    yield "with its top bit", f"`0x{full:X}` = {full} = `{full:b}b`"
+    yield "without its top bit", f"`0x{crc.poly:02X}`"
+    if full & 1:
+        yield "without its last 1", f"`0x{full >> 1:X}`"
+    yield "Width", counted(crc.width, "bit")
+    yield "Start value", f"`0x{crc.init:X}`"
+    yield "Input, output reflected", f"{_yes(crc.refin)}, {_yes(crc.refout)}"
+    yield "XORed at the end", f"`0x{crc.xorout:X}` ({sent(crc)})"
+    if crc.is_xor:
+        yield "In short", "the XOR of the bytes before it"
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
+
+
+def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
+    yield from ((fact, said) for fact, said in _worked(example) if said)
+    if example.erratum and example.erratum not in {
+        item.name for item in errata(device, f"examples.{example.name}", wording=True)
+    }:
+        yield "Erratum", link(code(example.erratum), f"{ERRATA}#erratum-{example.erratum}")
+    if example.note:
+        yield "Note", text(example.note)
+    yield "Source", cited(example.source)
+
+
+def _worked(example: Example) -> Iterator[tuple[str, str]]:
+    """What an example shows: fact and value, empty where it does not say."""
+    match example:
+        case FrameExample():
+            yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""
+            yield "Order code", code(example.order_code)
+            yield "Sent by", f"the {example.sender}"
+            for name, answer in example.alternatives.items():
+                yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
+            yield from (_bytes(example.bytes), ("Bits", code(example.bits)), _values(example.values))
+            yield "Refused", f"for its {text(example.refused)}" if example.refused else ""
+        case RegisterExample():
+            yield "Register", link(code(example.register), f"#register-{example.register}")
+            yield from (("Order code", code(example.order_code)), _bytes(example.bytes), _values(example.values))
+        case CrcExample():
+            yield "CRC", link(code(example.crc), f"#crc-{example.crc}")
+            yield from (_bytes(example.bytes), ("Check value", f"`{hexadecimal(example.check)}`"))
+        case ProcedureExample():
+            yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
+            yield "Order code", code(example.order_code)
+            for name, value in example.arguments.items():
+                yield f"Argument {code(name)}", number(value) + (f" ({hexadecimal(value)})" if value > 9 else "")
+            yield "Writes", ", ".join(f"`{item.address:02X}h: {item.value:02X}`" for item in example.writes)
+        case MeasureExample():
+            yield "Order code", code(example.order_code)
+            yield "Length", f"{number(example.counts)} counts are {number(example.micrometres)} µm"
+        case _:
+            assert_never(example)
+
+
+def _bytes(data: bytes) -> tuple[str, str]:
+    return "Bytes", f"`{data.hex(' ').upper()}`" if data else ""
+
+
+def _values(values: Mapping[str, int | str | bool]) -> tuple[str, str]:
+    return "Values", ", ".join(f"{code(name)} = {_value(value)}" for name, value in values.items())
+
+
+def _value(value: int | str | bool) -> str:
+    if isinstance(value, bool):
+        return _yes(value)
+    return number(value) if isinstance(value, int) else code(value)
+
+
+def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
+    """What the manual has, or the spec below a change, and what is used instead."""
+    if item.overlay:
+        yield "Overlay", code(item.overlay)
+    if item.edition:
+        yield "Edition", text(item.edition)
+    is_change = bool(item.overlay or item.edition)
+    yield (
+        ("The spec has" if is_change else "Printed"),
+        text(change_in_words(item.printed) if is_change else item.printed),
+    )
+    yield ("Here" if is_change else "Used"), text(item.used)
+
+
+def changes(number: int) -> str:
+    """How many of the errata are none of the manual."""
+    return f" {number} more are changes by overlays, or what is otherwise in another edition." if number else ""
+
+
+def severity(value: str) -> str:
+    return _SEVERITY[value]
+
+
+def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
+    """Key, title, address."""
+    return [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in documents]
+
+
+def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
+    """The fields of the BiSS control frame: name, bits, meaning, source."""
+    for item in interface.control_data:
+        values = [STYLE.phrase(value(one, item.bits)) for one in item.values]
+        crc = link(code(item.crc), f"#crc-{item.crc}") if item.crc else ""
+        yield named(item), f"{item.bits}", joined([text(item.meaning), crc, *values]), cited(item.source)

@@ -1,0 +1,117 @@
+"""A page for each interface of a family, and what it shares with the page of an order code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Annotated, TypedDict
+
+from ...model import Device, Interface, Supply, Variant
+from ...reference.parameters import follows_registers
+from ...reference.parts import for_interface
+from ...say.markdown import STYLE, cited, code, text
+from ...say.measurement import measurement
+from ...say.name import Named, title
+from ...say.words import volts
+from . import fact_tables, order_code_tables
+from .interface_sections import Rows, Section, Sections, sections
+from .order_code_patterns import order_codes, patterns
+from .page_pictures import Pictures
+from .timing_pictures import Wave, wave
+
+Row = tuple[str, ...]
+
+
+class OverValues(TypedDict):
+    """What a page about one interface has beside its sections."""
+
+    interface: Annotated[Interface, "the interface"]
+    has_masters: Annotated[bool, "whether there is a page of master settings"]
+    short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
+    pictures: Annotated[Pictures, "pictures by what they show, such as `register-preset`: name, text"]
+    timing: Annotated[Wave | None, "the picture of the interface in time, if there is one"]
+    delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
+
+
+class InterfacePage(Sections, OverValues):
+    patterns: Annotated[list[str], "the order codes that have the interface, as patterns"]
+    code_table: Annotated[Section, "these order codes as links, with the quantities that follow: head, rows"]
+    parameter_rows: Annotated[Rows, "the quantities that follow from an order code"]
+    run_time_rows: Annotated[Rows, "the quantities that registers hold"]
+    name_rows: Annotated[Rows, "what the manual and its other editions call what: here, edition, name"]
+
+
+def over_values(
+    family: Device, here: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
+) -> OverValues:
+    """``here`` is the family with the interface alone."""
+    (interface,) = here.interfaces
+    return {
+        "interface": interface,
+        "has_masters": has_masters,
+        "short_rows": list(_short_rows(here, interface, variants)),
+        "pictures": pictures,
+        "timing": wave(family, family.interface(interface.name)),
+        "delivered": [
+            item.name for item in family.interface(interface.name).layouts if follows_registers(family, item)
+        ],
+    }
+
+
+def page_values(
+    device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
+) -> InterfacePage:
+    """``links`` has each order code with a link to its page."""
+    here = for_interface(device, kind)
+    variants = [item for item in device.variants if item.interface == kind]
+    return {
+        **sections(here),
+        **over_values(device, here, variants, has_masters, pictures),
+        "patterns": patterns(device, [item.code for item in variants]) if variants else [],
+        "code_table": order_code_tables.code_table(device, device.interface(kind), links),
+        "parameter_rows": list(order_code_tables.parameter_rows(device, kind)),
+        "run_time_rows": list(order_code_tables.run_time_rows(device, kind)),
+        "name_rows": list(_name_rows(here)),
+    }
+
+
+def _short_rows(here: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
+    """What the position counts, the supply, and what the manual says of the interface."""
+    counted = here.measurement_of(interface.name)
+    if counted is not None:
+        yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
+    found = _supplies(here, variants)
+    for voltage, those in found.items():
+        whose = f" ({order_codes(here, those)})" if len(those) < len(variants) else ""
+        yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", cited(voltage.source)
+    yield from fact_tables.interface_rows(here, interface)
+
+
+def _supplies(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
+    found: dict[Supply, list[str]] = {}
+    for item in variants:
+        needed = device.supply_of(item)
+        if needed is not None:
+            found.setdefault(needed, []).append(item.code)
+    return found
+
+
+def _name_rows(device: Device) -> Iterator[Row]:
+    """What other editions of the manual call by another name: language, name here, name there."""
+    for item in _named(device):
+        for key, name in item.names.items():
+            if name != title(item):
+                yield code(item.name), text(item.printed_name), text(key), text(name)
+
+
+def _named(device: Device) -> Iterator[Named]:
+    (interface,) = device.interfaces
+    placed = [*interface.layouts, *(item.layout for item in device.registers)]
+    fields = [field for layout in placed for field in layout.fields]
+    shown = {item.name: item for item in fields if item.names}
+    yield from shown.values()
+    yield from {item.name: item for field in fields for item in field.values if item.names}.values()
+    yield from device.registers
+    yield from device.field_groups
+    yield from device.alarms
+    yield from device.inputs
+    yield from getattr(interface, "control_data", ())

@@ -1,0 +1,212 @@
+"""What pages about interfaces have: a section for each frame, register, procedure and so on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, TypedDict
+
+from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485
+from ...reference.parameters import follows_registers
+from ...say import alarm, hardware_input
+from ...say import layout as say_layout
+from ...say import procedure as say_procedure
+from ...say import register as say_register
+from ...say.alternative import needs
+from ...say.markdown import cited, code, joined, link, text
+from ...say.name import title, words
+from ...say.origin import origin, other_editions
+from ...say.place import addresses
+from ...say.text import Code, Said
+from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
+from .page_links import to_steps
+
+#: Rows of a table; its cells are Markdown.
+Rows = list[tuple[str, ...]]
+#: A section of a page, by what the template calls its parts.
+Section = dict[str, Any]
+
+
+class Sections(TypedDict):
+    device: Annotated[Device, "the family, with what the page is about alone"]
+    origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
+    usable_page: Annotated[str, "the page that says whether a position is usable"]
+    errata_at: Annotated[
+        Callable[..., str], "the errata of a path into the spec, or of several: told where they first bite, then named"
+    ]
+    alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, frames"]
+    interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]
+    crcs: Annotated[list[Section], "the CRCs: crc, rows"]
+    registers: Annotated[list[Section], "the registers with their fields, values and facts"]
+    register_rows: Annotated[Rows, "the registers in short"]
+    procedures: Annotated[list[Section], "the procedures: procedure, rows, arguments"]
+    alarms: Annotated[list[Section], "errors and warnings: alarm, title, rows"]
+    inputs: Annotated[list[Section], "the inputs: input, title, rows"]
+    connectors: Annotated[list[Section], "connectors and cables: connector, head, rows"]
+    led_rows: Annotated[Rows, "the LEDs and what each state means"]
+    examples: Annotated[list[Section], "the worked examples: example, rows"]
+
+
+def sections(device: Device) -> Sections:
+    return {
+        "device": device,
+        "origin": [*origin(device), *other_editions(device)],
+        "usable_page": verdict_page.PAGE,
+        "errata_at": inline_errata.OnPage(device),
+        "alternatives": order_code_tables.alternatives(device),
+        "interfaces": [_interface(device, item) for item in device.interfaces],
+        "crcs": [{"crc": item, "rows": fact_tables.crc_rows(item)} for item in device.crcs],
+        "registers": [_register(device, item) for item in device.registers],
+        "register_rows": [_register_row(item) for item in device.registers],
+        "procedures": [_procedure(device, item) for item in device.procedures],
+        "alarms": [{"alarm": item, "title": title(item), "facts": alarm.facts(device, item)} for item in device.alarms],
+        "inputs": [
+            {"input": item, "title": title(item), "facts": hardware_input.facts(device, item)} for item in device.inputs
+        ],
+        "connectors": [_connector(item) for item in device.connectors],
+        "led_rows": [
+            (
+                text(item.title) if index == 0 else "",
+                text(state.state),
+                joined([text(state.meaning), *to_steps("", state.by_hand)]),
+                code(state.only),
+                cited(item.source) if index == 0 else "",
+            )
+            for item in device.leds
+            for index, state in enumerate(item.states)
+        ],
+        "examples": [{"example": item, "rows": fact_tables.example_facts(device, item)} for item in device.examples],
+    }
+
+
+#: What an interface says of itself, by which its errata are found.
+_FACTS = (
+    "measurement",
+    "clock",
+    "cable_lengths",
+    "timeout",
+    "network",
+    "port",
+    "profile",
+    "alignment",
+    "output_code",
+    "signals",
+    "description_file",
+)
+
+
+def _interface(device: Device, interface: Interface) -> Section:
+    groups = {item.name: item for item in device.field_groups}
+    place = f"interfaces.{interface.name}"
+    return {
+        "interface": interface,
+        "rows": list(fact_tables.interface_rows(device, interface)),
+        "paths": [f"{place}.{name}" for name in _FACTS],
+        "timing_paths": [f"{place}.{item.name}" for item in interface.timings]
+        + [f"{place}.timings", *(f"timings.{item.name}" for item in device.timings)],
+        "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
+        "layouts": [_layout(device, interface, item) for item in interface.layouts],
+        "groups": [
+            {
+                "group": groups[name],
+                "title": _group_title(groups[name]),
+                "frames": layout_tables.frames_with(interface, name),
+                "rows": layout_tables.group_rows(device, name),
+            }
+            for name in layout_tables.used_groups(interface)
+        ],
+        "memory_rows": _memory_rows(interface) if isinstance(interface, Rs485) else [],
+        "control_rows": list(fact_tables.control_rows(interface)) if isinstance(interface, Biss) else [],
+    }
+
+
+def _data_id_rows(interface: Rs485) -> Rows:
+    return [
+        (
+            f"{item.id:X}",
+            code(item.name),
+            f"`{item.control:02X}h`",
+            text(item.purpose),
+            text(item.meaning),
+            cited(item.source),
+        )
+        for item in interface.data_ids
+    ]
+
+
+def _memory_rows(interface: Rs485) -> Rows:
+    return [
+        (
+            text(item.access),
+            f"{item.busy}",
+            text(item.address),
+            text(item.data),
+            text(item.meaning),
+            cited(item.source),
+        )
+        for item in interface.memory_access
+    ]
+
+
+def _group_title(group: FieldGroup) -> str:
+    """Our name, and in parentheses the manual's own."""
+    return words(group.name).capitalize() + (f" ({group.printed_name})" if group.printed_name else "")
+
+
+def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
+    return {
+        "layout": layout,
+        "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
+        "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
+        "rows": list(layout_tables.field_rows(device, layout)),
+        "placements": layout_tables.placement_table(device, layout, interface.name),
+        "delivered": follows_registers(device, layout),
+    }
+
+
+def _register(device: Device, register: Register) -> Section:
+    fields = register.layout.fields
+    rows = list(layout_tables.field_rows(device, register.layout))
+    is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
+    return {
+        "register": register,
+        "title": title(register),
+        "head": say_register.head(device, register, Code(register.name)),
+        "facts": say_register.facts(device, register),
+        "rows": [] if is_plain else rows,
+        "value_tables": [
+            {"field": code(item.name), "rows": list(layout_tables.value_rows(item)), "alone": len(fields) == 1}
+            for item in fields
+            if layout_tables.has_value_table(item)
+        ],
+        "joins": say_layout.joins(register.layout),
+        "placements": layout_tables.placement_table(device, register.layout, register.interface),
+    }
+
+
+def _procedure(device: Device, procedure: Procedure) -> Section:
+    return {
+        "procedure": procedure,
+        "about": list(say_procedure.about(procedure)),
+        "rows": fact_tables.step_rows(device, procedure),
+        "arguments": [(part.name, say_procedure.argument(device, part)) for part in procedure.arguments],
+    }
+
+
+def _connector(connector: Connector) -> Section:
+    return {
+        "connector": connector,
+        "head": {"cable": "Wire"}.get(connector.kind, "Pin"),
+        "rows": [(text(part.contact), text(part.signal), code(part.only)) for part in connector.contacts],
+    }
+
+
+def _register_row(register: Register) -> tuple[str, ...]:
+    data = register.default_bytes()
+    return (
+        "" if register.bank is None else f"{register.bank}",
+        addresses(register),
+        link(code(register.name), f"#register-{register.name}"),
+        say_register.access(register),
+        f"`{data.hex(' ').upper()}`" if data is not None else "",
+        cited(register.source),
+    )

@@ -1,0 +1,256 @@
+"""Tables of the fields of a layout, whose cells are Markdown, and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register, choices
+from ...model.expressions import Expression
+from ...say.alternative import names
+from ...say.field import rules, value
+from ...say.markdown import STYLE, cited, code, joined, link, table, text
+from ...say.name import Named
+from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
+from ...say.text import Said, parted, said, told
+from .layout_pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
+from .order_code_patterns import order_codes
+
+#: More named values than this are listed in a table of their own.
+_FEW = 4
+_NO_SETS: Mapping[str, int] = MappingProxyType({})
+#: Fields with their highest and lowest bit in a group, the highest first.
+GroupFields = list[tuple[Field, int, int]]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A layout as some order codes have it."""
+
+    codes: tuple[str, ...]
+    placed: PlacedLayout
+
+
+def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int] = _NO_SETS) -> tuple[Placement, ...]:
+    """The layout for the order codes of an interface, each shape once, the shortest first.
+
+    ``sets`` is what the answers of alternatives set, where they are not the first.
+    """
+    found: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
+    for variant in device.variants:
+        if variant.interface == kind:
+            placed = layout.place({**variant.parameters, **sets})
+            shape = tuple((item.name, item.low, item.width) for item in placed.fields)
+            found.setdefault(shape, (placed, []))[1].append(variant.code)
+    return tuple(
+        sorted((Placement(tuple(codes), placed) for placed, codes in found.values()), key=lambda item: item.placed.bits)
+    )
+
+
+def named(item: Named) -> str:
+    """A name as code, and the manual's own below it."""
+    return joined([code(item.name), text(item.printed_name)])
+
+
+def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
+    """All that is to be said of a field in one cell; a register has a table of its own for many values."""
+    parts = [*told(item.meaning), *_values(item, in_register), *rules(device, item), *told(item.note)]
+    return joined(map(STYLE.sentence, parts))
+
+
+def _values(item: Field, in_register: bool) -> Iterator[Said]:
+    if not has_value_table(item):
+        yield from (value(replace(one, source=()), item.widest) for one in item.values)
+    elif in_register:
+        yield said("The values stand below")
+    else:
+        names = (value(replace(one, meaning=""), item.widest).parts for one in item.values)
+        yield said(*parted(names, "; "), label="Values")
+
+
+def has_value_table(field: Field) -> bool:
+    """Whether its values are too many for one cell."""
+    return len(field.values) > _FEW
+
+
+def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
+    """Value, name, meaning, source."""
+    for item in field.values:
+        number = hexadecimal(item.value, (field.widest + 3) // 4)
+        yield number, named(item), text(item.meaning), cited(item.source)
+
+
+def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
+    """Field, place, width, meaning, source; a group of fields is one row that leads to its own table."""
+    done: set[str] = set()
+    groups = {group.name: group for group in device.field_groups}
+    there = {field.name for field in layout.fields}
+    for field in layout.fields:
+        if field.group:
+            if field.group not in done:
+                done.add(field.group)
+                parts = [item for item in layout.fields if item.group == field.group]
+                low = _first_bit(parts, _first_answers(device))
+                group = groups[field.group]
+                name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
+                where = frame_bytes(layout, layout.widest, low + group.bits - 1, low)
+                yield name, where, f"{group.bits}", "several fields, see there", ""
+            continue
+        if field.padding_of in there:
+            continue  # told with the field itself
+        yield (
+            named(field),
+            _place(layout, field, device.alternatives_of(layout)),
+            STYLE.number(field.width),
+            field_cell(device, field, in_register=not layout.sender),
+            cited(field.source) if field.source != layout.source else "",
+        )
+
+
+def _place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
+    return STYLE.phrase(said(*field_place(layout, field, alternatives)))
+
+
+def _first_answers(device: Device) -> Mapping[str, int]:
+    return next(sets for _, sets in choices(device.alternatives))
+
+
+def _first_bit(fields: Iterable[Field], sets: Mapping[str, int]) -> int:
+    return min(field.low.value(sets) for field in fields)
+
+
+def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
+    """The fields of a group, once for each way to decide where they stand."""
+    layout = next(layout for _, layout in device.layouts() if any(field.group == name for field in layout.fields))
+    parts = [field for field in layout.fields if field.group == name]
+    deciding = [item for item in device.alternatives_of(layout) if any(_follows(field, item) for field in parts)]
+    shapes = []
+    for answers, sets in choices(deciding):
+        first = _first_bit(parts, sets)
+        lows = ((field, field.low.value(sets) - first) for field in parts)
+        placed = [(field, low + field.width.constant - 1, low) for field, low in lows]
+        shapes.append((answers, sorted(placed, key=lambda item: -item[1])))
+    return shapes
+
+
+def _follows(field: Field, item: Alternative) -> bool:
+    """Whether an alternative decides where a field stands."""
+    return not item.answers[0].sets.keys().isdisjoint((*field.low.parameters, *field.width.parameters))
+
+
+def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
+    """Field, place, meaning, source."""
+    shapes = group_shapes(device, name)
+    for field, _, _ in shapes[0][1]:
+        places: dict[str, str] = {}
+        for answers, fields in shapes:
+            place = next(bits(high, low) for other, high, low in fields if other is field)
+            places.setdefault(place, STYLE.phrase(said(*names(answers))))
+        several = len(places) > 1
+        where = joined(f"{place} ({answer})" if several else place for place, answer in places.items())
+        yield named(field), where, field_cell(device, field), cited(field.source)
+
+
+def frames_with(interface: Interface, group: str) -> list[str]:
+    """Links to the frames that have a group of fields."""
+    layouts = [item for item in interface.layouts if any(field.group == group for field in item.fields)]
+    return [link(code(item.name), f"#layout-{item.name}") for item in layouts]
+
+
+def used_groups(interface: Interface) -> list[str]:
+    return list(dict.fromkeys(field.group for layout in interface.layouts for field in layout.fields if field.group))
+
+
+def placement_table(device: Device, layout: Layout, kind: str) -> str:
+    """Where each field stands for each order code and decision, as a table; empty where that is the same for all.
+
+    Decisions count only where they change the length: where a field stands by them, its own row says.
+    """
+    deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
+    shapes = [
+        (answers, shape) for answers, sets in choices(deciding) for shape in placements(device, layout, kind, sets)
+    ]
+    if len(shapes) < 2:
+        return ""
+    decided = {name for item in device.alternatives for name in item.answers[0].sets}
+    moving = [field for field in layout.fields if not field.padding_of and _moves(field, decided)]
+    within = {field.name: _place(layout, field) for field in moving if field.container and layout.sender}
+    rows = []
+    for answers, shape in shapes:
+        cells = []
+        for field in moving:
+            item = shape.placed.field(field.name)
+            below = item.low if item is not None and field.name in within else 0
+            cells.append("–" if item is None else bit_range(item.high - below, item.low - below))
+        total = [f"{shape.placed.bits}"] if not layout.bits.is_constant else [""]
+        rows.append([order_codes(device, shape.codes), *(code(item.name) for item in answers), *total, *cells])
+    return table(
+        [
+            "Order codes",
+            *(link(code(item.name), f"#alternative-{item.name}") for item in deciding),
+            "Bits",
+            *(code(field.name) + (f" in {within[field.name]}" if field.name in within else "") for field in moving),
+        ],
+        rows,
+    )
+
+
+def _lengthens(layout: Layout, item: Alternative) -> bool:
+    """Whether the length of the layout depends on an alternative."""
+    return not item.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
+
+
+def _moves(field: Field, decided: Container[str]) -> bool:
+    """Whether it stands elsewhere, or is wider, with another order code."""
+    return any(name not in decided for name in (*field.low.parameters, *field.width.parameters))
+
+
+# -- what pictures show
+
+
+def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
+    """The bytes of each shape that a layout has; all of it for each way to decide where fields stand that are drawn."""
+    found: dict[tuple[Byte, ...], Stack] = {}
+    for answers, sets in choices(device.alternatives_of(layout)):
+        for stack in _stacks(layout, placements(device, layout, interface.name, sets)):
+            found.setdefault(stack.rows, replace(stack, caption=_decided(answers, stack.caption)))
+    stacks = list(found.values())
+    return [replace(item, caption="") for item in stacks] if layout.in_bytes and len(stacks) == 1 else stacks
+
+
+def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
+    if layout.in_bytes:
+        yield byte_stack("", shapes[-1].placed)
+        return
+    for shape in shapes:
+        yield bit_stack(f"{_caption(shape)}: {shape.placed.bits} bits", shape.placed)
+
+
+def _decided(answers: Sequence[Answer], caption: str) -> str:
+    return ", ".join(filter(None, (*(item.name for item in answers), caption)))
+
+
+def _caption(shape: Placement) -> str:
+    more = f" and {len(shape.codes) - 2} more" if len(shape.codes) > 2 else ""
+    return f"{', '.join(shape.codes[:2])}{more}"
+
+
+def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
+    shapes = group_shapes(device, group.name)
+    return [group_stack(_decided(answers, ""), fields, group.bits) for answers, fields in shapes]
+
+
+def has_picture(register: Register) -> bool:
+    """A register that is one field from end to end needs none."""
+    fields = register.layout.fields
+    return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
+
+
+def register_stacks(device: Device, register: Register) -> list[Stack]:
+    shapes = placements(device, register.layout, register.interface)
+    low_first = register.byte_order == "low_byte_first"
+    return [
+        register_stack(_caption(item) if len(shapes) > 1 else "", item.placed, register.address, low_first)
+        for item in shapes
+    ]

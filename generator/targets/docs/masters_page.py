@@ -1,0 +1,219 @@
+"""A page for each device: what BiSS and SSI masters have to be told about its order codes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from math import prod
+from typing import Annotated, Any, TypedDict
+
+from ...masters.record import NoRecord, Record, Undecided, record
+from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
+from ...masters.text import bound, condition, conditions, facts, legend, mark
+from ...model import Device, Interface, Variant, choices
+from ...say.markdown import code, joined, text
+from .fact_tables import document_rows
+from .order_code_patterns import order_codes
+from .page_links import to_erratum
+
+Row = tuple[str, ...]
+Table = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Order codes that are the same to every master."""
+
+    device: Device
+    codes: tuple[str, ...]
+    record: Record
+
+
+#: Groups, each with its rows by key.
+Columns = Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]
+#: What one master is told, group by group.
+Told = Sequence[tuple[Group, Sheet]]
+
+
+def has_masters(device: Device) -> bool:
+    return any(True for item in device.interfaces for _ in _records(device, item))
+
+
+class MastersPage(TypedDict):
+    device: Annotated[Device, "the family"]
+    legend: Annotated[str, "what the marks on the page mean"]
+    interfaces: Annotated[
+        list[dict[str, Any]], "its interfaces that masters take, each with the settings of each master"
+    ]
+
+
+def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
+    parts = [
+        (item, groups, [(master, [(group, sheet(master, group.record)) for group in groups]) for master in masters])
+        for item in device.interfaces
+        if (groups := _groups(device, item))
+    ]
+    sheets = [found for _, _, told in parts for _, rows in told for _, found in rows]
+    return {
+        "device": device,
+        "legend": text(legend(masters, sheets)),
+        "interfaces": [_interface(device, *part) for part in parts],
+    }
+
+
+def _groups(device: Device, interface: Interface) -> list[Group]:
+    found: dict[str, list[Record]] = {}
+    for item in _records(device, interface):
+        found.setdefault(repr(replace(item, code="")), []).append(item)
+    return [Group(device, tuple(item.code for item in alike), alike[0]) for alike in found.values()]
+
+
+def _records(device: Device, interface: Interface) -> Iterator[Record]:
+    for variant in device.variants:
+        if variant.interface == interface.name:
+            with suppress(NoRecord):
+                yield from _by_answers(device, variant)
+
+
+def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+    """The record of an order code, once for each way to decide what its frame depends on."""
+    try:
+        yield record(device, variant)
+    except Undecided as error:
+        deciding = device.alternatives_of(error.layout)
+        for answers, _ in choices(deciding):
+            named = {item.name: answer.name for item, answer in zip(deciding, answers, strict=True)}
+            yield record(device, variant, answers=named)
+
+
+def _interface(
+    device: Device, interface: Interface, groups: Sequence[Group], told: Sequence[tuple[Master, Told]]
+) -> dict[str, Any]:
+    same, tables = _split(
+        [(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups]
+    )
+    codes = [] if tables else [("Order codes", _label(groups))]
+    return {
+        "title": interface.title,
+        "anchor": interface.name,
+        "facts": [*codes, *((text(name), value) for name, value in same)],
+        "tables": tables,
+        "cable_errata": ", ".join(to_erratum(device, name) for name in groups[0].record.cables.errata),
+        "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
+        "masters": [_master(master, sheets) for master, sheets in told if interface.name in master.takes],
+        "silent": [text(master.title) for master, _ in told if interface.name not in master.takes],
+    }
+
+
+def _split(columns: Columns) -> tuple[list[Row], list[Table]]:
+    """Rows that are the same for every group, and tables of the others; what follows from the supply has its own.
+
+    Each column is a group with its rows by key; the first cell of a row names it, the second is its value.
+    """
+    keys = list(dict.fromkeys(key for _, rows in columns for key, _ in rows))
+    by_key = [(group, dict(rows)) for group, rows in columns]
+    same, other = [], []
+    for key in keys:
+        found = {rows.get(key) for _, rows in by_key}
+        only = found.pop()
+        if found or only is None:
+            other.append(key)
+        else:
+            same.append(only)
+    by_supply = [key for key in other if _follows_supply(key, by_key)]
+    parts = ([key for key in other if key not in by_supply], by_supply)
+    return same, [_table(keys, by_key) for keys in parts if keys]
+
+
+def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -> bool:
+    found: dict[tuple[int | None, int | None], set[Row | None]] = {}
+    for group, rows in columns:
+        numbers = group.record.numbers
+        found.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
+    return all(len(rows) == 1 for rows in found.values())
+
+
+def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
+    """The heads, and a row for all groups with the same values."""
+    heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
+    found: dict[Row, list[Group]] = {}
+    for group, rows in columns:
+        found.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group)
+    return {"head": ["Order codes", *heads], "rows": [[_label(groups), *cells] for cells, groups in found.items()]}
+
+
+def _label(groups: Sequence[Group]) -> str:
+    """The order codes of all of them, with the answers where not all ways to decide are among them."""
+    device = groups[0].device
+    found: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    for group in groups:
+        found.setdefault(tuple(group.record.answers.items()), []).extend(group.codes)
+    ways = prod(len(item.answers) for item in device.alternatives if item.name in groups[0].record.answers)
+    if len(found) == ways and len({frozenset(codes) for codes in found.values()}) == 1:
+        return order_codes(device, next(iter(found.values())))
+    return joined(
+        " ".join((order_codes(device, codes), *(f"with {code(f'{name}={answer}')}" for name, answer in answers)))
+        for answers, codes in found.items()
+    )
+
+
+def _master(master: Master, sheets: Told) -> dict[str, Any]:
+    taken = [(group, item) for group, item in sheets if not item.refusals]
+    columns = [
+        (group, [((item.name, item.at), _row(item, found)) for item in found.settings]) for group, found in taken
+    ]
+    same, tables = _split(columns)
+    return {
+        "name": master.name,
+        "title": text(master.title),
+        "settings": same,
+        "tables": tables,
+        "row_notes": _row_notes(columns, {row[0] for row in same}),
+        "refused": list(_refused(sheets)),
+        "notes": list(_notes(taken)),
+        "documents": document_rows(master.documents),
+    }
+
+
+def _row(item: Setting, sheet: Sheet) -> Row:
+    """Name with place, value, note, source."""
+    name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
+    value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
+    return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(item.source)
+
+
+def _mark(rule: Setting | Refusal) -> str:
+    """The mark, outside of what somebody copies."""
+    found = text(mark(rule))
+    return f" {found}" if found else ""
+
+
+def _row_notes(columns: Columns, same: set[str]) -> list[str]:
+    """The notes and sources of settings that differ between order codes."""
+    rows = [row for _, found in columns for _, row in found if row[0] not in same]
+    notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
+    sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
+    return [*notes, f"Sources: {', '.join(sources)}"]
+
+
+def _notes(taken: Told) -> Iterator[str]:
+    """What else is to be known; a note that is not about all order codes names its own."""
+    found: dict[str, list[Group]] = {}
+    for group, item in taken:
+        for note in (*(condition(rule) for rule in item.shared_writing), *item.notes):
+            found.setdefault(text(note), []).append(group)
+    for note, groups in found.items():
+        yield note if len(groups) == len(taken) else f"{_label(groups)}: {note}"
+
+
+def _refused(sheets: Told) -> Iterator[str]:
+    found: dict[str, list[Group]] = {}
+    for group, item in sheets:
+        if item.refusals:
+            reasons = " ".join(
+                f"{text(reason.reason)}{_mark(reason)} \\[{text(reason.source)}\\]" for reason in item.refusals
+            )
+            found.setdefault(reasons, []).append(group)
+    for reasons, groups in found.items():
+        yield f"{_label(groups)}: {reasons}"

@@ -1,0 +1,133 @@
+"""A page for an order code: everything of its interface, with numbers in place of quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated
+
+from ...model import INTERFACES, Device, Interface, Parameter, Variant
+from ...reference.applied import applied
+from ...reference.parameters import parameters_of, run_time_names
+from ...reference.parts import for_codes
+from ...say.markdown import cited, code, joined, link, text
+from ...say.parameter import value
+from ...say.place import field_at
+from ..file_names import names_of_codes
+from .interface_page import OverValues, over_values
+from .interface_sections import Sections, sections
+from .order_code_patterns import patterns
+from .page_pictures import Pictures, of_codes, of_family
+
+Row = tuple[str, ...]
+#: What else lies in the folder of a family: pages, and pictures by the first word of their names.
+TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
+
+
+class CodePage(Sections, OverValues):
+    """What a page of an order code has beside what the page of its interface has."""
+
+    codes: Annotated[Sequence[str], "the order codes, which differ in mechanics or supply alone"]
+    quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
+
+
+@dataclass(frozen=True)
+class Alike:
+    """Order codes that are the same to a program, and the family as they have it; ``name`` is that of their page."""
+
+    family: Device
+    variants: tuple[Variant, ...]
+    here: Device
+    name: str
+
+    @property
+    def codes(self) -> list[str]:
+        return [item.code for item in self.variants]
+
+    @property
+    def interface(self) -> Interface:
+        return self.here.interface(self.variants[0].interface)
+
+    @cached_property
+    def pictures(self) -> Pictures:
+        """Those in which these order codes differ from the family."""
+        return of_codes(self.family, self.codes, self.name)
+
+
+@dataclass(frozen=True)
+class Codes:
+    """The order codes of a family, those with the same interface and quantities together."""
+
+    device: Device
+
+    @cached_property
+    def alike(self) -> tuple[Alike, ...]:
+        found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+        for item in self.device.variants:
+            found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
+        names = names_of_codes((variants[0].code for variants in found.values()), TAKEN)
+        return tuple(
+            Alike(self.device, tuple(variants), applied(_only(self.device, variants), variants[0]), name)
+            for variants, name in zip(found.values(), names, strict=True)
+        )
+
+    @cached_property
+    def pictures(self) -> Pictures:
+        """Those of the family."""
+        return of_family(self.device)
+
+    @cached_property
+    def links(self) -> dict[str, str]:
+        """Each order code with a link to its page, for a page beside the folder of the family."""
+        return self._links(f"{self.device.name}/")
+
+    @cached_property
+    def links_beside(self) -> dict[str, str]:
+        """The same for a page in the folder."""
+        return self._links("")
+
+    def page_links(self, kind: str) -> list[str]:
+        """A link to each page of an interface, by the patterns of its order codes, for a page beside the folder."""
+        return [
+            link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
+            for item in self.alike
+            if item.interface.name == kind
+        ]
+
+    def _links(self, folder: str) -> dict[str, str]:
+        return {
+            item.code: link(code(item.code), f"{folder}{alike.name}.md")
+            for alike in self.alike
+            for item in alike.variants
+        }
+
+
+def _only(device: Device, variants: Iterable[Variant]) -> Device:
+    return for_codes(device, [item.code for item in variants])
+
+
+def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
+    """``pictures`` are those of the family; the page has its own where it differs."""
+    return {
+        **sections(alike.here),
+        **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),
+        "codes": alike.codes,
+        "quantity_rows": list(_quantity_rows(alike)),
+    }
+
+
+def _quantity_rows(alike: Alike) -> Iterator[Row]:
+    """The quantities that the order code stands for; those that registers hold as delivered."""
+    later = run_time_names(alike.family)
+    for item in parameters_of(alike.family, alike.interface.name):
+        if not item.alternative:
+            yield _quantity(alike, item, item.name in later)
+
+
+def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
+    shown = value(item, alike.variants[0].parameters[item.name])
+    unit = f" {text(item.unit)}" if item.unit else ""
+    held = f"as delivered; held by {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
+    held = held or ("as delivered; registers decide it" if is_held else "")
+    return code(item.name), shown + unit, joined([text(item.meaning), held]), cited(item.source)

@@ -1,0 +1,85 @@
+"""The pictures of a family and of the page of an order code, each with what it shows in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ...model import Device, Layout, Register
+from ...reference.parts import for_codes
+from ...say.name import Titled, title
+from . import layout_tables
+from .connector_pictures import connector_picture, connector_text
+from .layout_pictures import Stack, draw, told
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A file in the folder of the family; ``text`` is for whoever cannot see it."""
+
+    name: str
+    text: str
+    drawn: str
+
+
+#: By what they show: ``layout-NAME``, ``group-NAME``, ``register-NAME``, ``connector-NAME``.
+Pictures = dict[str, Picture]
+
+
+def of_family(device: Device) -> Pictures:
+    found: Pictures = {}
+    for interface, layout in device.layouts():
+        found[_frame(layout)] = _picture(
+            f"{layout.name}.svg", layout, layout_tables.layout_stacks(device, interface, layout)
+        )
+    groups = {item.name: item for item in device.field_groups}
+    for interface in device.interfaces:
+        for name in layout_tables.used_groups(interface):
+            stacks = layout_tables.group_stacks(device, groups[name])
+            found[f"group-{name}"] = _picture(f"{name}.svg", groups[name], stacks)
+    for item in device.registers:
+        if layout_tables.has_picture(item):
+            stacks = layout_tables.register_stacks(device, item)
+            found[_held(item)] = _picture(f"register-{item.name}.svg", item, stacks)
+    for connector in device.connectors:
+        key = f"connector-{connector.name}"
+        found[key] = Picture(f"{key}.svg", connector_text(connector), connector_picture(connector))
+    return found
+
+
+def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
+    """Those of the page of order codes that are the same to a program, where the family as a whole has others."""
+    here = for_codes(device, codes)
+    found: Pictures = {}
+    for interface, layout in here.layouts():
+        stacks = _uncaptioned(layout_tables.layout_stacks(here, interface, layout))
+        if not layout.in_bytes or stacks != layout_tables.layout_stacks(device, interface, layout):
+            found[_frame(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
+    for item in here.registers:
+        differs = len(layout_tables.register_stacks(device, item)) > 1
+        if differs and layout_tables.has_picture(item):
+            stacks = _uncaptioned(layout_tables.register_stacks(here, item))
+            found[_held(item)] = _picture(f"{page}-register-{item.name}.svg", item, stacks)
+    every = {item.name: len(item.contacts) for item in device.connectors}
+    for connector in here.connectors:
+        if len(connector.contacts) < every[connector.name]:
+            key = f"connector-{connector.name}"
+            found[key] = Picture(f"{page}-{key}.svg", connector_text(connector), connector_picture(connector))
+    return found
+
+
+def _frame(layout: Layout) -> str:
+    return f"layout-{layout.name}"
+
+
+def _held(register: Register) -> str:
+    return f"register-{register.name}"
+
+
+def _picture(name: str, item: Titled, stacks: Sequence[Stack]) -> Picture:
+    return Picture(name, told(stacks), draw(title(item), stacks))
+
+
+def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:
+    """Stacks of one order code, which need not say for which they are."""
+    return [replace(item, caption="") for item in stacks] if len(stacks) == 1 else list(stacks)

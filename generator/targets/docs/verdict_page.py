@@ -1,0 +1,142 @@
+"""The page that says, for each frame of every family, what its position is worth and what the encoder reports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, TypedDict
+
+from ...model import Device, Field, Flag, Interface, Layout, Unused, Verdict
+from ...plan.reports import Judgement, Only, reportings, reports_of
+from ...say.field import short
+from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.name import own_names
+from ...say.report import advice, alarm_of, by_hand, meaning, source
+from ...say.text import Code, listed, said
+from .page_links import to_erratum, to_layout, to_steps
+
+#: No family can be called so.
+PAGE = "usable-or-not.md"
+Row = tuple[str, ...]
+
+
+class UsablePage(TypedDict):
+    decides_rows: Annotated[list[Row], "for each frame, what makes the position what, and by which source"]
+    frame_rows: Annotated[list[Row], "for each frame, what it can report"]
+    report_rows: Annotated[list[Row], "what each report of a family means, and what to do"]
+
+
+def page_values(devices: Sequence[Device]) -> UsablePage:
+    return {
+        "decides_rows": [row for device in devices for row in _of_family(device, _decides(device), device.name)],
+        "frame_rows": [row for device in devices for row in _of_family(device, _frames(device))],
+        "report_rows": [row for device in devices for row in _of_family(device, _reports(device))],
+    }
+
+
+def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
+    """The rows after the family, which is named once; ``name`` is what links lead to."""
+    family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
+    for index, row in enumerate(rows):
+        yield family if index == 0 else "", *row
+
+
+def _decides(device: Device) -> Iterator[Row]:
+    """Interface, frames, what speaks, when, what the position is then, source, errata."""
+    found: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
+    for item in reportings(device):
+        if item.judgement is not None:
+            layout = item.codec.layout
+            rows = tuple(_speaking(device, item.interface, layout, item.judgement))
+            last = ("none of these" if rows else "nothing", "", code(item.judgement.otherwise.value), "", "")
+            found.setdefault((item.interface.title, (*rows, last)), []).append(layout)
+    for (title, rows), layouts in found.items():
+        for index, row in enumerate(rows):
+            yield *((title, _links(device, layouts)) if index == 0 else ("", "")), *row
+
+
+def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
+    """What speaks in a frame, the worst first."""
+    speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
+    order = [item.name for item in layout.fields]
+    if judgement.otherwise is Verdict.UNKNOWN:
+        # With a warning no more is known of the position than without.
+        speaking += [
+            (judgement.otherwise, item, None) for item in layout.fields if _is(item, Verdict.USABLE_WITH_WARNING)
+        ]
+    speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
+    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if _is(item, Verdict.USABLE)]
+    for verdict, field, only in speaking:
+        yield (
+            _named(field),
+            _when(field, only) + _unless(field, layout),
+            code(verdict.value),
+            _cited(device, field),
+            _errata(device, interface, layout, field),
+        )
+
+
+def _is(field: Field, verdict: Verdict) -> bool:
+    return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is verdict
+
+
+def _when(field: Field, only: Only | None) -> str:
+    """The bits with which a field speaks, and the order codes if not all."""
+    match field.kind:
+        case Flag(active_low=low, only=codes):
+            which = f"with {code(codes)}" if only is not None and only.holds else "with all others"
+            return f"{0 if low else 1}" + (f" {which}" if only is not None else "")
+        case Unused(value=value):
+            return f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
+        case _:
+            return ""
+
+
+def _unless(field: Field, layout: Layout) -> str:
+    """The flags of the frame that a flag sums up: while one of these is active it is silent."""
+    names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
+    here = [Code(name) for name in names if any(item.name == name for item in layout.fields)]
+    return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
+
+
+def _frames(device: Device) -> Iterator[Row]:
+    """Interface, frames, what they can report."""
+    told = {item.codec.layout.name: item.told for item in reportings(device)}
+    found: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
+    for interface, layout in device.layouts():
+        if layout.sender == "encoder":
+            names = tuple(item.report.name for item in told.get(layout.name, ()))
+            found.setdefault((interface.title, names), []).append(layout)
+    for (title, names), layouts in found.items():
+        yield title, _links(device, layouts), ", ".join(map(code, names)) or "nothing"
+
+
+def _reports(device: Device) -> Iterator[Row]:
+    """Report, meaning, what to do, source."""
+    for item in reports_of(device):
+        alarm = alarm_of(device, item.field)
+        name = joined([code(item.name), text(own_names(item.field))])
+        advised = joined([text(advice(item.field, alarm)), *to_steps(f"{device.name}/", by_hand(item.field, alarm))])
+        what_to_do = advised or "The manual names no remedy"
+        yield name, text(meaning(item.field, alarm)), what_to_do, cited(source(item.field, alarm))
+
+
+def _named(field: Field) -> str:
+    return joined([code(field.name), text(own_names(field))])
+
+
+def _cited(device: Device, field: Field) -> str:
+    return cited(source(field, alarm_of(device, field)))
+
+
+def _links(device: Device, layouts: Sequence[Layout]) -> str:
+    return ", ".join(to_layout(device, item, code(item.name)) for item in layouts)
+
+
+def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
+    """Those that are about the very field, and of a flag also those about the group that it belongs to."""
+    paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
+    if field.group and isinstance(field.kind, Flag):
+        paths.add(f"field_groups.{field.group}")
+    about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
+    found = (item.name for item in about if item.severity != "wording")
+    return ", ".join(to_erratum(device, name) for name in found)
