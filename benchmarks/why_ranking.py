@@ -19,7 +19,7 @@ from pathlib import Path
 from codewheel.commands.decode import decode_text, why_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.reference.order_codes import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find
 from codewheel.why.mistakes import Why
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "generator"))

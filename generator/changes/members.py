@@ -184,7 +184,6 @@ _TALK: dict[str, dict[str, Treatment]] = {
         selector=Plain("frame-told-by", "told by", refers_to="field"),
         selects=Plain("frame-told-by", "told by the values"),
         gaps=Plain("other-bits", "other bits"),
-        fold=_SKIP,
         gray_of=Plain("frame-order", "in Gray code", refers_to="field"),
         gray_when=Plain("frame-order", "in Gray code while", refers_to="parameter"),
         channel=Plain("frame-order", "channel"),
@@ -215,8 +214,6 @@ _TALK: dict[str, dict[str, Treatment]] = {
         refin=Plain("crc-changed", "input reflected"),
         refout=Plain("crc-changed", "output reflected"),
         xorout=Plain("crc-changed", "inverted with", "hex"),
-        form=_SKIP,
-        polynomial=_SKIP,
     ),
     "FieldGroup": _with_words(bits=_SKIP),
     "Procedure": _with_words(

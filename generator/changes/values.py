@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..model import Device, Variant
 from ..model.expressions import Expression, ExpressionError
-from ..reference.run_time import resolve_parameters
+from ..order_codes.run_time import resolve_parameters
 
 Parameters = Mapping[str, int]
 

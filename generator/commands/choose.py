@@ -6,7 +6,7 @@ from collections.abc import Container, Iterator, Sequence
 
 from ..language.problems import quoted, visible
 from ..model import Alternative, Device, Layout, Variant
-from ..reference.parts import for_interface
+from ..order_codes.narrowing import for_interface
 from .terminal import Stop
 
 

@@ -439,9 +439,9 @@ def _master(chosen: argparse.Namespace) -> int:
 
 
 def _decode(chosen: argparse.Namespace) -> int:
+    from ..order_codes.holding_only import held_by
+    from ..order_codes.run_time import RegisterError, decided, with_registers
     from ..reference.findings import compare_held, fixed_addresses
-    from ..reference.held import held_by
-    from ..reference.run_time import RegisterError, decided, with_registers
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
 

@@ -9,11 +9,11 @@ from types import MappingProxyType
 from typing import Any
 
 from ..model import Crc, Device, Fault, Layout, PlacedLayout, Variant, Verdict
+from ..order_codes.labels import Match
+from ..order_codes.parameters import parameters_of
 from ..reference import codec
 from ..reference.findings import Findings, Report
-from ..reference.order_codes import Match
-from ..reference.parameters import parameters_of
-from ..reference.run_time import decode_register
+from ..reference.registers import decode_register
 from ..say.lines import WIDTH, wrapped
 from ..say.name import words
 from ..say.origin import origin

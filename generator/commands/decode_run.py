@@ -9,11 +9,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..model import Device, Verdict
+from ..order_codes.labels import Match
+from ..order_codes.run_time import RegisterError
 from ..reference import codec
 from ..reference.editions import strange_values
 from ..reference.findings import Difference, Findings, findings
-from ..reference.order_codes import Match
-from ..reference.run_time import RegisterError
 from ..why.mistakes import Why
 from .choose import UndecidedError, refuse_undecided
 from .decode import decode_register_text, decode_text, decoded_data, explain, why_text

@@ -9,8 +9,9 @@ from ..language.problems import Report
 from ..loading.editions import UnknownEdition, chosen
 from ..loading.library import Family, in_edition, load_families
 from ..model import Device
-from ..reference.editions import told_by_label, told_by_registers, without_tests
-from ..reference.order_codes import Match, UnknownOrderCode, find
+from ..order_codes.editions import told_by_label
+from ..order_codes.labels import Match, UnknownOrderCode, find
+from ..reference.editions import told_by_registers, without_tests
 from . import look_up
 from .terminal import Stop
 

@@ -15,7 +15,7 @@ from .terminal import Stop
 if TYPE_CHECKING:
     from ..language.problems import Report
     from ..model import Device
-    from ..reference.order_codes import Match
+    from ..order_codes.labels import Match
 
 #: From this likeness on, of 1, a code is worth naming as the nearest.
 _NEAR = 0.4
@@ -113,8 +113,8 @@ def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     Raises:
         Stop: There is no such code; exit code 2.
     """
-    from ..reference.order_codes import UnknownOrderCode
-    from ..reference.order_codes import find as find_in
+    from ..order_codes.labels import UnknownOrderCode
+    from ..order_codes.labels import find as find_in
 
     explanation = ""
     for device in in_order(devices, text):
@@ -139,7 +139,7 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
 
 def _unknown(devices: Sequence[Device], text: str) -> str:
     """What to say of a text that is no order code, nor nearly one."""
-    from ..reference.order_codes import nearest_codes
+    from ..order_codes.labels import nearest_codes
 
     device = _family(devices, text)
     if device is not None:

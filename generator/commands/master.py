@@ -9,7 +9,7 @@ from typing import Any
 from ..language.problems import suggestion
 from ..masters import sheet, text
 from ..masters.record import NoRecord, Undecided, record
-from ..reference.run_time import RegisterError, with_registers
+from ..order_codes.run_time import RegisterError, with_registers
 from . import look_up
 from .arguments import held_bytes
 from .choose import answers_of, undecided

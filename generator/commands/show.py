@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..model import Device, Measurement, Parameter, Sources, Variant, cite
-from ..reference.held import held_by
-from ..reference.order_codes import Match
-from ..reference.parameters import parameters_of, run_time_names
-from ..reference.parts import for_interface
+from ..order_codes.holding_only import held_by
+from ..order_codes.labels import Match
+from ..order_codes.narrowing import for_interface
+from ..order_codes.parameters import parameters_of, run_time_names
 from ..say.erratum import erratum
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.measurement import measurement

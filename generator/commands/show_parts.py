@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..model import Constant, Device, Field, Interface, Layout, PlacedLayout, Unused, Value, Variant, cite
 from ..model.expressions import Expression
-from ..reference.parameters import needed_parameters, run_time_widths
+from ..order_codes.parameters import needed_parameters, run_time_widths
 from ..say import field
 from ..say import interface as say_interface
 from ..say import layout as say_layout

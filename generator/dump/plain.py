@@ -41,9 +41,9 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from ..reference.held import held_by
-from ..reference.order_codes import Match
-from ..reference.parts import for_interface
+from ..order_codes.holding_only import held_by
+from ..order_codes.labels import Match
+from ..order_codes.narrowing import for_interface
 from .shape import filled
 
 VERSION = 1
@@ -51,7 +51,9 @@ VERSION = 1
 Item = dict[str, Any]
 
 #: Members that say how code computes something, not what the encoder does; the kind of a field has a function below.
-_LEFT_OUT = {"Field": {"kind", "pieces", "widest"}, "Layout": {"fold", "widest"}, "Crc": {"form"}}
+_LEFT_OUT = {"Field": {"kind", "pieces", "widest"}, "Layout": {"widest"}}
+#: Properties that are given like members.
+_DERIVED = {"Crc": ("polynomial",)}
 #: Members that the outside calls by another word.
 _RENAMED = {
     "Layout": {
@@ -187,6 +189,7 @@ class _Dump:
             for item in fields(value)
             if item.name not in left_out | {"source"}
         }
+        made |= {name: getattr(value, name) for name in _DERIVED.get(kind, ())}
         return made if kind in _UNSOURCED else made | _cited(own)
 
     def _number(self, expression: Expression) -> int | str:

@@ -33,13 +33,13 @@ from ..model import (
     SpelledValue,
     Spelling,
     Variant,
+    number_to_bytes,
 )
 from ..model.expressions import Expression, ExpressionError
+from ..model.limits import bounded, bounded_width, bounds, representable
+from ..order_codes.labels import combinations
+from ..order_codes.run_time import corners, resolve_parameters
 from ..reference import codec
-from ..reference.crc import form, polynomial_text
-from ..reference.limits import bounded, bounded_width, bounds, representable
-from ..reference.order_codes import combinations
-from ..reference.run_time import corners, resolve_parameters
 from .editions import editions
 from .examples import build_examples, check_examples
 from .expression_range import check_reach
@@ -231,8 +231,7 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
 
 
 def _crc(raw: Raw) -> Crc:
-    shape = {key: raw[key] for key in ("width", "poly", "init", "refin", "refout")}
-    return record(Crc, raw, form=form(**shape), polynomial=polynomial_text(raw["width"], raw["poly"]))
+    return record(Crc, raw)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
@@ -357,7 +356,7 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         placed = layout.place(variant.parameters)
         values = {field.name: 0 for field in layout.data_fields} | {layout.selector: item.id}
         try:
-            made = codec.number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
+            made = number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
         except codec.EncodeError:
             continue  # a layout that cannot be encoded with zeros is found by other rules
         if made != item.control:

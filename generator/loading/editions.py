@@ -16,7 +16,7 @@ from ..language.overlay import KINDS, Layer, LayerKind, Laying
 from ..language.places import NothingThere, as_affected, resolve
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
-from ..reference.parts import for_codes
+from ..order_codes.narrowing import for_codes
 from .from_mapping import record
 from .overlays import Build, Family, errata_of, few, without_examples
 

@@ -17,12 +17,13 @@ from ..model import (
     RegisterExample,
     Variant,
     assert_never,
+    number_from_bytes,
 )
+from ..order_codes.labels import UnknownOrderCode, find
+from ..order_codes.run_time import decided
 from ..reference import codec
 from ..reference.crc import compute_bytes
-from ..reference.order_codes import UnknownOrderCode, find
 from ..reference.procedures import register_writes
-from ..reference.run_time import decided
 from .from_mapping import Raw, record
 from .valid_parts import sound_so_far
 
@@ -130,7 +131,7 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
         wrong = f"register '{register.name}' has {register.length} bytes; the example has {len(example.bytes)}"
         yield ("bytes",), wrong
         return
-    number = codec.number_from_bytes(register.layout, example.bytes)
+    number = number_from_bytes(register.layout, example.bytes)
     yield from _check_decoded(device, codec.decode(device, register.layout.place(variant.parameters), number), example)
 
 

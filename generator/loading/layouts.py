@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 
 from ..language.problems import Path
 from ..language.rules.shapes import PLACES
-from ..model import INTERFACES, Constant, CrcValue, Field, FoldStep, Form, Join, Layout, Parity
+from ..model import INTERFACES, Constant, Field, Join, Layout, Parity
 from ..model.expressions import Expression
-from ..reference.crc import fold_plan
 from .fields import Context, Site, bit_range, equals, kind, pieces, zero_field
 from .from_mapping import Raw, record, sources
-from .layout_rules import LARGEST_NUMBER, is_sound
+from .layout_rules import is_sound
 
 ZERO = Expression(0)
 #: More than any frame of an encoder has; beyond, a slip would take hours to lay out.
@@ -72,7 +71,6 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         selector=next(iter(when), ""),
         selects=tuple(next(iter(when.values()), ())),
         gaps=gaps,
-        fold=_fold(fields, widest, site.context),
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
     )
@@ -115,14 +113,6 @@ def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) ->
     if not _covers(fields, bits, gaps, site):
         return None
     return _with_zeros(fields, bits, site) if gaps == "zero" else fields
-
-
-def _fold(fields: Sequence[Field], widest: int, context: Context) -> tuple[FoldStep, ...]:
-    """How the CRC is computed in one number, where it can be."""
-    crc = next((context.crcs.get(field.kind.crc) for field in fields if isinstance(field.kind, CrcValue)), None)
-    if crc is None or crc.form is not Form.FOLD or widest > LARGEST_NUMBER:
-        return ()
-    return fold_plan(crc.width, crc.poly, widest)
 
 
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:

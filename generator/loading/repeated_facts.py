@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..language.problems import DocumentReport, Path
-from ..model import Biss, Device, Fault, PlacedField, Register, Variant
+from ..model import Biss, Device, Fault, PlacedField, Register, Variant, number_to_bytes
 from ..reference import codec
 from .from_mapping import Raw
 
@@ -79,7 +79,7 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
                 number = codec.number_of_text(expected) if isinstance(expected, str) else expected
                 found, known = found | (number & item.mask) << item.low, known | item.mask << item.low
         places = range(register.address, register.address + register.length)
-        values, masks = (codec.number_to_bytes(register.layout, part, 8 * register.length) for part in (found, known))
+        values, masks = (number_to_bytes(register.layout, part, 8 * register.length) for part in (found, known))
         wrong = [
             place
             for place, value, mask in zip(places, values, masks, strict=True)

@@ -29,8 +29,8 @@ from ..model import (
     Unused,
     Variant,
 )
-from ..reference.parameters import needed_parameters
-from ..reference.run_time import decided
+from ..order_codes.parameters import needed_parameters
+from ..order_codes.run_time import decided
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
 from .cable import CableRow, CableTable, cable_table

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from ..model import INTERFACES, Biss, Device
-from ..reference.order_codes import Match
+from ..order_codes.labels import Match
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.origin import origin
 from ..say.text import BY_NAME

@@ -74,7 +74,7 @@ from .kinds import (
     Value,
     Verdict,
 )
-from .layout import Crc, Field, FoldStep, Form, Join, Layout, Piece, PlacedField, PlacedLayout
+from .layout import Crc, Field, Join, Layout, Piece, PlacedField, PlacedLayout, number_from_bytes, number_to_bytes
 from .measurement import Measurement
 from .never import assert_never
 from .steps import (
@@ -130,8 +130,6 @@ __all__ = [
     "Field",
     "FieldGroup",
     "Flag",
-    "FoldStep",
-    "Form",
     "FrameExample",
     "Input",
     "Interface",
@@ -197,4 +195,6 @@ __all__ = [
     "assert_never",
     "choices",
     "cite",
+    "number_from_bytes",
+    "number_to_bytes",
 ]

@@ -8,36 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from types import MappingProxyType
 
 from .expressions import Expression
 from .facts import Sources
 from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Unused, Value, Verdict
-
-
-@dataclass(frozen=True, slots=True)
-class FoldStep:
-    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``.
-
-    Without ``back`` the last part falls away.
-    """
-
-    shift: int
-    mask: int
-    back: int
-
-
-class Form(Enum):
-    """How code computes a CRC.
-
-    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first; XOR for x^8 + 1 over whole
-    bytes, which is their XOR; TABLE for every other.
-    """
-
-    FOLD = "fold"
-    XOR = "xor"
-    TABLE = "table"
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +26,6 @@ class Crc:
     refin: bool
     refout: bool
     xorout: int
-    form: Form
-    polynomial: str
     note: str
     source: Sources
 
@@ -66,8 +39,14 @@ class Crc:
 
     @property
     def is_xor(self) -> bool:
-        """Whether it is the XOR of the bytes."""
-        return self.form is Form.XOR
+        """Return whether the CRC of whole bytes is their XOR."""
+        return self.width == 8 and self.poly == 1 and self.init == 0 and self.refin == self.refout
+
+    @property
+    def polynomial(self) -> str:
+        """Return the generator polynomial as ``x^6 + x + 1``."""
+        powers = [self.width, *(power for power in range(self.width - 1, -1, -1) if self.poly >> power & 1)]
+        return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +197,6 @@ class Layout:
     gaps: str
     note: str
     source: Sources
-    fold: tuple[FoldStep, ...] = ()
     gray_of: str = ""
     gray_when: str = ""
     channel: int | None = None
@@ -331,3 +309,13 @@ class PlacedLayout:
         """
         parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
         return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
+
+
+def number_from_bytes(layout: Layout, data: bytes) -> int:
+    """The bytes of a frame or register as one number."""
+    return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
+    """One number as the bytes of a frame or register."""
+    return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")

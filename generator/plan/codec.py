@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from ..model import Alternative, Crc, Device, Digits, Fault, Field, FoldStep, Form, Join, Layout, Piece
+from ..model import Alternative, Crc, Device, Digits, Fault, Field, Join, Layout, Piece
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
+from .crc_tables import FoldStep
+from .crcs import divides, fold_steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,10 +342,9 @@ def _crc(device: Device, layout: Layout) -> FrameCrc | None:
     if item is None or not isinstance(item.kind, CrcValue):
         return None
     crc = device.crc(item.kind.crc)
-    divides = not layout.in_bytes and crc.init == 0 and not crc.refout
-    divides = divides and (crc.form is Form.FOLD or 8 <= crc.width <= 32)
-    bits = bits_of(layout, item)
-    return FrameCrc(crc, item, bits, layout.bits - Expression(crc.width), divides, layout.fold)
+    covered = layout.bits - Expression(crc.width)
+    steps = fold_steps(crc, layout.widest)
+    return FrameCrc(crc, item, bits_of(layout, item), covered, divides(crc, layout), steps)
 
 
 def _gray(layout: Layout) -> Gray | None:

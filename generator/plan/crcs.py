@@ -6,9 +6,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from ..model import Crc, Device, FoldStep, Form, Layout
+from ..model import Crc, Device, Layout
 from ..model.kinds import CrcValue
-from ..reference.crc import fold_plan
+from .crc_tables import FoldStep, fold_plan
+
+#: Bits of the longest word, and of the widest CRC that is folded in one.
+_WORD, _WIDEST_FOLD = 64, 32
+
+
+class Form(Enum):
+    """How code computes a CRC.
+
+    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first; XOR for x^8 + 1 over whole
+    bytes, which is their XOR; TABLE for every other.
+    """
+
+    FOLD = "fold"
+    XOR = "xor"
+    TABLE = "table"
 
 
 class Carrier(Enum):
@@ -34,7 +49,7 @@ class CrcFunction:
     @property
     def steps(self) -> tuple[FoldStep, ...]:
         """What brings any word of 64 bits down to its remainder; empty unless the CRC folds."""
-        return fold_plan(self.crc.width, self.crc.poly, 64) if self.form is Form.FOLD else ()
+        return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is Form.FOLD else ()
 
 
 def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
@@ -55,7 +70,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         found = carriers(device, crc)
         in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
         for carrier in found:
-            yield CrcFunction(crc, carrier, _form(crc, carrier), len(found) == 1, in_words)
+            yield CrcFunction(crc, carrier, form_of(crc, carrier), len(found) == 1, in_words)
 
 
 def function_of(device: Device, layout: Layout) -> CrcFunction | None:
@@ -64,9 +79,27 @@ def function_of(device: Device, layout: Layout) -> CrcFunction | None:
     return next((item for item in found if _ends_in(layout, item.crc)), None)
 
 
-def _form(crc: Crc, carrier: Carrier) -> Form:
+def folds(crc: Crc) -> bool:
+    """Return whether a word with this CRC can be brought down to its remainder without a table."""
+    few = crc.poly & 1 and crc.poly.bit_count() <= 2
+    return bool(few) and crc.init == 0 and not crc.refin and not crc.refout and not crc.is_xor
+
+
+def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
+    """Return the steps that fold a frame of at most ``bits`` bits, or none if it does not fold."""
+    return fold_plan(crc.width, crc.poly, bits) if folds(crc) and bits <= _WORD else ()
+
+
+def divides(crc: Crc, layout: Layout) -> bool:
+    """Return whether a valid word, its final XOR taken out, is divisible by the polynomial, and code checks that."""
+    whole = not layout.in_bytes and crc.init == 0 and not crc.refout
+    return whole and (folds(crc) or 8 <= crc.width <= 32)
+
+
+def form_of(crc: Crc, carrier: Carrier) -> Form:
+    """Return the form in which code computes a CRC over what carries it."""
     if carrier is Carrier.BITS:
-        return Form.FOLD if crc.form is Form.FOLD and crc.width <= 32 else Form.TABLE
+        return Form.FOLD if folds(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
     return Form.XOR if crc.is_xor else Form.TABLE
 
 

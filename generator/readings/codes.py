@@ -8,7 +8,7 @@ from ..language.problems import Path
 from ..language.rules.parameters import kind_of_unit
 from ..model import Interface, Measurement, Parameter
 from ..model.expressions import Expression
-from ..reference.order_codes import spelled
+from ..order_codes.labels import spelled
 from .fact import Fact, Facts, Key, Name, Sort
 from .reading import Reading, bits, short
 

@@ -10,7 +10,7 @@ from ..language.document import Document
 from ..language.problems import Path
 from ..model import INTERFACES, Device, Field, Layout, Parameter, Register
 from ..model.expressions import Expression
-from ..reference.run_time import resolve_parameters
+from ..order_codes.run_time import resolve_parameters
 from .fact import Case, Key
 
 Parameters = Mapping[str, int]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from ..language.problems import Path
 from ..model import Choice, Register
 from ..model.expressions import Expression
-from ..reference.limits import bounded, bounds
+from ..model.limits import bounded, bounds
 from .aspects import Aspects
 from .fact import NOTHING, Fact, Facts, Key, Name, Sort, Value
 from .printed import printed_names

@@ -16,7 +16,6 @@ from ..model import (
     Fault,
     Flag,
     Join,
-    Layout,
     Number,
     Parity,
     PlacedField,
@@ -26,6 +25,8 @@ from ..model import (
     Value,
     Variant,
     assert_never,
+    number_from_bytes,
+    number_to_bytes,
 )
 from ..say import fault
 from ..say.layout import as_one_number
@@ -87,16 +88,6 @@ class Decoded:
     @property
     def values(self) -> dict[str, int | str | bool]:
         return {item.name: item.value for item in self.fields}
-
-
-def number_from_bytes(layout: Layout, data: bytes) -> int:
-    """The bytes of a frame or register as one number."""
-    return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
-
-
-def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
-    """One number as the bytes of a frame or register."""
-    return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
 
 
 def number_of_text(text: str) -> int:

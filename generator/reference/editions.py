@@ -1,36 +1,16 @@
-"""Which edition of its manual an encoder is of, as its label or a register tells."""
+"""Find the edition of the manual that an encoder belongs to by what its registers hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Device, EditionTest
+from ..model import Device, number_from_bytes
+from ..order_codes.editions import edition_before, tests_of
+from ..order_codes.labels import Match
 from ..say.fault import of_older_edition
-from .codec import Decoded, number_from_bytes
+from .codec import Decoded
 from .codec import decode as decode_word
 from .findings import Difference
-from .order_codes import Match
-
-
-def edition_before(device: Device, revision: str) -> str:
-    """The revision before this one."""
-    names = [item.revision for item in device.editions]
-    return names[names.index(revision) - 1]
-
-
-def told_by_label(device: Device, match: Match) -> str:
-    """The edition in which labels are written like this one; empty where the label tells none."""
-    patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
-    found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
-    return next(found, "")
-
-
-def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
-    """The tests of a register, each with the revision from which on the register reads so."""
-    for edition in device.editions:
-        for test in edition.tests:
-            if test.register == register:
-                yield edition.revision, test
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:

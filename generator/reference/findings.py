@@ -21,11 +21,12 @@ from ..model import (
     Variant,
     Verdict,
     cite,
+    number_from_bytes,
 )
 from ..model.only import fits
 from ..say import fault
 from ..say.report import alarm_of, meaning, remedy, source
-from .codec import Decoded, DecodedField, number_from_bytes, number_of_text
+from .codec import Decoded, DecodedField, number_of_text
 
 
 @dataclass(frozen=True, slots=True)

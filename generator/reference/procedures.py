@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..model import Device, ModifyStep, Number, Procedure, Register, Variant, Write, WriteStep
+from ..model import Device, ModifyStep, Number, Procedure, Register, Variant, Write, WriteStep, number_to_bytes
 from ..model.expressions import Expression
+from ..model.limits import bounded, bounds
+from ..order_codes.run_time import after_write
 from ..say import fault
 from . import codec
-from .limits import bounded, bounds
-from .run_time import after_write
 
 Limits = tuple["Expression | None", "Expression | None"]
 
@@ -36,7 +36,7 @@ def register_writes(
                 register, step, variant, arguments, device, limits, held.get(step.register, register.default or 0)
             )
             variant = after_write(device, variant, register, held[step.register])
-            data = codec.number_to_bytes(register.layout, held[step.register], 8 * register.length)
+            data = number_to_bytes(register.layout, held[step.register], 8 * register.length)
             writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
     return tuple(writes)
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from itertools import islice, product
 
 from ..model import Answer, Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
+from ..order_codes.parameters import run_time_widths
+from ..order_codes.run_time import resolve_parameters
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
-from ..reference.parameters import run_time_widths
-from ..reference.run_time import resolve_parameters
 from ..say.words import counted
 from .tries import NOT_INVERTED, Try, fixed_bits, usual
 

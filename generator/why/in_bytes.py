@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant
-from ..reference.codec import number_from_bytes, number_to_bytes, parity_bit
+from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant, number_from_bytes, number_to_bytes
+from ..reference.codec import parity_bit
 from .in_bits import POLYNOMIALS, OtherCrc, as_sent, read_as
 from .tries import NOT_INVERTED, Try
 

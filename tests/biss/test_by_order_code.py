@@ -9,7 +9,7 @@ import pytest
 from codewheel.dump import xsd
 from codewheel.dump.plain import variant_dump
 from codewheel.dump.xml import from_xml, read_xml
-from codewheel.reference.order_codes import find
+from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate
 from codewheel.targets.file_names import names_of_codes

@@ -9,7 +9,7 @@ from codewheel.dump import xsd
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.dump.xml import from_xml, read_xml, to_xml
 from codewheel.model import Device
-from codewheel.reference.order_codes import find
+from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 from lxml import etree
 

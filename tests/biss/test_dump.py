@@ -18,9 +18,9 @@ from codewheel.language.second_reading import is_second
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError
+from codewheel.order_codes.labels import find
 from codewheel.reference.codec import decode_bytes
 from codewheel.reference.findings import findings
-from codewheel.reference.order_codes import find
 
 # Holds all families against the schemas of data, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from random import Random
 from runpy import run_path
 
 import pytest
-from codewheel.model import Choice, Device, Flag, Number, PlacedField, PlacedLayout
+from codewheel.model import Choice, Device, Flag, Number, PlacedField, PlacedLayout, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 
@@ -142,7 +142,7 @@ def test_it_looks_at_what_the_position_is_worth(devices: Mapping[str, Device]) -
             for likely in (0, 0, 0.2, 0.2, 0.5):
                 values = sent(placed, source, likely)
                 number = codec.encode(device, placed, values)
-                made = codec.number_to_bytes(layout, number, placed.bits).hex() if layout.in_bytes else f"{number:#x}"
+                made = number_to_bytes(layout, number, placed.bits).hex() if layout.in_bytes else f"{number:#x}"
                 expected = findings(device, variant, codec.decode(device, placed, number)).verdict
                 words = [line for line in output(device.name, variant.code, layout.name, made) if "verdict" in line]
                 assert words == ([f"verdict: {expected.value}"] if expected is not None else [])

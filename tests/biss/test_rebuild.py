@@ -14,8 +14,8 @@ from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import from_xml, to_xml
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.reference.order_codes import find
-from codewheel.reference.run_time import with_registers
+from codewheel.order_codes.labels import find
+from codewheel.order_codes.run_time import with_registers
 
 # Builds every model anew from its XML, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.model import Device, Layout, PlacedLayout, Register, Variant
+from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.editions import strange_values
 from codewheel.reference.findings import findings
@@ -64,7 +64,7 @@ class Case:
             return f"0x{number | 1 << bits - 1:X}"
         if not self.layout.in_bytes:
             return f"0b{number % (1 << bits):0{bits}b}" if number % 3 or other_bits else f"0x{number:X}"
-        data = codec.number_to_bytes(self.layout, number, self.placed.bits)
+        data = number_to_bytes(self.layout, number, self.placed.bits)
         data = (data + bytes(8))[: bits // 8]
         return data.hex(" ") if number % 2 else data.hex().upper()
 
@@ -77,7 +77,7 @@ class Case:
             if number % 3 or other_bits:
                 return codec.decode_bits(self.device, self.placed, number % (1 << bits), bits)
             return codec.decode(self.device, self.placed, number)
-        data = codec.number_to_bytes(self.layout, number, self.placed.bits) + bytes(8)
+        data = number_to_bytes(self.layout, number, self.placed.bits) + bytes(8)
         data = data[: (self.placed.bits + other_bits) // 8]
         if self.register is not None:
             return codec.decode_placed(self.device, self.placed, data)

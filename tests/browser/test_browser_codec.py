@@ -12,9 +12,9 @@ import pytest
 from browser_harness import Asker, Case, cases, compared
 from codewheel.commands.frame_text import FrameTextError, checked, frame_bytes, frame_number
 from codewheel.loading.library import load_library
-from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text
+from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
+from codewheel.model.limits import bounded, bounds
 from codewheel.reference import codec
-from codewheel.reference.limits import bounded, bounds
 from codewheel.targets import Library
 from codewheel.why.mistakes import explain_bits, explain_bytes
 from rust_frames import numbers
@@ -208,7 +208,7 @@ def answer(case: Case, values: dict[str, Any]) -> str:
         low, high = bounds(register, case.placed, limits, case.variant.parameters)
         if not low <= int(found.values.get(bounded(register), number)) <= high:
             return "refused"
-    return codec.number_to_bytes(case.layout, number, case.placed.bits).hex(" ").upper()
+    return number_to_bytes(case.layout, number, case.placed.bits).hex(" ").upper()
 
 
 def in_json(value: object) -> object:

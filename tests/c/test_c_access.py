@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import FAMILIES, Run, compile_c
-from codewheel.model import Device, Register, Rs485, Variant
+from codewheel.model import Device, Register, Rs485, Variant, number_from_bytes, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bytes
 from codewheel.targets.c.device import DeviceView
@@ -46,7 +46,7 @@ def test_every_register_is_read_and_its_faults_are_told(family: str, machines: C
             encoder = Encoder()
             encoder.memory[register.address : register.address + register.length] = data
             answer = made.read(register.name, variant.code, encoder)
-            problems = codec.decode(made.device, placed, codec.number_from_bytes(register.layout, data)).problems
+            problems = codec.decode(made.device, placed, number_from_bytes(register.layout, data)).problems
             assert (answer.result, answer.failure) == (
                 FAULTS[problems[0].fault.value] if problems else OK,
                 UNTOUCHED,
@@ -92,16 +92,14 @@ def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> No
             continue
         variant = next(item for item in device.variants if item.interface == interface.name)
         placed = layout.place(variant.parameters)
-        sound = codec.number_to_bytes(
-            layout, next(sound_numbers(device, placed, random.Random(layout.name))), placed.bits
-        )
+        sound = number_to_bytes(layout, next(sound_numbers(device, placed, random.Random(layout.name))), placed.bits)
         for data_id in range(16):
             control = 0x02 | data_id << 3 | (data_id.bit_count() & 1) << 7
             frame = bytes([control]) + sound[1:]
             crc = device.crc_of(layout)
             if crc is not None:
                 frame = frame[:-1] + bytes([compute_bytes(crc, frame[:-1])])
-            expected = table.expected(layout.name, placed, codec.number_from_bytes(layout, frame))
+            expected = table.expected(layout.name, placed, number_from_bytes(layout, frame))
             assert expected.split(" ")[0] == ("0" if data_id in layout.selects else "4")
             pairs.append((f"{variant.code} decode {layout.name} {frame.hex()}", expected))
     check(run, pairs)
@@ -145,10 +143,10 @@ def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
         expected = {field.name for field in register.layout.fields if field.equals is not None}
         for field in register.layout.fields:
             for bit in range(field.widest) if field.name in expected else ():
-                number = codec.number_from_bytes(register.layout, read[index]) ^ 1 << field.low.constant + bit
+                number = number_from_bytes(register.layout, read[index]) ^ 1 << field.low.constant + bit
                 wrong = [
                     *read[:index],
-                    codec.number_to_bytes(register.layout, number, 8 * register.length),
+                    number_to_bytes(register.layout, number, 8 * register.length),
                     *read[index + 1 :],
                 ]
                 pairs.append((f"{variant.code} candidates of {' '.join(item.hex() for item in wrong)}", variant.code))

@@ -11,10 +11,24 @@ from typing import Any
 
 import pytest
 from c_harness import FAMILIES, Run, codecs, compile_c, members, runner, short, source, write
-from codewheel.model import Choice, CrcValue, Device, Field, Flag, Layout, PlacedLayout, Register, Rs485, Text, Variant
+from codewheel.model import (
+    Choice,
+    CrcValue,
+    Device,
+    Field,
+    Flag,
+    Layout,
+    PlacedLayout,
+    Register,
+    Rs485,
+    Text,
+    Variant,
+    number_to_bytes,
+)
+from codewheel.order_codes.run_time import decided, with_registers
+from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bits, compute_bytes
-from codewheel.reference.run_time import decided, with_registers
 from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.reserved import c_name
 
@@ -116,13 +130,13 @@ def register_bytes(device: Device, register: Register, random_: random.Random) -
                 number & ~(mask << field.low.constant)
                 | (0 if value == field.number.zero_means else value) << field.low.constant
             )
-    return codec.number_to_bytes(register.layout, number, 8 * register.length)
+    return number_to_bytes(register.layout, number, 8 * register.length)
 
 
 def on_the_wire(placed: PlacedLayout, number: int) -> str:
     if placed.layout.carried_as == "bits":
         return f"{number:X}"
-    return codec.number_to_bytes(placed.layout, number, placed.bits).hex().upper()
+    return number_to_bytes(placed.layout, number, placed.bits).hex().upper()
 
 
 def samples(field: Field, width: int, layout: Layout, random_: random.Random) -> list[int]:
@@ -479,7 +493,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
             made_ = compute_bits(crc, int.from_bytes(data, "big"), 8 * length) if bits else compute_bytes(crc, data)
             pairs.append((f"WASC crc {crc.name} {data.hex()}", f"0 {made_}"))
     check(run_words, pairs)
-    assert {crc.name: crc.form.value for crc in words.crcs} == {
+    assert {item.crc.name: item.form.value for item in crc_functions(words)} == {
         "dense_16": "table",
         "started_5": "table",
         "ccitt": "table",

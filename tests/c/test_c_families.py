@@ -30,12 +30,14 @@ from codewheel.model import (
     Write,
     WriteStep,
     assert_never,
+    number_from_bytes,
+    number_to_bytes,
 )
 from codewheel.model.expressions import Expression
+from codewheel.order_codes.labels import UnknownOrderCode, find
+from codewheel.order_codes.run_time import RegisterError, with_registers
 from codewheel.reference import codec
-from codewheel.reference.order_codes import UnknownOrderCode, find
 from codewheel.reference.procedures import register_writes
-from codewheel.reference.run_time import RegisterError, with_registers
 from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.order_codes import written_out
 from test_c_codec import FAULTS, Table, check, register_bytes, run_time_variants
@@ -90,7 +92,7 @@ def register_lines(table: Table, variant: Variant, register: Register, data: byt
         yield f"{variant.code} find", f"{variant.code} 0"
         return
     placed = register.layout.place(variant.parameters)
-    row = table.row(name, placed, codec.number_from_bytes(placed.layout, data))
+    row = table.row(name, placed, number_from_bytes(placed.layout, data))
     yield f"{variant.code} decode {name} {data.hex()}", f"0 {row}"
     if register.writable:
         yield f"{variant.code} encode {name} {row}", f"0 {data.hex().upper()}"
@@ -490,7 +492,7 @@ def identity_bytes(register: Register, variant: Variant) -> bytes:
     number = 0
     for field in register.layout.fields:
         number |= expected_raw(field, variant) << field.low.constant
-    return codec.number_to_bytes(register.layout, number, 8 * register.length)
+    return number_to_bytes(register.layout, number, 8 * register.length)
 
 
 def expected_raw(field: Field, variant: Variant) -> int:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
-from codewheel.reference.order_codes import find
+from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 
 FOLDER = Path(__file__).parent / "broken_model"

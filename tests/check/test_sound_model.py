@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
 from codewheel.model import Device, Unused, Verdict
+from codewheel.order_codes.run_time import decided, with_registers
 from codewheel.reference import codec
-from codewheel.reference.run_time import decided, with_registers
 
 HERE = Path(__file__).parent
 #: A spec without a fault, to be changed in one place.

@@ -10,7 +10,7 @@ import pytest
 from codewheel.loading.library import load_sound
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.reference.applied import applied
+from codewheel.order_codes.with_numbers import applied
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import TAKEN
 from codewheel.targets.docs.order_code_patterns import patterns

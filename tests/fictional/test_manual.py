@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
+from codewheel.model.limits import representable
+from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
-from codewheel.reference.limits import representable
 from codewheel.reference.procedures import register_writes
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
@@ -98,7 +99,8 @@ def frame(device: Device, code: str, layout: str, bits: str) -> codec.Decoded:
 
 def test_what_the_language_carries_that_no_other_family_needs(device: Device) -> None:
     crc = device.crc("position_16")
-    assert (crc.poly_with_top_bit, crc.init, crc.form.value, device.crc("temperature_5").form.value) == (
+    forms = {item.crc.name: item.form.value for item in crc_functions(device)}
+    assert (crc.poly_with_top_bit, crc.init, forms["position_16"], forms["temperature_5"]) == (
         POSITION,
         0x5A3C,
         "table",

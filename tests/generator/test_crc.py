@@ -5,24 +5,14 @@ from __future__ import annotations
 import random
 
 import pytest
-from codewheel.model import Crc, Form
-from codewheel.reference.crc import compute_bits, compute_bytes, fold_plan, form, polynomial_text
+from codewheel.model import Crc
+from codewheel.plan.crc_tables import fold_plan
+from codewheel.plan.crcs import Carrier, Form, folds, form_of
+from codewheel.reference.crc import compute_bits, compute_bytes
 
 
 def crc(width: int, poly: int, init: int = 0, refin: bool = False, refout: bool = False, xorout: int = 0) -> Crc:
-    return Crc(
-        "crc",
-        width,
-        poly,
-        init,
-        refin,
-        refout,
-        xorout,
-        form(width, poly, init, refin, refout),
-        polynomial_text(width, poly),
-        "",
-        (),
-    )
+    return Crc("crc", width, poly, init, refin, refout, xorout, "", ())
 
 
 # Greg Cook, Catalogue of parametrised CRC algorithms, reveng.sourceforge.io/crc-catalogue: check values.
@@ -58,7 +48,7 @@ def test_xor_form_is_the_xor_of_the_bytes() -> None:
 )
 @pytest.mark.parametrize("bits", [1, 7, 16, 46, 47, 63, 64])
 def test_fold_plan_is_long_division(width: int, poly: int, bits: int) -> None:
-    assert form(width, poly, 0, False, False) in (Form.FOLD, Form.XOR)
+    assert folds(crc(width, poly)) or crc(width, poly).is_xor
     plan = fold_plan(width, poly, bits)
     chooser = random.Random(bits * 1000 + width)
     for number in [0, 1, (1 << bits) - 1, 1 << (bits - 1), *(chooser.getrandbits(bits) for _ in range(200))]:
@@ -100,11 +90,11 @@ def test_no_plan_is_shorter(width: int, poly: int) -> None:
 
 
 def test_form_follows_from_the_parameters() -> None:
-    assert form(6, 0x03, 0, False, False) is Form.FOLD
-    assert form(6, 0x03, 1, False, False) is Form.TABLE
-    assert form(16, 0x90D9, 0, False, False) is Form.TABLE
-    assert form(8, 0x01, 0, True, True) is Form.XOR
-    assert form(8, 0x01, 0, True, False) is Form.TABLE
+    assert form_of(crc(6, 0x03), Carrier.BITS) is Form.FOLD
+    assert form_of(crc(6, 0x03, 1), Carrier.BITS) is Form.TABLE
+    assert form_of(crc(16, 0x90D9), Carrier.BITS) is Form.TABLE
+    assert form_of(crc(8, 0x01, 0, True, True), Carrier.BYTES) is Form.XOR
+    assert form_of(crc(8, 0x01, 0, True, False), Carrier.BYTES) is Form.TABLE
 
 
 def test_leading_zeros_do_not_change_a_crc_with_start_0() -> None:
@@ -113,5 +103,5 @@ def test_leading_zeros_do_not_change_a_crc_with_start_0() -> None:
 
 
 def test_polynomial_text() -> None:
-    assert polynomial_text(6, 0x03) == "x^6 + x + 1"
-    assert polynomial_text(8, 0x01) == "x^8 + 1"
+    assert crc(6, 0x03).polynomial == "x^6 + x + 1"
+    assert crc(8, 0x01).polynomial == "x^8 + 1"

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
+from codewheel.model.limits import bounds
+from codewheel.order_codes.labels import find
+from codewheel.order_codes.run_time import with_registers
 from codewheel.reference.codec import EncodeError
-from codewheel.reference.limits import bounds
-from codewheel.reference.order_codes import find
 from codewheel.reference.procedures import register_writes
-from codewheel.reference.run_time import with_registers
 
 SPECS = Path(__file__).resolve().parents[1] / "c" / "specs"
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
-from codewheel.reference.order_codes import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from codewheel.commands.cli import main
 from codewheel.commands.decode import decode_text, explain, why_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.reference.order_codes import find
+from codewheel.order_codes.labels import find
 from codewheel.why.mistakes import BitText, Why, explain_bits
 from codewheel.why.tries import MISTAKES as KINDS
 from planted import BYTE_CODES, ENCODERS, MISTAKES, Encoder, Maker, Plant, as_hex, byte_mistakes, crc, noise, sound

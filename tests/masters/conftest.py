@@ -10,7 +10,7 @@ import pytest
 from codewheel.masters.record import Record, record
 from codewheel.masters.sheet import Master, Sheet, load_masters, sheet
 from codewheel.model import Device
-from codewheel.reference.order_codes import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,8 +10,8 @@ from codewheel.language.master_items import NUMBERS, WORDS
 from codewheel.masters.record import NoRecord, Record, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
-from codewheel.reference.order_codes import find
-from codewheel.reference.run_time import with_registers
+from codewheel.order_codes.labels import find
+from codewheel.order_codes.run_time import with_registers
 
 RecordOf = Callable[[str], Record]
 #: ASC85 with the 0 bit that its manual prints in the BiSS frame.

@@ -30,12 +30,14 @@ from codewheel.model import (
     Text,
     Variant,
     Write,
+    number_from_bytes,
+    number_to_bytes,
 )
+from codewheel.model.limits import bounded, bounds
+from codewheel.order_codes.run_time import decided, with_registers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
-from codewheel.reference.limits import bounded, bounds
 from codewheel.reference.procedures import register_writes
-from codewheel.reference.run_time import decided, with_registers
 from codewheel.targets import Library
 from codewheel.targets.python.context import Context
 from codewheel.targets.python.names import CLASS_NAMES, attribute
@@ -93,7 +95,7 @@ class Case:
     def carried(self, number: int) -> Any:
         """The frame as a line or a register has it."""
         if self.layout.carried_as == "bytes":
-            return codec.number_to_bytes(self.layout, number, self.placed.bits)
+            return number_to_bytes(self.layout, number, self.placed.bits)
         return number
 
 
@@ -138,7 +140,7 @@ def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
             before = register.default or 0
             before &= ~(((1 << field.widest) - 1) << place)
             raw = value if value != field.number.zero_means else 0
-            data = codec.number_to_bytes(register.layout, before | raw << place, 8 * register.length)
+            data = number_to_bytes(register.layout, before | raw << place, 8 * register.length)
             held |= {register.address + index: byte for index, byte in enumerate(data)}
         changed, changed_made = with_registers(device, variant, held), made.with_registers(held)
         for parameter in device.parameters:
@@ -357,7 +359,7 @@ def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..
     variant, package = found[0].variants[0], import_generated(Library(found), "acme_encoders")[1]
     placed = found[0].layout("reply_first").place(variant.parameters)
     number = codec.encode(found[0], placed, {"position": 4711})
-    reply = package.lookup(variant.code).decode(codec.number_to_bytes(placed.layout, number, placed.bits))
+    reply = package.lookup(variant.code).decode(number_to_bytes(placed.layout, number, placed.bits))
     assert reply.position == 4711
 
 
@@ -470,10 +472,10 @@ def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
         elif kind == "Modify":
             register = device.register(step.register)
             data = bytes(held[step.address + index] for index in range(step.length))
-            number = codec.number_from_bytes(register.layout, data) & ~step.mask | step.value
+            number = number_from_bytes(register.layout, data) & ~step.mask | step.value
             found += [
                 Write(step.address + index, byte)
-                for index, byte in enumerate(codec.number_to_bytes(register.layout, number, 8 * step.length))
+                for index, byte in enumerate(number_to_bytes(register.layout, number, 8 * step.length))
             ]
         held |= {item.address: item.value for item in found}
     return tuple(found)

@@ -25,7 +25,6 @@ from codewheel.model import (
     Text,
     Unused,
 )
-from codewheel.reference import order_codes
 from codewheel.targets.python.context import Context
 from codewheel.targets.python.names import CLASS_NAMES, attribute
 
@@ -205,8 +204,8 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
                 labels += [spelled(device, {**variant.parts, part.name: text}) for text in texts]
         for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
             try:
-                match = order_codes.find(device, label)
-            except order_codes.UnknownOrderCode:
+                match = labels.find(device, label)
+            except labels.UnknownOrderCode:
                 with pytest.raises(lika.OrderCodeError):
                     module.lookup(label)
                 continue

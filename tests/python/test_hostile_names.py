@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from codewheel.loading.library import load_library
-from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant
+from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.targets import Library
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
@@ -171,7 +171,7 @@ def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, modul
         values[field.name] = given.get(type(field.kind), 3)
     placed = layout.place(variant.parameters)
     number = codec.encode(device, placed, values)
-    wire = codec.number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
+    wire = number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
     made = getattr(module, "".join(part.title() for part in layout.name.split("_")))
     frame = made.decode(wire, encoder) if "variant" in made._fields else made.decode(wire)
     assert frame.encode() == wire

@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.model import Device, Flag, Layout, PlacedLayout, Variant
+from codewheel.model import Device, Flag, Layout, PlacedLayout, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.say.report import alarm_of, meaning, remedy
@@ -58,7 +58,7 @@ def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
 
 
 def carried(placed: PlacedLayout, number: int) -> Any:
-    return codec.number_to_bytes(placed.layout, number, placed.bits) if placed.layout.in_bytes else number
+    return number_to_bytes(placed.layout, number, placed.bits) if placed.layout.in_bytes else number
 
 
 # ------------------------------------------------------------ by the manuals

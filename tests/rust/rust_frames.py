@@ -7,10 +7,10 @@ import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant
+from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
+from codewheel.model.limits import bounded, bounds
+from codewheel.order_codes.run_time import decided
 from codewheel.reference import codec
-from codewheel.reference.limits import bounded, bounds
-from codewheel.reference.run_time import decided
 from codewheel_rust.family import Struct
 from rust_harness import Program
 from test_c_codec import made, run_time_variants, samples, with_crc
@@ -39,7 +39,7 @@ class Case:
         """A word, or the bytes of a frame with so many more."""
         if not self.struct.codec.in_bytes:
             return f"{number:X}"
-        data = codec.number_to_bytes(self.placed.layout, number, self.placed.bits)
+        data = number_to_bytes(self.placed.layout, number, self.placed.bits)
         return "x" + (data + bytes(longer) if longer >= 0 else data[:longer]).hex().upper()
 
     def wrong_lengths(self, number: int) -> list[str]:

@@ -24,8 +24,8 @@ from pathlib import Path
 import pytest
 from codewheel.language.second_reading import is_second
 from codewheel.loading.library import load_library
-from codewheel.model import Choice, Device, Flag, Form, Layout, Text
-from codewheel.plan.crcs import Carrier, CrcFunction
+from codewheel.model import Choice, Device, Flag, Layout, Text
+from codewheel.plan.crcs import Carrier, CrcFunction, Form
 from codewheel.targets import Library
 from codewheel_rust import TARGET
 from codewheel_rust.family import Family, Struct, crc_name

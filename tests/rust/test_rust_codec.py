@@ -6,12 +6,12 @@ import random
 from collections.abc import Iterator
 
 import pytest
-from codewheel.model import Choice, Decimal, Flag, Form, PlacedField, Register, Text, Variant
-from codewheel.plan.crcs import Carrier
+from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, number_to_bytes
+from codewheel.order_codes.run_time import RegisterError, with_registers
+from codewheel.plan.crcs import Carrier, Form
 from codewheel.plan.run_time_parameters import HeldBy
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bits, compute_bytes
-from codewheel.reference.run_time import RegisterError, with_registers
 from rust_frames import Case, cases, check, decoding, first_fault, numbers
 from rust_harness import SPECS, Program, Workshop, masks
 
@@ -139,7 +139,7 @@ def _contents(item: HeldBy, random_: random.Random) -> Iterator[bytes]:
         for value in (low - 1, low, high, high + 1):
             if 0 <= value < 1 << held.field.widest:
                 number = value << held.field.low.constant
-                yield codec.number_to_bytes(item.register.layout, number, 8 * length)
+                yield number_to_bytes(item.register.layout, number, 8 * length)
 
 
 def _held(program: Program, variant: Variant, register: Register, data: bytes) -> str:

@@ -12,7 +12,7 @@ from codewheel.commands.show_parts import at
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.reference.order_codes import find
+from codewheel.order_codes.labels import find
 from codewheel.say import field, interface, layout, parameter, register
 from codewheel.say.markdown import STYLE as MARKDOWN
 from codewheel.say.text import (

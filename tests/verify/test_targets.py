@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from batch import ENCODE, Batch, Codec
 from c_harness import FAMILIES, source
-from codewheel.model import PlacedLayout, Variant
+from codewheel.model import PlacedLayout, Variant, number_from_bytes
 from codewheel.reference import codec as model
 from frames import chunks, input_of, variants, wires
 from machines import HOST, MACHINES, Machine
@@ -149,7 +149,7 @@ def tells(telling: Telling, codec: Codec, variant: Variant, placed: PlacedLayout
     """The verdict and the reports that C has to give."""
     if codec.view.reports is None:
         return 255, 0
-    number = wire if isinstance(wire, int) else model.number_from_bytes(codec.layout, wire)
+    number = wire if isinstance(wire, int) else number_from_bytes(codec.layout, wire)
     verdict, reports = telling.of(variant, placed, number)
     return 255 if verdict is None else verdict, reports
 
@@ -158,7 +158,7 @@ def judged(table: Table, codec: Codec, placed: PlacedLayout, wire: int | bytes) 
     """The result and the members that C has to give."""
     if isinstance(wire, bytes) and 8 * len(wire) != placed.bits:
         return FAULTS["length"], []
-    number = wire if isinstance(wire, int) else model.number_from_bytes(codec.layout, wire)
+    number = wire if isinstance(wire, int) else number_from_bytes(codec.layout, wire)
     problems = model.decode(table.device, placed, number).problems
     return (FAULTS[problems[0].fault.value], []) if problems else (0, row_of(table, codec, placed, number))
 

@@ -19,8 +19,8 @@ from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
 from ...model import Biss, Crc, CrcValue, Device, Field, Flag, Layout, Manufacturer
-from ...reference.order_codes import Match
-from ...reference.parameters import needed_parameters, run_time_widths
+from ...order_codes.labels import Match
+from ...order_codes.parameters import needed_parameters, run_time_widths
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
 from ...say.crc import parameters

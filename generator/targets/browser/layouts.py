@@ -7,6 +7,8 @@ from typing import Any
 
 from ...model import Alarm, Device, Field, Flag, Layout, Register, RegisterMeaning, cite
 from ...model.expressions import Expression
+from ...order_codes.editions import edition_before, tests_of
+from ...order_codes.parameters import needed_parameters
 from ...plan.codec import (
     AlwaysIs,
     AtMost,
@@ -23,8 +25,6 @@ from ...plan.codec import (
 from ...plan.columns import Condition, Place, conditions, kind_of
 from ...plan.limits import Limits, limits_of
 from ...plan.reports import Judgement, Only, Reporting, Speaks
-from ...reference.editions import edition_before, tests_of
-from ...reference.parameters import needed_parameters
 from ...say.fault import of_older_edition
 from ...say.name import title
 from ...say.place import register_at

@@ -9,7 +9,6 @@ from ...model import (
     Crc,
     Device,
     Field,
-    Form,
     Input,
     Interface,
     Layout,
@@ -19,7 +18,7 @@ from ...model import (
     Text,
     assert_never,
 )
-from ...plan.crcs import Carrier, CrcFunction
+from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
 from ...say import alarm, crc, field, hardware_input, layout, order_code, parameter, procedure, register
 from ...say.name import full_title, register_field, title

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...model import Device
+from ...model import Device, number_to_bytes
 from ...plan.codec import IsOneOf
 from ...plan.refusals import OutsideLimits, depends
-from ...reference.codec import number_to_bytes
 from .. import TargetError
 from .about import about_access
 from .comments import Paragraph

@@ -27,6 +27,7 @@ from ...model import (
     Text,
     assert_never,
     cite,
+    number_from_bytes,
 )
 from ...reference import codec
 
@@ -115,7 +116,7 @@ class Chosen:
             return self._made_up()
         first = min(worked, key=lambda item: (bool(item.erratum), any(source.document for source in item.source)))
         layout = self.device.layout(first.layout)
-        wire = int(first.bits, 2) if first.bits else codec.number_from_bytes(layout, first.bytes)
+        wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
         return Frame(layout, wire, f"a worked example [{cite(first.source)}]")
 
     def _made_up(self) -> Frame:

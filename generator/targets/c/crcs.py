@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ...model import Crc, FoldStep, Form
-from ...plan.crcs import Carrier, CrcFunction
-from ...reference.crc import fold_plan, reflect, table, word_table
+from ...model import Crc
+from ...plan.crc_tables import FoldStep, fold_plan, reflect, table, word_table
+from ...plan.crcs import Carrier, CrcFunction, Form
 from .about import about_crc
 from .comments import Paragraph
 from .context import Context

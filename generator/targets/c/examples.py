@@ -18,6 +18,7 @@ from ...model import (
     Verdict,
     WriteStep,
     cite,
+    number_to_bytes,
 )
 from ...plan.receive_lengths import SSI_AROUND, Received, received
 from ...plan.steps import Sends
@@ -159,7 +160,7 @@ class ExampleCode:
         layout = self.frame.layout
         if not layout.in_bytes:
             return b""
-        return codec.number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
+        return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
     def raw(self) -> Raw | None:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ...model import Crc, FoldStep
-from ...reference.crc import fold_plan
+from ...model import Crc
+from ...plan.crc_tables import FoldStep, fold_plan
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ...model import CodePart, Device, Spelling, Variant
-from ...reference.order_codes import filled, spelled, without_blanks
+from ...order_codes.labels import filled, spelled, without_blanks
 
 _ATOM = re.compile(r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?")
 _CLASSES = {

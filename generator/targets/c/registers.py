@@ -8,9 +8,9 @@ from functools import cached_property
 
 from ...model import Choice, Constant, Field, Flag, Number, Register, RegisterMeaning, Text
 from ...model.expressions import Expression
+from ...order_codes.run_time import at_run_time
 from ...plan.limits import limits_of
 from ...plan.refusals import outside
-from ...reference.run_time import at_run_time
 from ...say.name import title, words
 from .about import about_member, about_register, table
 from .access import Access

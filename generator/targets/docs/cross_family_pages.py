@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Device, Field, Interface, Register, Supply, Variant
-from ...reference.parameters import run_time_names
+from ...order_codes.parameters import run_time_names
 from ...say import register as say_register
 from ...say.crc import sent
 from ...say.interface import settings

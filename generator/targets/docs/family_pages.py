@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manual, Table, TimesRead
-from ...reference.parts import for_interface
+from ...order_codes.narrowing import for_interface
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.origin import edition_test, origin, other_editions

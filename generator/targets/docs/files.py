@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import Master, shipped_masters
-from ...reference.parts import for_interface
+from ...order_codes.narrowing import for_interface
 from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import link, text

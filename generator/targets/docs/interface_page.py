@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Device, Interface, Supply, Variant
-from ...reference.parameters import follows_registers
-from ...reference.parts import for_interface
+from ...order_codes.narrowing import for_interface
+from ...order_codes.parameters import follows_registers
 from ...say.markdown import STYLE, cited, code, text
 from ...say.measurement import measurement
 from ...say.name import Named, title

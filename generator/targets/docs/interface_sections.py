@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Annotated, Any, TypedDict
 
 from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485
-from ...reference.parameters import follows_registers
+from ...order_codes.parameters import follows_registers
 from ...say import alarm, hardware_input
 from ...say import layout as say_layout
 from ...say import procedure as say_procedure

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Annotated
 
 from ...model import INTERFACES, Device, Interface, Parameter, Variant
-from ...reference.applied import applied
-from ...reference.parameters import parameters_of, run_time_names
-from ...reference.parts import for_codes
+from ...order_codes.narrowing import for_codes
+from ...order_codes.parameters import parameters_of, run_time_names
+from ...order_codes.with_numbers import applied
 from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import field_at

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 
 from ...model import Device
-from ...reference.order_codes import filled
+from ...order_codes.labels import filled
 from ...say.markdown import code
 
 #: So many order codes are listed by patterns, fewer one by one.

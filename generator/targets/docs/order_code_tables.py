@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ...model import Alternative, Answer, Device, Interface, Parameter
-from ...reference.parameters import parameters_of, run_time_names
+from ...order_codes.parameters import parameters_of, run_time_names
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.measurement import measurement
 from ...say.name import heading

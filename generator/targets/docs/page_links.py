@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Interface, Layout, Procedure, Register
-from ...reference.parts import for_interface
+from ...order_codes.narrowing import for_interface
 from ...say.markdown import STYLE, code, link, reference, text
 from ...say.name import heading
 from ...say.text import Ref, Style

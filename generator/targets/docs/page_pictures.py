@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ...model import Device, Layout, Register
-from ...reference.parts import for_codes
+from ...order_codes.narrowing import for_codes
 from ...say.name import Titled, title
 from . import layout_tables
 from .connector_pictures import connector_picture, connector_text

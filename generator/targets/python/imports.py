@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from ...model import Choice, Decimal, Flag, Form, Text
+from ...model import Choice, Decimal, Flag, Text
 from ...model.never import assert_never
 from ...plan.codec import AlwaysIs, AtMost, Check, IsOneOf, ParityIs, ParityOf, ZerosAbove
-from ...plan.crcs import Carrier
+from ...plan.crcs import Carrier, Form
 from ...plan.refusals import (
     DigitsDisagree,
     DigitTooHigh,

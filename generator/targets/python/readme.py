@@ -22,6 +22,7 @@ from ...model import (
     RegisterExample,
     Text,
     Variant,
+    number_to_bytes,
 )
 from ...plan.measurement import counts
 from ...reference import codec
@@ -234,7 +235,7 @@ class Readme:
 def _text(placed: PlacedLayout, number: int) -> str:
     """A frame as Python has it."""
     if placed.layout.in_bytes:
-        return _bytes(codec.number_to_bytes(placed.layout, number, placed.bits))
+        return _bytes(number_to_bytes(placed.layout, number, placed.bits))
     return f"{number:#x}"
 
 

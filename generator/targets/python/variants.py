@@ -8,9 +8,9 @@ from functools import cached_property
 
 from ...model import Interface, Measurement, Register, Variant
 from ...model.expressions import Expression
+from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
 from ...plan.run_time_parameters import Held, held_parameters
-from ...reference.order_codes import beginnings
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order

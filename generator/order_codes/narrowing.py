@@ -20,7 +20,7 @@ from ..model import (
     RegisterExample,
     assert_never,
 )
-from .held import held_by
+from .holding_only import held_by
 from .parameters import parameters_of
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..model import PlacedLayout, Register
-from ..model.expressions import Expression
+from . import PlacedLayout, Register
+from .expressions import Expression
 
 
 def bounded(register: Register) -> str:

@@ -8,10 +8,8 @@ from itertools import combinations, product
 from math import prod
 from types import MappingProxyType
 
-from ..model import NOT_KNOWN, Device, Erratum, Parameter, Register, Variant, cite
+from ..model import Device, Parameter, Register, Variant, number_from_bytes
 from ..model.expressions import Expression, ExpressionError
-from ..say.words import counted
-from . import codec
 
 
 class RegisterError(ValueError):
@@ -134,39 +132,10 @@ def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) ->
     data = bytes(held.get(register.address + index, byte) for index, byte in enumerate(default))
     field = register.layout.field(parameter.field)
     value = (
-        codec.number_from_bytes(register.layout, data) >> field.low.constant & ((1 << field.widest) - 1)
+        number_from_bytes(register.layout, data) >> field.low.constant & ((1 << field.widest) - 1)
         or field.number.zero_means
     )
     low, high = parameter.min or 0, parameter.max if parameter.max is not None else value
     if not low <= value <= high:
         raise RegisterError(f"{parameter.name} is {value}; it can be {low} to {high}")
     return value
-
-
-def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
-    """The value of a register from its bytes in ascending order of address.
-
-    Raises:
-        RegisterError: There is no such register over this interface, or it has another length.
-    """
-    registers = {item.name: item for item in device.registers if item.interface == variant.interface}
-    register = registers.get(name.lower())
-    if register is None:
-        told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")
-        if told:
-            raise RegisterError(told)
-        known = ", ".join(registers) or "none"
-        raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
-    if len(data) != register.length:
-        raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
-    return codec.decode(
-        device, register.layout.place(variant.parameters), codec.number_from_bytes(register.layout, data)
-    )
-
-
-def _not_known(device: Device, item: Erratum, name: str) -> str:
-    """Why nobody knows what a register is in this edition or with this overlay; empty where that is not said."""
-    where = f"in edition {device.edition} of the manual" if item.edition else f"by the overlay {item.overlay}"
-    if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
-        return ""
-    return f"what '{name}' is {where}, is not known: {item.why} [{cite(item.source)}]"

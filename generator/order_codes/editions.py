@@ -1,0 +1,29 @@
+"""Find the edition of the manual that an encoder belongs to by its label, and the registers that decide it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Device, EditionTest
+from .labels import Match
+
+
+def edition_before(device: Device, revision: str) -> str:
+    """The revision before this one."""
+    names = [item.revision for item in device.editions]
+    return names[names.index(revision) - 1]
+
+
+def told_by_label(device: Device, match: Match) -> str:
+    """The edition in which labels are written like this one; empty where the label tells none."""
+    patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
+    found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
+    return next(found, "")
+
+
+def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
+    """The tests of a register, each with the revision from which on the register reads so."""
+    for edition in device.editions:
+        for test in edition.tests:
+            if test.register == register:
+                yield edition.revision, test

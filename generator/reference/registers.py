@@ -1,0 +1,35 @@
+"""Decode registers by name."""
+
+from __future__ import annotations
+
+from ..model import NOT_KNOWN, Device, Erratum, Variant, cite, number_from_bytes
+from ..order_codes.run_time import RegisterError
+from ..say.words import counted
+from . import codec
+
+
+def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
+    """The value of a register from its bytes in ascending order of address.
+
+    Raises:
+        RegisterError: There is no such register over this interface, or it has another length.
+    """
+    registers = {item.name: item for item in device.registers if item.interface == variant.interface}
+    register = registers.get(name.lower())
+    if register is None:
+        told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")
+        if told:
+            raise RegisterError(told)
+        known = ", ".join(registers) or "none"
+        raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
+    if len(data) != register.length:
+        raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
+    return codec.decode(device, register.layout.place(variant.parameters), number_from_bytes(register.layout, data))
+
+
+def _not_known(device: Device, item: Erratum, name: str) -> str:
+    """Why nobody knows what a register is in this edition or with this overlay; empty where that is not said."""
+    where = f"in edition {device.edition} of the manual" if item.edition else f"by the overlay {item.overlay}"
+    if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
+        return ""
+    return f"what '{name}' is {where}, is not known: {item.why} [{cite(item.source)}]"
