@@ -12,8 +12,7 @@ each is written follows from its place in that schema:
 * what is null, empty, an empty list, or what the schema calls its default is left out;
 * ``source`` elements cite the manual; what has none has those of the element around it.
 
-``spec/device-description.xsd`` is made from the same schema by ``python -m codewheel.dump.xsd``, and a test holds the
-two together.
+``dump/xsd.py`` derives the XML Schema from the same definition.
 """
 
 from __future__ import annotations

@@ -1,20 +1,14 @@
-"""The XML Schema of the device description, made from the JSON Schema of the same data.
-
-``python -m codewheel.dump.xsd`` prints it; with a path it writes it there. It is kept as
-``generator/language/device-description.xsd``.
-"""
+"""Derive the XML Schema of the device description from the JSON Schema of the same data."""
 
 from __future__ import annotations
 
-import sys
-from importlib import resources
-from pathlib import Path
+from functools import cache
 from typing import Any
 
 from lxml import etree
 
 from .shape import Kind, Member, Shape, is_hexadecimal, members, show_schema
-from .xml import NAMESPACE, XSD_NAME
+from .xml import NAMESPACE
 
 _XS = "http://www.w3.org/2001/XMLSchema"
 _ABOUT = """Full description of an absolute encoder, version 1, by the project codewheel. \
@@ -26,18 +20,13 @@ Where a position or a limit depends on the order code it is a sum of numbers, pa
 powers of two and products of these,
 such as 48 - singleturn_bits; each order_code gives the value of every parameter.
 What is left out has the default of this schema, or else is not said by the manual or does not apply. \
-A source element cites the manual; what has none has those of the element around it.
-This file is made from show.schema.json by: python -m codewheel.dump.xsd generator/language/device-description.xsd"""
+A source element cites the manual; what has none has those of the element around it."""
 _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 
+@cache
 def schema_text() -> str:
-    """The schema as ``spec/device-description.xsd`` holds it."""
-    return (resources.files("codewheel.language") / XSD_NAME).read_text(encoding="utf-8")
-
-
-def make() -> str:
-    """The schema, made anew."""
+    """Return the text of the schema, which every output folder gets beside the descriptions."""
     namespaces: Any = {"xs": _XS, None: NAMESPACE}
     root = etree.Element(f"{{{_XS}}}schema", nsmap=namespaces)
     root.set("targetNamespace", NAMESPACE)
@@ -145,10 +134,3 @@ def _add_attribute(made: Any, member: Member, description: str) -> None:
     _document(attribute, description)
     if values:
         _enumerate(attribute, values)
-
-
-if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(make(), encoding="utf-8")
-    else:
-        sys.stdout.write(make())

@@ -24,7 +24,7 @@ REPLY = 16
 POSITION = "(1LL << 55)"
 #: How often a loop goes round at most, and one more: over order codes, over steps that may be anything, every other,
 #: and one whose rounds may be any.
-CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 24, 3
+CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 32, 3
 
 #: A transport of which every function may be missing or may fail at any call, with any number but 0.
 #: After one has failed, registers are read and written only to close what was opened; how that goes is told beside.

@@ -138,8 +138,9 @@ def _constants(codec: Codec) -> Iterator[str]:
         if isinstance(field.kind, Constant):
             yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
         if isinstance(field.kind, Parity):
-            of = codec.layout.field(field.kind.of)
-            yield f"r_{field.name} != ({' ^ '.join(f'((r_{of.name} >> {bit}) & 1)' for bit in range(of.widest))})"
+            covered = map(codec.layout.field, field.kind.of)
+            bits = [f"((r_{of.name} >> {bit}) & 1)" for of in covered for bit in range(of.widest)]
+            yield f"r_{field.name} != ({' ^ '.join([*bits, *(['1'] if field.kind.odd else [])])})"
 
 
 def _ranges(codec: Codec) -> Iterator[str]:

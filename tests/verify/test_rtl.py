@@ -139,12 +139,20 @@ def test_the_slave_in_c(verilog: ctypes.CDLL, library: ctypes.CDLL, late: bool) 
 
 
 class Encoder(NamedTuple):
-    """An order code as its constants are called; what stands around its position, by the manual."""
+    """Describe an order code by the name of its constants, and the bits around its position as the manual has them.
+
+    ``zero_bit`` is the answer to the question whether ASC85 sends a zero bit after the position.
+    """
 
     name: str
     zeros_before: int
     position_bits: int
     zeros_after: int = 0
+    zero_bit: str = ""
+
+    @property
+    def called(self) -> str:
+        return f"{self.name}_{self.zero_bit}" if self.zero_bit else self.name
 
 
 ENCODERS = (
@@ -152,8 +160,9 @@ ENCODERS = (
     Encoder("AMM5_A23_65KSC1", 0, 39),
     Encoder("SMA21_SC4_0050", 4, 20),  # SMA21 6.2 p.25: right-aligned in 24 bits, at 1 um in 25
     Encoder("SMA21_SC1_0001", 0, 25),
-    Encoder("ASC85_20_SC1", 0, 20, 1),  # ASC85 6.2.1 p.20: a bit 0 between position and nE
-    Encoder("ASC85_25_SC2", 0, 25, 1),
+    Encoder("ASC85_20_SC1", 0, 20, 1, "AS_PRINTED"),  # ASC85 6.2.1 p.20: a bit 0 between position and nE
+    Encoder("ASC85_25_SC2", 0, 25, 1, "AS_PRINTED"),
+    Encoder("ASC85_25_SC2", 0, 25, 0, "LEFT_OUT"),  # as a public driver for real encoders reads it
     Encoder("AM36_AM3616_4096_I7", 0, 36),  # AM36 6.5 p.31: 16 and 20 bits by default
 )
 POSITIONS = """
@@ -167,9 +176,9 @@ int @name@_read(const uint8_t *rx, uint64_t *position)
     static const lika_@family@_variant encoder = LIKA_@NAME@;
     lika_@family@_single_cycle_data frame;
     uint64_t word;
-    lika_result result = lika_biss_receive(rx, LIKA_@NAME@_BISS_RX_BYTES, LIKA_@NAME@_BISS_BITS, &word);
+    lika_result result = lika_biss_receive(rx, LIKA_@NAME@_BISS_@ANSWER@RX_BYTES, LIKA_@NAME@_BISS_@ANSWER@BITS, &word);
     if (result == LIKA_OK) {
-        result = lika_@family@_single_cycle_data_decode(&encoder, word, &frame);
+        result = lika_@family@_single_cycle_data_decode(&encoder, @answer@word, &frame);
     }
     if (result != LIKA_OK) {
         return (int)result;
@@ -178,7 +187,7 @@ int @name@_read(const uint8_t *rx, uint64_t *position)
     return (lika_@family@_single_cycle_data_verdict(&encoder, &frame) == LIKA_NOT_USABLE) ? 100 : 0;
 }
 int @name@_bytes(void);
-int @name@_bytes(void) { return (int)LIKA_@NAME@_BISS_RX_BYTES; }
+int @name@_bytes(void) { return (int)LIKA_@NAME@_BISS_@ANSWER@RX_BYTES; }
 """
 
 
@@ -187,7 +196,9 @@ def positions(folder: Path) -> None:
     text = "".join(
         POSITIONS.replace("@family@", item.name.split("_")[0].lower())
         .replace("@NAME@", item.name)
-        .replace("@name@", item.name.lower())
+        .replace("@name@", item.called.lower())
+        .replace("@ANSWER@", f"{item.zero_bit}_" if item.zero_bit else "")
+        .replace("@answer@", f"LIKA_ASC85_ZERO_BIT_{item.zero_bit}, " if item.zero_bit else "")
         for item in ENCODERS
     )
     compile_c([*GCC, "-O1", "-shared", "-fPIC"], text, folder, include)
@@ -198,13 +209,13 @@ def readers(made_once: MadeOnce) -> ctypes.CDLL:
     return ctypes.CDLL(str(made_once("rtl_positions", positions) / "program"))
 
 
-@pytest.mark.parametrize("encoder", ENCODERS, ids=[item.name for item in ENCODERS])
+@pytest.mark.parametrize("encoder", ENCODERS, ids=[item.called for item in ENCODERS])
 def test_positions(encoder: Encoder, verilog: ctypes.CDLL, library: ctypes.CDLL, readers: ctypes.CDLL) -> None:
     """Any position, over lines with any delay and acknowledge that leave room for the frame in the buffer of the order
     code; where they do not, there is a fault and never another position. One frame of ten reports an error (nE = 0)."""
-    bench = Bench(verilog, library, True, random.Random(encoder.name))
-    chance, size = bench.chance, getattr(readers, f"{encoder.name.lower()}_bytes")()
-    read, rx, found = getattr(readers, f"{encoder.name.lower()}_read"), (ctypes.c_uint8 * size)(), ctypes.c_uint64(0)
+    bench = Bench(verilog, library, True, random.Random(encoder.called))
+    chance, size = bench.chance, getattr(readers, f"{encoder.called.lower()}_bytes")()
+    read, rx, found = getattr(readers, f"{encoder.called.lower()}_read"), (ctypes.c_uint8 * size)(), ctypes.c_uint64(0)
     bits = encoder.zeros_before + encoder.position_bits + encoder.zeros_after + 2
     told = Counter[int]()
     for _ in range(ACCESSES // 4):
