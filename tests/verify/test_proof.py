@@ -230,7 +230,7 @@ SEEDED = {
     "flag left out of a verdict": (
         "amm5",
         "lika_amm5_complete_reply_verdict",
-        r" \|\| frame->mt_error",
+        r"(?s) \|\|\s+\(\(variant->multiturn_bits != 0U\) && frame->mt_error\)",
         "",
         "amm5_complete_reply everything",
     ),
