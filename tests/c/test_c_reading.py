@@ -191,5 +191,5 @@ def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[De
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"#define LIKA_AMM5_{name}_LENGTH")[0].rpartition("/*")[2]
-        assert "Used: Either, by a decision of the user that has no default" in before
+        assert "Used: Either position is possible. The user must choose, and there is no default" in before
         assert "a write destroys other data" in before

@@ -120,8 +120,8 @@ def test_what_the_table_says_of_each_revision() -> None:
 @pytest.mark.parametrize(
     ("asked", "said", "not_said"),
     [
-        ([], "removed. An older encoder may have it; what sets it is not known", "this encoder does not have it"),
-        (["--edition", "1.1"], "removed. An older encoder may have it; what sets it is not known", "does not have it"),
+        ([], "removed. An older encoder may have it. Its cause is not known", "this encoder does not have it"),
+        (["--edition", "1.1"], "removed. An older encoder may have it. Its cause is not known", "does not have it"),
         (["--edition", "1.0"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
         # The day before edition 1.1.
         (["--edition", "2023-11-09"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
@@ -156,7 +156,7 @@ def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None
         "".join(path.read_text(encoding="utf-8") for path in sorted((generated / "docs" / "amm5_1_6").glob("*.md"))),
     ]
     for text in texts:
-        assert "how they read before, is not said" in " ".join(text.replace("\n *", "\n").split())
+        assert "The table does not give their earlier content" in " ".join(text.replace("\n *", "\n").split())
         assert not re.search(r"REG_SERIAL_NUMBER|class SerialNumber|register-serial_number", text)
     assert "LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U" in (generated / "c/include/lika/amm5.h").read_text(
         encoding="utf-8"
@@ -236,7 +236,7 @@ def test_am36_1_1_is_what_six_pages_say() -> None:
     assert (device.crc("biss_6").poly, device.crc("biss_4").poly) == (0x03, 0x3)
     assert device.register("information_per_revolution").default == 0x100000
     assert device.procedures == () == device.connectors == device.inputs
-    assert device.register("configuration").note.startswith("Of edition 1.1 only its address is known")
+    assert device.register("configuration").note.startswith("For edition 1.1, only two facts are known")
 
 
 @pytest.mark.parametrize(

@@ -276,8 +276,8 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())
         assert (
-            "For you to decide, since the manual leaves it open eeprom_address: Where the byte ADF of an EEPROM access "
-            "over RS-485 has the address [7.5 p.46]. as_printed: Bits 7:1"
+            "For you to decide, since the manual leaves it open eeprom_address: Position of the address in the byte "
+            "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
         assert "decode takes the answer as: --choose eeprom_address=as_printed" in out
         assert "Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format." in out

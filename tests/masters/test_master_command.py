@@ -223,10 +223,10 @@ def test_a_device_without_masters(library: Library) -> None:
 
 
 def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None:
-    """ASC85/SC2 needs 10 V, /SC1 5 V: of the former alone it is said that the terminal cannot feed the encoder,
-    and the supply has a table of its own."""
+    """ASC85/SC2 needs 10 V, /SC1 5 V: only the former has the note that the supply of the terminal is not enough,
+    and the supply has its own table."""
     page = pages["docs/asc85-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
-    note = next(line for line in page.splitlines() if "cannot feed this encoder" in line)
+    note = next(line for line in page.splitlines() if "which is not enough for this encoder" in line)
     assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`")
     assert "/SC1`" not in note
     assert re.search(

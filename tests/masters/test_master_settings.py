@@ -79,8 +79,8 @@ def test_beckhoff_ssi(
 
 
 def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
-    """The terminals give 5 V or 9 V: AM36, 10 V to 30 V, cannot be fed by them;
-    SMA21-SC4, 5 V to 30 V, and ASC85/SC1 can; ASC85/SC2 cannot."""
+    """The terminals supply 5 V or 9 V: they cannot supply AM36, 10 V to 30 V.
+    They can supply SMA21-SC4, 5 V to 30 V, and ASC85/SC1, but not ASC85/SC2."""
     for code, is_fed in (
         ("AM3616/4096-I7", False),
         ("AM3619/4096-GG", False),
@@ -92,7 +92,7 @@ def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
         assert [item.value for item in found.settings if item.name == "Supply Voltage"] == ([50] if is_fed else []), (
             code
         )
-        assert any("cannot feed this encoder" in note for note in found.notes) is not is_fed, code
+        assert any("which is not enough for this encoder" in note for note in found.notes) is not is_fed, code
     # 32EF:02: 0 is 5 V, 2 is 11 V, which AM36 takes.
     for code, value in (
         ("AM3616/4096-I7", 2),
@@ -416,12 +416,12 @@ def test_example_of_siemens(told: Told) -> None:
             "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
         ),
         # 16 + 23 bits; 16 + 17 are one too many.
-        ("omron_nx", "AMM5A23/65KBG1", "All data of a frame together have 32 bits at most. Here: frame bits 39."),
-        ("omron_nx", "AMM5A17/65KBG1", "All data of a frame together have 32 bits at most. Here: frame bits 33."),
+        ("omron_nx", "AMM5A23/65KBG1", "All data of a frame together have at most 32 bits. Here: frame bits 39."),
+        ("omron_nx", "AMM5A17/65KBG1", "All data of a frame together have at most 32 bits. Here: frame bits 33."),
         (
             "keb_f5",
             "SMA21-SC1-0002",
-            "The data word is made of turns and the position within one. Here: movement linear.",
+            "The data word consists of the turns and the position within one turn. Here: movement linear.",
         ),
     ],
 )
@@ -447,7 +447,7 @@ def test_the_example_of_omron(told: Told) -> None:
 
 def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], Sheet]) -> None:
     assert any(
-        "the iC-MB3 does not carry out a register access of BiSS C by itself" in note
+        "The iC-MB3 does not carry out a register access of BiSS C by itself" in note
         for note in sheet_of("ic_mb", "AMM5A17/1SC1").notes
     )
 

@@ -92,7 +92,7 @@ def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
         # 7.2.1 p.41 and 7.4.2: each is answered by a reply of six bytes, whose last is the XOR of the others.
         expected = lika.Send(bytes([byte]), times=10, every_us=40, in_succession=True, reply=6, is_xor=True)
         assert send == expected
-        assert "stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
+        assert "Stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
 
 
 # ---------------------------------------------------------------------------------------------------- published vectors
