@@ -46,6 +46,7 @@ def prose(words: str) -> str:
 _JINJA = re.compile(r"\{\{.*?\}\}|\{%.*?%\}", re.DOTALL)
 _JINJA_COMMENT = re.compile(r"\{#(.*?)#\}", re.DOTALL)
 _MARKUP = re.compile(
+    r"^>[^\n]*|"  # what a manual says
     r"^(`{3,}|~{3,}).*?^\1`*$|^---\n.*?^---$|<!--.*?-->|<[^<>\n]*>|\]\([^()\s]*(?:\([^()]*\)[^()\s]*)*\)|^\|[-| :]+\|$",
     re.DOTALL | re.MULTILINE,
 )

@@ -48,7 +48,7 @@ _TABLE: list[tuple[str, str]] = [
     (r"nobody", "name the actor; the manual does not say"),
     (r"nothing else", "only; no other ..."),
     (r"tells? of|told of|telling of", "reports, lists, says"),
-    (r"(?:is|are|was|were) none(?: of (?:it|its|them|those|these))?", "is not one"),
+    (r"(?<!there\s)(?:is|are|was|were) none(?: of (?:it|its|them|those|these))?", "is not one"),
     (
         r"(?<!there\s)(?:is|are|was|were) no (?!longer|more|less|fewer|better|worse|greater|smaller|later|other)[\w-]+",
         "is not a ...",
