@@ -1,4 +1,4 @@
-"""Why a mutant passes that is not equivalent: each of them has to have one of these reasons."""
+"""Reasons why a mutant passes although it is not equivalent. Each such mutant must have one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from .places import PROSE
 from .slips import Mutant
 
-#: Reasons by what a mutant is of: a class of fact, its keys, the slip, and the name of the file; the first that fits.
+#: Reasons by class of fact, keys, mistake, and name of the file. The first match counts.
 _REASONS = (
     (
         "words for people",
@@ -54,12 +54,12 @@ _REASONS = (
 
 
 def reason(mutant: Mutant) -> str:
-    """The reason why a mutant passes; empty where there is none, so that it is a gap."""
+    """Return the reason why a mutant passes. An empty string marks a gap."""
     return next(_fitting(mutant), "")
 
 
 def explanation(name: str) -> str:
-    """A reason in a sentence."""
+    """Return a reason in a sentence."""
     return next(text for known, text, _ in _REASONS if known == name)
 
 

@@ -1,4 +1,4 @@
-"""What came out of a campaign: a table by class of fact, and every mutant that passes with the reason why."""
+"""Report of a campaign: a table by class of fact, and every mutant that passes with the reason."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .places import PROSE, STRICT, WITNESSES
 from .reasons import explanation, reason
 from .trial import Trial
 
-#: Effects by which nothing is wrong in an output.
+#: Effects that leave every output correct.
 _EQUIVALENT = frozenset((Effect.NOTHING.value, Effect.ORDER.value))
 _HEADINGS = ("mutants", "refused", "same", "left out", "texts", "code", "wrong")
 
@@ -40,7 +40,7 @@ class Row:
 
     @property
     def wrong(self) -> float:
-        """The share of wrong values that pass, those that change nothing not counted."""
+        """Return the share of wrong values that pass, without mutants that change nothing."""
         return (self.texts + self.code) / max(self.mutants - self.same, 1)
 
     def cells(self) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Passed:
-    """A mutant that passes: its reason, where it is, and what it does."""
+    """A mutant that passes: its reason, place and effect."""
 
     reason: str
     place: str
@@ -101,11 +101,11 @@ class Outcome:
 
     @property
     def gaps(self) -> list[Passed]:
-        """What passes without a reason."""
+        """Return the mutants that pass without a reason."""
         return [item for item in self.passed if not item.reason]
 
     def of(self, classes: Iterable[str]) -> Row:
-        """The sum of several classes."""
+        """Return the sum of several classes."""
         made = Row()
         for name in classes:
             for key, number in vars(self.rows.get(name, Row())).items():
@@ -113,7 +113,7 @@ class Outcome:
         return made
 
     def sums(self) -> Iterator[tuple[str, Row]]:
-        """The sums below the table."""
+        """Yield the sums below the table."""
         known = set(self.rows) - {"second readings"}
         yield "classes with *", self.of(known & STRICT)
         yield "all facts", self.of(known - PROSE - WITNESSES)
@@ -121,7 +121,7 @@ class Outcome:
 
 
 def table(outcome: Outcome) -> list[str]:
-    """The table of a campaign, as Markdown: classes in which nothing may pass have a star."""
+    """Return the table of a campaign, as Markdown. A star marks classes in which no mutant may pass."""
     rows = [("class", _HEADINGS), ("---", ("---:",) * len(_HEADINGS))]
     rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted(outcome.rows)]
     rows += [(f"**{name}**", row.cells()) for name, row in outcome.sums()]
@@ -134,7 +134,7 @@ def _sorted(names: Iterable[str]) -> list[str]:
 
 
 def survivors(outcome: Outcome) -> Iterator[str]:
-    """Every mutant that passes, by reason, as Markdown."""
+    """Yield every mutant that passes, by reason, as Markdown."""
     counts = Counter(item.reason for item in outcome.passed)
     for name in sorted(counts):
         yield f"## {name or 'without a reason'}: {counts[name]}"
@@ -147,7 +147,7 @@ def survivors(outcome: Outcome) -> Iterator[str]:
 
 
 def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
-    """The page of a campaign."""
+    """Return the page of a campaign."""
     head = f"""\
 # Mutants
 
@@ -165,5 +165,5 @@ breaks a check or an access, or comes at the wrong time: none may pass.
 
 
 def file_name(path: str) -> str:
-    """A file as the page names it."""
+    """Return the name of a file on the page."""
     return PurePath(path).name

@@ -1,4 +1,4 @@
-"""Decode a frame with nothing but a device's XML.
+"""Decode a frame with only a device's XML.
 
 decode_from_xml.py generated/biss/lika-amm5.xml AMM5A21/65KSC1 single_cycle_data 0xF4243D3
 """
@@ -45,7 +45,7 @@ if layout.get("gray_of") and parameters.get(layout.get("gray_when"), 1):
     print("note:", layout.get("gray_of"), "is in Gray code; its bits are shown as they are sent")
 
 
-def makes(field):  # the manual does not explain a flag for order codes in which the parameter only_while is 0
+def makes(field):  # The manual does not explain a flag for order codes with the parameter only_while at 0.
     return field.get("makes_position") if parameters.get(field.get("only_while"), 1) else "usable_with_warning"
 
 
