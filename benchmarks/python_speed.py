@@ -3,7 +3,8 @@
     make bench-python
 
 Everything is measured in one run, in CPU time. The candidates take turns, and the best of many rounds counts, so trust
-the ratios. A peer that is not installed is listed and left out. Only candidates with "CRC" in their name check a CRC.
+the ratios. A peer that is not installed is listed and left out. No peer checks a CRC. Candidates that do have it in
+their name.
 """
 
 from __future__ import annotations
@@ -323,7 +324,7 @@ def lookups() -> Candidates:
 
 def loading() -> None:
     """Print the time of an import, with bytecode and without the interpreter itself."""
-    print("import with bytecode, ms of CPU time beside the interpreter alone")
+    print("import with bytecode, ms of CPU time without that of the interpreter")
     cases = ("pass", "import typing, enum", "import lika_encoders", *(f"import lika_encoders.{n}" for n in families()))
     best = dict.fromkeys(cases, float("inf"))
     with tempfile.TemporaryDirectory() as folder:

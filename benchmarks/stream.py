@@ -36,8 +36,8 @@ class Measured(NamedTuple):
     def __str__(self) -> str:
         each = self.seconds / max(self.frames, 1) * 1e9
         return (
-            f"{self.frames:,} frames, {self.damaged:,} with an error, in {self.seconds:.1f} s: {each:.0f} ns per frame, "
-            f"peak {self.peak_mb:.0f} MB, Parquet of {self.written_mb:.0f} MB"
+            f"{self.frames:,} frames, {self.damaged:,} with an error, in {self.seconds:.1f} s: {each:.0f} ns per "
+            f"frame, peak {self.peak_mb:.0f} MB, Parquet of {self.written_mb:.0f} MB"
         )
 
 

@@ -1,4 +1,4 @@
-"""Run ``codewheel generate`` and record the origin of every character of its files: a template, or a Python string.
+"""Run ``codewheel generate`` and record the origin of every character in its files: a template, or a Python string.
 
     python -m figures.traced RESULT FOLDER ARGUMENTS...
 

@@ -22,12 +22,12 @@ _HEADINGS = ("mutants", "refused", "same", "left out", "texts", "code", "wrong")
 
 @dataclass
 class Row:
-    """The mutants of a class: how many there are, and what became of them.
+    """The mutants of a class: their number and their results.
 
     Attributes:
-        same: Those that change nothing but an order in which nothing lies.
-        left_out: Those that pass and leave something out, so that nothing is wrong.
-        texts: Those that pass with a wrong value that only texts show.
+        same: Those that change no output, or only an order without a meaning.
+        left_out: Those that pass and omit something, so that no output is wrong.
+        texts: Those that pass with a wrong value in texts only.
         code: Those that pass with a wrong value in code.
     """
 
@@ -62,9 +62,9 @@ class Outcome:
     """The outcome of a campaign.
 
     Attributes:
-        rows: The table by class; ``second readings`` are a class of their own.
+        rows: The table by class. ``second readings`` are a separate class.
         passed: Every mutant that passes and changes something, in order of place.
-        crashes: What went wrong with the tool itself.
+        crashes: Crashes of the tool itself.
     """
 
     def __init__(self, trial: Trial, found: Iterable[Tried]) -> None:
@@ -151,15 +151,15 @@ def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
     head = f"""\
 # Mutants
 
-What a slip of a transcriber does to the specs: `{command}` makes slips on purpose, one at a time, in
-{", ".join(files)}, and `check` looks at each. The page is written by the command; do not edit it.
+This page shows which mistakes of a transcriber `check` detects. `{command}` plants mistakes, one at a time, in
+{", ".join(files)}, and runs `check` on each. The command writes this page, so do not edit it.
 
-Slips are a digit lost, swapped or taken for one that looks alike, a number that is one off, a bit, a boolean, another
-word of a list or another name, a letter lost from a name, an item or a key left out, two items in the wrong order, and
-a value that stands where the next item's should. *Same* are those that change nothing in any output but an order in
-which nothing lies. *Left out* pass, but leave nothing wrong. *Texts* and *code* are wrong values that pass: what only
-documents show, and what code computes with; *wrong* is their share. In classes with * a wrong value moves a position,
-breaks a check or an access, or comes at the wrong time: none may pass.
+A mistake is a lost, swapped or misread digit, a number that is off by one, a flipped bit or boolean, another
+word of a list or another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or
+the value of the next item. Mutants in the column *same* change no output, or only an order without a meaning. Those in
+*left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents only and in code.
+*Wrong* is their share. In classes with * a wrong value moves a position, breaks a check or an access, or comes at the
+wrong time. No such mutant may pass.
 """
     return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 

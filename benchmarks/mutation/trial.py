@@ -1,6 +1,6 @@
 """Trial of mutants: ``check`` examines each, in this process, with the documents changed in memory.
 
-What a mutant does not touch is read, built and worked out once: the other specs, and all facts of the other reading.
+Everything that a mutant does not touch is read, built and computed once: the other specs, and the other reading.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ for asked in layout.get("alternatives", "").split():
     known = root.xpath(f"//d:alternative[@name='{asked}']/d:answers/d:answer", namespaces=ns)
     chosen = next((item for item in known if f"{asked}={item.get('name')}" in answers), None)
     if chosen is None:
-        sys.exit(f"for you to decide: {' or '.join(f'{asked}=' + item.get('name') for item in known)}")
+        sys.exit(f"choose: {' or '.join(f'{asked}=' + item.get('name') for item in known)}")
     parameters |= {entry.get("name"): int(entry.text, 0) for entry in chosen.iterfind("d:sets/d:entry", ns)}
 order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
 in_bytes = layout.get("carried_as") == "bytes"
@@ -42,7 +42,7 @@ for field in layout.iterfind("d:fields/d:field", ns):
         speaks[field.get("name")] = field
     print(f"{field.get('name')} {value} {said}".rstrip())
 if layout.get("gray_of") and parameters.get(layout.get("gray_when"), 1):
-    print("note:", layout.get("gray_of"), "is in Gray code; its bits are shown as they are sent")
+    print("note:", layout.get("gray_of"), "is in Gray code. Its bits are shown as they are sent")
 
 
 def makes(field):  # The manual does not explain a flag for order codes with the parameter only_while at 0.

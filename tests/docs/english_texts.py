@@ -80,7 +80,8 @@ def of_python(source: str) -> Iterator[Text]:
 
 def _is_sentence(words: str) -> bool:
     """Return whether a string has three words or more and is not a regular expression or code."""
-    return len(re.findall(r"\b[a-z]{2,}\b", words)) > 2 and not re.search(r"\(\?|\\[bdsw]|\$defs|==|\);|[{};]\n|: #", words)
+    code = re.search(r"\(\?|\\[bdsw]|\$defs|==|\);|[{};]\n|: #", words)
+    return len(re.findall(r"\b[a-z]{2,}\b", words)) > 2 and not code
 
 
 _HASHED = re.compile(r"(?:^[ \t]*#(?!!|\{)[^\n]*\n)+|(?<=[ \t])# [^\n]+", re.MULTILINE)

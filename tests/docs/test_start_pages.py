@@ -73,7 +73,7 @@ def test_the_warning_about_hardware_is_given_once() -> None:
     site = sorted((ROOT / "docs" / "site").glob("*.md"))
     repeated = re.compile("(tested|tried) on (an encoder|hardware)")
     prose = {
-        page.name: re.sub("^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+        page.name: re.sub("^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
         for page in [*PAGES, *site]
     }
     assert [name for name, text in prose.items() if repeated.search(text)] == []
