@@ -94,7 +94,7 @@ PARTS = (
     ),
     Part("angle: thousandths of a degree", ("angle",), "uint32_t angle", "return lika_angle_millidegrees(angle);"),
     Part(
-        "runner: what to do now, and that it is over",
+        "runner: next step, and its end",
         ("runner",),
         "lika_runner *runner, int32_t error, uint32_t now",
         "lika_runner_done(runner, error, now); return (uint32_t)lika_runner_next(runner, now);",

@@ -166,7 +166,7 @@ int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);
         f"{declared}static {kind} out;",
         "decode_nunavut(&out, bytes, sizeof bytes)",
         "true",
-        does="its own order of bits; no CRC, no constants, no position as one number",
+        does="its own order of bits, no CRC, no constants, no position as one number",
     )
     data = f"pycrc_{name}"
     yield Candidate(
@@ -277,7 +277,7 @@ def write_headers(folder: Path) -> Path:
     """Write our headers for the frames, and return the folder to include from."""
     devices, report = load_library([HERE / "specs", REPOSITORY / "specs" / "lika"])
     if report:
-        sys.exit("the specs have problems; run codewheel check")
+        sys.exit("the specs have problems. Run codewheel check")
     for path, text in generate(Library(devices)).items():
         target = folder / path
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -289,7 +289,7 @@ def write_peers(folder: Path) -> Path:
     """Write the code of cantools, nunavut and pycrc for the frames. Needs the packages of the extra ``bench``."""
     for package in ("cantools", "nunavut", "pycrc"):
         if importlib.util.find_spec(package) is None:
-            raise RuntimeError(f"no {package} here; make bench installs it")
+            raise RuntimeError(f"no {package} here. make bench installs it")
     folder.mkdir(parents=True, exist_ok=True)
     _run(
         "cantools",

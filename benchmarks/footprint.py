@@ -78,7 +78,7 @@ def main() -> None:
                 + "\n"
             )
     if write:
-        versions = [f"Compilers: {'; '.join(dict.fromkeys(board.version() for board in BOARDS))}.", ""]
+        versions = [f"Compilers: {', '.join(dict.fromkeys(board.version() for board in BOARDS))}.", ""]
         page = PAGE.read_text(encoding="utf-8")
         before, after = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
         PAGE.write_text(before + "\n\n" + "\n".join([*versions, *text]) + after, encoding="utf-8")

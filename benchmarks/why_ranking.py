@@ -43,7 +43,7 @@ def main() -> None:
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     devices, report = load_library()
     if report:
-        sys.exit("the specs have problems; run codewheel check")
+        sys.exit("the specs have problems. Run codewheel check")
     counts = measure({device.name: device for device in devices}, rounds)
     print(f"{'mistake':34} {'frames':>7} {'unseen':>7} {'listed':>8} {'first':>8} {'in the list':>12}")
     for name, count in counts.items():

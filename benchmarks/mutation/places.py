@@ -94,7 +94,7 @@ class Place:
     #: The definition of the language for the value, such as ``name`` or ``expression``, else empty.
     kind: str
     schema: Mapping[str, Any]
-    #: Whether the value is optional.
+    #: True if the value is optional.
     optional: bool
 
     @property

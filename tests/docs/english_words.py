@@ -61,7 +61,8 @@ _TABLE: list[tuple[str, str]] = [
     (r"the label tells", "the label says, can be inferred from the label"),
 ]
 WORDS = [
-    (re.compile(rf"(?<![\w-])(?:{regex.replace(' ', chr(92) + 's+')})(?![\w-])"), better) for regex, better in _TABLE
+    (re.compile(rf"(?<![\w/-])(?:{regex.replace(' ', chr(92) + 's+')})(?![\w/=-]|\.\w)"), better)
+    for regex, better in _TABLE
 ]
 
 #: Files, a phrase that they may have (a regular expression, in lower case), and why.

@@ -133,7 +133,7 @@ class Family:
             methods.give(snake(name), *place)
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
         for wrong in struct.too_wide():
-            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{wrong}; {WORD} is the most in Rust"))
+            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{wrong}. Rust allows at most {WORD}"))
         return struct
 
 

@@ -50,7 +50,7 @@ class Names:
         if name in self._places:
             other = self._places[name]
             where = "something on line {line}" if other else "something that every module has"
-            wrong = f"this would be called {name} in Rust, as {where}; rename it"
+            wrong = f"this would be called {name} in Rust, as {where}. Rename it"
             self.problems.append(TargetProblem(self._device, "rust-name", place, wrong, other))
         self._places.setdefault(name, place)
         return name
