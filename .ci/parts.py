@@ -1,7 +1,7 @@
 """Run lint, the tests and each part of the longer evidence, and count what did not run.
 
-Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run, unless ``--allow-missing`` is given or
-``CODEWHEEL_ALLOW_MISSING`` is set. The last line has the sum of pytest's own counts.
+Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run. ``--allow-missing`` or
+``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. The last line has the sum of pytest's own counts.
 """
 
 from __future__ import annotations
