@@ -154,7 +154,7 @@ def lists(figures: Iterable[Figure]) -> Iterator[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--against", metavar="COMMIT", help="measure this commit as well, in a folder of its own")
+    parser.add_argument("--against", metavar="COMMIT", help="also measure this commit, in a separate folder")
     parser.add_argument("--list", action="store_true", help="list the places that are counted in this checkout")
     chosen = parser.parse_args()
     columns = {}

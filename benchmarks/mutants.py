@@ -31,9 +31,9 @@ MOST = 0.05
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--number", type=int, default=NUMBER, help="how many mutants to try (%(default)s)")
-    parser.add_argument("--all", action="store_true", help="try every mutant there is")
-    parser.add_argument("--seed", type=int, default=1, help="another draw (%(default)s)")
+    parser.add_argument("--number", type=int, default=NUMBER, help="number of mutants to try (%(default)s)")
+    parser.add_argument("--all", action="store_true", help="try every mutant")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the draw (%(default)s)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (%(default)s)")
     parser.add_argument("--files", nargs="+", default=(), metavar="NAME", help="files by their names without .yaml")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.parent.name}/{PAGE.name}")
@@ -56,7 +56,7 @@ def _judged(outcome: Outcome) -> int:
     wrong = [f"crash: {crash}" for crash in outcome.crashes]
     strict = sums["classes with *"]
     if strict.texts + strict.code:
-        wrong.append(f"{strict.texts + strict.code} wrong values pass in classes in which none may")
+        wrong.append(f"{strict.texts + strict.code} wrong values pass in classes where none is allowed")
     if sums["all facts"].wrong > MOST:
         wrong.append(f"{sums['all facts'].wrong:.1%} of the wrong values pass, at most {MOST:.0%} may")
     wrong += [f"no reason: {item.place} {item.said} ({item.effect})" for item in outcome.gaps]

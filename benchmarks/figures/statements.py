@@ -56,7 +56,7 @@ def printed(checkout: Checkout) -> dict[str, Printed]:
     """Return the headers and modules that a checkout generates from its specs.
 
     Raises:
-        RuntimeError: It makes none.
+        RuntimeError: The checkout generates none.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

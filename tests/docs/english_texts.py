@@ -80,7 +80,7 @@ def of_python(source: str) -> Iterator[Text]:
 
 def _is_sentence(words: str) -> bool:
     """Return whether a string has three words or more and is not a regular expression or code."""
-    code = re.search(r"\(\?|\\[bdsw]|\$defs|==|\);|[{};]\n|: #", words)
+    code = re.search(r"\(\?|\\[bdsw]|\$defs|==|\);|[{};]\s*(?:\n|\Z)|: #", words)
     return len(re.findall(r"\b[a-z]{2,}\b", words)) > 2 and not code
 
 

@@ -59,6 +59,11 @@ _TABLE: list[tuple[str, str]] = [
     (r"the same to a program", "identical for software"),
     (r"the worst that speaks", "the most severe active flag"),
     (r"the label tells", "the label says, can be inferred from the label"),
+    (r"turn on until", "keep turning until"),
+    (r"refusing ends", "the limit widens"),
+    (r"follows from itself", "is defined by itself"),
+    (r"with a warning with a warning", "warning bit active: usable, with a warning"),
+    (r"not to be used, and to be used with care", "say the meaning of each bit"),
 ]
 WORDS = [
     (re.compile(rf"(?<![\w/-])(?:{regex.replace(' ', chr(92) + 's+')})(?![\w/=-]|\.\w)"), better)

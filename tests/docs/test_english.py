@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 #: Texts of one kind, whose density is measured together.
 PLACES = {
     "pages": ["*.md", "docs/*.md", "docs/site/*.md", ".github/*.md", ".github/*/*.yml", "examples/**/*.md"],
-    "generated pages": ["generated/*/*.md", "generated/docs/*/*.md"],
+    "generated pages": ["generated/*/*.md", "generated/docs/*/*.md", "templates/docs/*", "templates/biss/*"],
     "C": ["generated/c/**/*.[ch]", "templates/c/*", "templates/browser/*"],
     "generated Python": ["generated/python/**/*.py", "templates/python/*"],
     "generator": ["generator/**/*.py"],
