@@ -1,4 +1,4 @@
-# make generate and make test are all the set-up there is; both make .venv on their first run.
+# make generate and make test need no other set-up. Both create .venv on their first run.
 PYTHON ?= python3
 CC ?= cc
 CXX ?= c++
@@ -17,13 +17,13 @@ generate: .venv/.installed
 	@$(PY) -m codewheel generate
 
 # The format of the Python files, and the linter's rules in pyproject.toml.
-# .venv/bin/ruff format mends the one, .venv/bin/ruff check --fix a part of the other.
+# .venv/bin/ruff format fixes the format, and .venv/bin/ruff check --fix some findings of the linter.
 lint: .venv/.installed
 	@$(PY) -m ruff format --check --quiet --output-format concise .
 	@$(PY) -m ruff check --quiet --output-format concise .
 
-# What a change of wording or of a rule needs, in half a minute: all but the tests that are marked as slow.
-# Compiled tests are kept even where the environment says otherwise: to compile them takes a third of the time.
+# Everything that a change of wording or of a rule needs, in half a minute: all tests except the slow ones.
+# Compiled tests are kept even if the environment forbids it, because compiling takes a third of the time.
 quick: export PYTHONDONTWRITEBYTECODE =
 quick: lint
 	@$(MAKE) --no-print-directory --jobs=2 quick-outputs quick-tests
@@ -38,7 +38,7 @@ quick-tests: .venv/.installed
 test: .venv/.installed tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal
 
-# The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
+# The longer evidence on the C headers. make verify-proof, for example, runs only tests/verify/test_proof.py.
 verify: .venv/.installed tools bench-packages engines axe
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
 
@@ -55,20 +55,20 @@ verify-stream: engines
 
 verify-site: axe
 
-# Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
+# Size and speed of the C headers next to hand-written decoders and other generators. BENCH=--write also writes docs/footprint.md.
 bench: .venv/.installed tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
 
-# The Python package for one frame and for a million, beside code written by hand and beside peers that can be installed.
+# The Python package for one frame and for a million, next to hand-written code and installable peers.
 bench-python: .venv/.installed
-	@$(PY) -m pip install --quiet --disable-pip-version-check bitstruct 'cantools>=41' construct kaitaistruct || echo "make: some peers cannot be had; they are left out"
+	@$(PY) -m pip install --quiet --disable-pip-version-check bitstruct 'cantools>=41' construct kaitaistruct || echo "make: some peers cannot be installed and are left out"
 	@$(PY) benchmarks/python_speed.py
 
-# How the generator is built, in figures; HOUSE="--against COMMIT" puts an earlier commit beside it, HOUSE=--list names the places.
+# Figures of the code. HOUSE="--against COMMIT" adds a column for an earlier commit, HOUSE=--list lists the places.
 house: .venv/.installed
 	@$(PY) benchmarks/house.py $(HOUSE)
 
-# Slips of a transcriber, made on purpose: which of them pass check, by class of fact; MUTANTS=--write writes docs/mutants.md too.
+# Planted mistakes of a transcriber that pass check, by class of fact. MUTANTS=--write also writes docs/mutants.md.
 mutants: .venv/.installed
 	@$(PY) benchmarks/mutants.py $(MUTANTS)
 
@@ -92,19 +92,19 @@ spec-page: .venv/.installed
 templates-page: .venv/.installed
 	@$(PY) -m codewheel.targets.templates_page docs/templates.md
 
-# With CODEWHEEL_LOCKED set, as CI does, the packages of .ci/requirements.txt are there and nothing else is installed.
+# CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages
 bench-packages: .venv/.installed
-	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be had; the footprint is not shown"
+	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be installed, so the footprint is not shown"
 
 .PHONY: engines
 engines: .venv/.installed
-	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be had; Dask and DuckDB are not shown"
+	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be installed, so Dask and DuckDB are left out"
 
-# The script alone: the package brings a browser of its own, which nothing here needs.
+# The script only, without the browser that the package would install.
 .PHONY: axe
 axe: .venv/.installed
-	@[ -d build/axe ] || $(PY) -m pip install --quiet --disable-pip-version-check --no-deps --target build/axe '$(AXE)' || echo "make: axe-core cannot be had; the site is not looked through by it"
+	@[ -d build/axe ] || $(PY) -m pip install --quiet --disable-pip-version-check --no-deps --target build/axe '$(AXE)' || echo "make: axe-core cannot be installed, so the site is not checked with it"
 
 # The newest packages that pyproject.toml allows, for CI, with their hashes. Needs uv (pip install uv).
 LOCK = uv pip compile --quiet --generate-hashes --no-annotate --no-header --python-version 3.11 --python-platform linux --upgrade

@@ -1,7 +1,7 @@
 """Run lint, the tests and each part of the longer evidence, and count what did not run.
 
-Exit codes: 0 all ran and passed; 1 something failed; 2 something did not run, unless ``--allow-missing`` is given or
-``CODEWHEEL_ALLOW_MISSING`` is set. The last line has the sum of pytest's own counts.
+Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run. ``--allow-missing`` or
+``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. The last line has the sum of pytest's own counts.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ KNOWN = re.compile(r"no Python 3\.\d+ here|root may read everything")
 
 
 class Log:
-    """What has run, and what has not."""
+    """Record of the parts that ran and of those that did not."""
 
     def __init__(self, missing: list[str]) -> None:
         self.failed = list[str]()
@@ -43,7 +43,7 @@ class Log:
             self.counts.update({word: int(number) for number, word in re.findall(r"(\d+) ([a-z]+)", line)})
 
     def close(self, allow_missing: bool) -> int:
-        """Print what failed and what did not run; give the exit code."""
+        """Print the failed parts and those that did not run, and return the exit code."""
         for title, lines in (("FAILED", self.failed), ("DID NOT RUN", self.not_run)):
             if lines:
                 print(f"\n{title}: {len(lines)}", *lines, sep="\n  ")
@@ -52,14 +52,14 @@ class Log:
 
 
 def show(part: str, lines: Iterable[str], log: Log) -> None:
-    """Pass on what a part writes, line by line."""
+    """Pass on the output of a part, line by line."""
     for line in lines:
         print(line, end="", flush=True)
         log.read(part, line)
 
 
 def run(part: str, seconds: float, log: Log) -> int | None:
-    """Make a part and show what it writes; give its exit code, or None if it was ended after so many seconds."""
+    """Make a part, show its output, and return its exit code, or None if it was killed after this many seconds."""
     made = subprocess.Popen(
         ["make", part],
         stdout=subprocess.PIPE,

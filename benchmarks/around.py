@@ -1,10 +1,10 @@
-"""Bytes of what lies around the decoders: receiving, following an axis, angles, procedures, and a BiSS master.
+"""Measure the bytes of the code around the decoders: receivers, tracker, angles, procedures, and a BiSS master.
 
     python benchmarks/around.py            measures and prints
     python benchmarks/around.py --write    also writes its table in docs/footprint.md and benchmarks/around.json,
-                                           which tests/verify/test_footprint.py holds
+                                           which tests/verify/test_footprint.py checks
 
-Each is a program of one function, linked as in footprint.py, with what it brings along from the compiler's library.
+Each is a program of one function, linked as in footprint.py, with the parts of the compiler's library that it needs.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BEGIN, END = "<!-- measured around -->", "<!-- end of measured around -->"
 
 @dataclass(frozen=True)
 class Part:
-    """A function ``measured`` around calls of ours; ``most`` bytes may be taken on a Cortex-M, 0 for no bound."""
+    """A function ``measured`` that calls ours. It may take ``most`` bytes on a Cortex-M, or any number if 0."""
 
     title: str
     headers: tuple[str, ...]
@@ -94,7 +94,7 @@ PARTS = (
     ),
     Part("angle: thousandths of a degree", ("angle",), "uint32_t angle", "return lika_angle_millidegrees(angle);"),
     Part(
-        "runner: what to do now, and that it is over",
+        "runner: next step, and its end",
         ("runner",),
         "lika_runner *runner, int32_t error, uint32_t now",
         "lika_runner_done(runner, error, now); return (uint32_t)lika_runner_next(runner, now);",
@@ -115,7 +115,7 @@ PARTS = (
 
 
 def measure(board: Board, include: Path, folder: Path) -> dict[str, int]:
-    """The bytes of each part on a board."""
+    """Return the bytes of each part on a board."""
     found = {}
     for part in PARTS:
         source = folder / "around.c"

@@ -1,4 +1,4 @@
-"""The boards that code is measured on: bytes of a function with all that it calls, and what one call of it executes."""
+"""Boards on which code is measured: bytes of a function with all that it calls, and instructions of one call."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import unicorn
 from unicorn import arm_const, riscv_const
 
 HERE = Path(__file__).resolve().parent
-#: No stack protector or frame: what a firmware build switches off as well.
+#: No stack protector or frame, as in a firmware build.
 OPTIONS = ("-std=c11", "-Os", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections", "-nostartfiles")
-#: Where the emulated machines keep their stack, and the address that ends a run; far from every linker script's own.
+#: Stack of the emulated machines, and the address that ends a run, both far from those of every linker script.
 STACK, STOP, PAGE = 0x70080000, 0x70000000, 0x100000
 _LOADED = 1
 
 
 @dataclass(frozen=True)
 class Board:
-    """``prefix`` begins the names of its tools; ``unit`` is what :meth:`executed` counts."""
+    """A board. ``prefix`` begins the names of its tools, and ``unit`` is the unit of :meth:`executed`."""
 
     name: str
     prefix: str
@@ -54,19 +54,19 @@ class Board:
         return program
 
     def size(self, sources: Sequence[Path], include: Sequence[Path], function: str, folder: Path) -> int:
-        """Bytes of code and constants that ``function`` brings along, parts of the compiler's library included."""
+        """Return the bytes of code and constants of ``function``, with the parts of the compiler's library."""
         program = self.link(sources, include, function, folder / f"{self.name}.size.elf")
         lines = _run([f"{self.prefix}-size", "-A", str(program)]).splitlines()
         return sum(int(line.split()[1]) for line in lines if re.match(r"\.(text|rodata|data|sdata|srodata)\b", line))
 
     def executed(self, sources: Sequence[Path], include: Sequence[Path], folder: Path) -> int:
-        """What one call executes; ``sources`` hold ``entry``, which calls the function and sets ``good``."""
+        """Return the count of one call. ``sources`` hold ``entry``, which calls the function and sets ``good``."""
         if self.name == "avr":
             return self._cycles(sources, include, folder)
         return self._instructions(sources, include, folder)
 
     def _instructions(self, sources: Sequence[Path], include: Sequence[Path], folder: Path) -> int:
-        """Instructions between ``entry`` and its return that are not its own, by emulation."""
+        """Count by emulation the instructions between ``entry`` and its return, without its own."""
         program = self.link(
             sources,
             include,
@@ -137,7 +137,7 @@ def _machine(name: str) -> Any:
 
 
 def _call(machine: Any, name: str, address: int) -> None:
-    """Runs the function at ``address`` until it returns."""
+    """Run the function at ``address`` until it returns."""
     if name == "rv32imc":
         machine.reg_write(riscv_const.UC_RISCV_REG_SP, STACK)
         machine.reg_write(riscv_const.UC_RISCV_REG_RA, STOP)
@@ -149,7 +149,7 @@ def _call(machine: Any, name: str, address: int) -> None:
 
 
 def _load(machine: Any, program: Path) -> None:
-    """The segments of a program to where they run, and memory for its stack."""
+    """Load the segments of a program, and map memory for its stack."""
     data = program.read_bytes()
     offset, (size, count) = struct.unpack_from("<I", data, 28)[0], struct.unpack_from("<HH", data, 42)
     headers = [struct.unpack_from("<IIIIIIII", data, offset + index * size) for index in range(count)]

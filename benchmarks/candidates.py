@@ -1,4 +1,4 @@
-"""What is measured: our decoders, hand-written ones, and what other generators make of the same frames."""
+"""Candidates of the comparison: our decoders, hand-written ones, and those of other generators for the same frames."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BISS_6 = Crc("biss_6", 6, 0x03, 0, False, False, 0x3F, "fold", "", "", ())
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame of the comparison; ``fields`` are those of its sample, ``good`` says that one was decoded rightly."""
+    """A frame of the comparison. ``fields`` are those of its sample. ``good`` tests that it was decoded correctly."""
 
     name: str
     title: str
@@ -73,18 +73,18 @@ FRAMES = (
     ),
 )
 
-#: Bits of the singleturn position of the frames that are words.
+#: Bits of the singleturn position in the frames that are words.
 SINGLETURN = {"biss46": 26, "biss47": 23}
 
 
 def word(frame: Frame, multiturn: int = 0xABC, singleturn: int = 0x234567) -> int:
-    """A sound word without faults."""
+    """Return a valid word without active flags."""
     data = (multiturn << SINGLETURN[frame.name] | singleturn) << 2 | 3
     return data << 6 | compute_bits(BISS_6, data, 64 - 6)
 
 
 def reply(multiturn: int = 0xABC, singleturn: int = 0x234567) -> bytes:
-    """A sound reply with two flags set."""
+    """Return a valid reply with two flags set."""
     data = (
         bytes((0x1A, 0x10))
         + singleturn.to_bytes(3, "little")
@@ -99,14 +99,14 @@ def reply(multiturn: int = 0xABC, singleturn: int = 0x234567) -> bytes:
 
 
 def sample(frame: Frame) -> bytes:
-    """The sample frame as bytes, as those take it who know no words."""
+    """Return the sample frame as bytes, for peers that do not read words."""
     return word(frame).to_bytes(6, "big") if frame.is_word else reply()
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """``source`` is C that holds ``function``; ``call`` decodes the frame ``bytes`` or ``word``
-    with what ``globals`` declare, and gives ``result``."""
+    """A candidate. ``source`` is C that holds ``function``. ``call`` decodes the frame ``bytes`` or ``word``
+    with the variables of ``globals``, and its value is ``result``."""
 
     name: str
     function: str
@@ -119,7 +119,7 @@ class Candidate:
 
 
 def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
-    """All for one frame, ours first; ``peers`` is the folder of :func:`write_peers`."""
+    """Yield all candidates for one frame, ours first. ``peers`` is the folder of :func:`write_peers`."""
     yield from ours(frame)
     name = frame.name
     given = "word" if frame.is_word else "bytes, sizeof bytes"
@@ -166,7 +166,7 @@ int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);
         f"{declared}static {kind} out;",
         "decode_nunavut(&out, bytes, sizeof bytes)",
         "true",
-        does="its own order of bits; no CRC, no constants, no position as one number",
+        does="its own order of bits, no CRC, no constants, no position as one number",
     )
     data = f"pycrc_{name}"
     yield Candidate(
@@ -190,7 +190,7 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
 
 
 def ours(frame: Frame) -> Iterator[Candidate]:
-    """Our decoder: order code chosen when compiled, chosen at run time, and with the table that a macro chooses."""
+    """Yield our decoders: order code fixed when compiled, chosen at run time, and with a table by a macro."""
     given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
     result = f"{frame.maker.lower()}_result"
     passed = given if frame.is_word else "bytes, sizeof bytes"
@@ -231,7 +231,7 @@ def ours(frame: Frame) -> Iterator[Candidate]:
 
 
 def covered(frame: Frame) -> bytes:
-    """What the CRC covers, zeros before it up to whole bytes."""
+    """Return the bytes that the CRC covers, with leading zeros up to whole bytes."""
     if not frame.is_word:
         return reply()[:-1]
     data = word(frame) >> 6
@@ -243,7 +243,7 @@ def received(frame: Frame) -> int:
 
 
 def entry(frame: Frame, candidate: Candidate) -> str:
-    """C around one call: the call, a call that only returns, and whether the first gave what it should."""
+    """Return C with the call, a call that only returns, and a flag that says whether the first result was correct."""
     value = f"static const uint64_t word = UINT64_C({word(frame):#x});\n" if frame.is_word else ""
     nothing = candidate.call.replace(candidate.function, "nothing", 1)
     return f"""#include <stdbool.h>
@@ -274,10 +274,10 @@ void check(void)
 
 
 def write_headers(folder: Path) -> Path:
-    """Our headers for the frames; the folder to include from."""
+    """Write our headers for the frames, and return the folder to include from."""
     devices, report = load_library([HERE / "specs", REPOSITORY / "specs" / "lika"])
     if report:
-        sys.exit("the specs have problems; run codewheel check")
+        sys.exit("the specs have problems. Run codewheel check")
     for path, text in generate(Library(devices)).items():
         target = folder / path
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -286,10 +286,10 @@ def write_headers(folder: Path) -> Path:
 
 
 def write_peers(folder: Path) -> Path:
-    """What cantools, nunavut and pycrc make of the frames; needs the packages of the extra ``bench``."""
+    """Write the code of cantools, nunavut and pycrc for the frames. Needs the packages of the extra ``bench``."""
     for package in ("cantools", "nunavut", "pycrc"):
         if importlib.util.find_spec(package) is None:
-            raise RuntimeError(f"no {package} here; make bench installs it")
+            raise RuntimeError(f"no {package} here. make bench installs it")
     folder.mkdir(parents=True, exist_ok=True)
     _run(
         "cantools",

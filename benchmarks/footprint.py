@@ -1,10 +1,10 @@
-"""Size and speed of the generated C decoders beside hand-written ones and those of other generators.
+"""Size and speed of the generated C decoders next to hand-written ones and those of other generators.
 
     python benchmarks/footprint.py            measures and prints
     python benchmarks/footprint.py --write    also writes the table of docs/footprint.md
-                                              and the figures that tests/verify/test_footprint.py holds
+                                              and the figures that tests/verify/test_footprint.py checks
 
-Bytes and counts are exact. Times are not, and stay out of the files but for their ratios.
+Bytes and counts are exact. Times are not, so the files have only their ratios.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ RECORDED = HERE / "footprint.json"
 PAGE = HERE.parent / "docs" / "footprint.md"
 BEGIN, END = "<!-- measured -->", "<!-- end of measured -->"
 
-#: Bytes and what was executed, by the name of the board.
+#: Bytes and executed instructions, by the name of the board.
 Figures = Mapping[str, tuple[int, int]]
 
 
 def measure(frame: Frame, candidate: Candidate, board: Board, include: list[Path], folder: Path) -> tuple[int, int]:
-    """Bytes of a candidate on a board, and what one call executes."""
+    """Return the bytes of a candidate on a board, and the instructions of one call."""
     source, around = folder / "source.c", folder / "entry.c"
     source.write_text(candidate.source, encoding="utf-8")
     around.write_text(entry(frame, candidate), encoding="utf-8")
@@ -38,7 +38,7 @@ def measure(frame: Frame, candidate: Candidate, board: Board, include: list[Path
 
 
 def measure_ours(board: Board, folder: Path) -> dict[str, dict[str, tuple[int, int]]]:
-    """The figures of our decoders alone, by frame and candidate: what a test can hold without the other generators."""
+    """Return the figures of our decoders, by frame and candidate. A test checks them without the other generators."""
     include = [write_headers(folder)]
     return {
         frame.name: {item.name: measure(frame, item, board, include, folder) for item in ours(frame)}
@@ -78,7 +78,7 @@ def main() -> None:
                 + "\n"
             )
     if write:
-        versions = [f"Compilers: {'; '.join(dict.fromkeys(board.version() for board in BOARDS))}.", ""]
+        versions = [f"Compilers: {', '.join(dict.fromkeys(board.version() for board in BOARDS))}.", ""]
         page = PAGE.read_text(encoding="utf-8")
         before, after = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
         PAGE.write_text(before + "\n\n" + "\n".join([*versions, *text]) + after, encoding="utf-8")

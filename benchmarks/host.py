@@ -1,4 +1,4 @@
-"""Nanoseconds per frame on this machine: candidates take turns in one program, the best of many turns counts."""
+"""Nanoseconds per frame on this machine. Candidates take turns in one program, and the best of many turns counts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FRAMES, TURNS, TIMES = 256, 60, 400
 def nanoseconds(
     frame: Frame, candidates: Sequence[Candidate], include: Sequence[Path], folder: Path
 ) -> dict[str, float]:
-    """The time of one frame for each candidate, by its name."""
+    """Return the time of one frame for each candidate, by its name."""
     words, replies = [], []
     for index in range(FRAMES):
         turns, angle = (index * 37) & 0xFFF, (index * 7919) & 0x3FFFFF
@@ -30,7 +30,7 @@ def nanoseconds(
             .replace("covered", "bytes")
         )
         path = folder / f"host_{index}.c"
-        # In one unit, so that the compiler may take the decoder into the loop.
+        # In one unit, so that the compiler can inline the decoder into the loop.
         path.write_text(f"""#include <stdint.h>
 #include <stddef.h>
 {candidate.source}
@@ -96,7 +96,7 @@ int main(void)
 """)
     objects = []
     for path in (*sources, main):
-        # Each in a unit of its own: the peers' helpers share names.
+        # Each in its own unit, because the peers' helpers share names.
         target = path.with_suffix(".o")
         subprocess.run(
             ["cc", "-std=c11", "-O2", "-w", *(f"-I{item}" for item in include), "-c", str(path), "-o", str(target)],

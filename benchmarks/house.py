@@ -1,11 +1,11 @@
-"""The state of the house in figures: how the generator is built, and how much of its output templates write.
+"""Figures of the code: structure of the generator, and the share of its output that templates write.
 
     python benchmarks/house.py                       measures this checkout and prints a table
-    python benchmarks/house.py --against COMMIT      puts an earlier commit beside it
-    python benchmarks/house.py --list                names the places that are counted as well
+    python benchmarks/house.py --against COMMIT      adds a column for an earlier commit
+    python benchmarks/house.py --list                also lists the counted places
 
-The sources are read, not imported; only the generator itself runs, once for each commit, in a process of its own. The
-modules in benchmarks/figures/ say at their heads how they count.
+The sources are read, not imported. Only the generator itself runs, once for each commit, in its own process. The
+docstrings of the modules in benchmarks/figures/ explain how they count.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True)
 class Figure:
-    """A line of the table, and the places that it counts."""
+    """A line of the table, with the places that it counts."""
 
     title: str
     value: str
@@ -38,12 +38,12 @@ class Figure:
 
 
 def measure(checkout: Checkout) -> Iterator[Figure]:
-    """Every figure of a checkout, in order of the table."""
+    """Yield every figure of a checkout, in order of the table."""
     arrows = graph(checkout.modules)
-    yield _circles("circles of modules that import each other", circles(arrows))
-    yield _circles("circles of rooms", circles(rooms(arrows)))
+    yield _circles("cycles of modules that import each other", circles(arrows))
+    yield _circles("cycles of packages", circles(rooms(arrows)))
     flat = checkout.flat_modules()
-    yield Figure("modules that lie flat", _count(flat), flat)
+    yield Figure("modules in no package", _count(flat), flat)
     yield from _shares(checkout)
     yield from _lines("lines of targets", checkout.lines_of_targets())
     yield from _lines("lines of templates", checkout.lines_of_templates())
@@ -65,12 +65,12 @@ def _circles(title: str, found: Sequence[Sequence[str]]) -> Figure:
 
 
 def _circle(names: Sequence[str]) -> str:
-    """A circle in few words: all of its names, or the first ones."""
+    """Return a cycle in few words: all of its names, or the first ones."""
     return ", ".join(names) if len(names) <= 3 else f"{names[0]}, {names[1]} and {len(names) - 2} more"
 
 
 def _shares(checkout: Checkout) -> Iterator[Figure]:
-    """Who writes the statements, for each sort of output and for all that are made for families."""
+    """Yield the origin of the statements, for each sort of output and for all outputs of families."""
     counts = by_output(checkout, printed(checkout))
     for title, count in counts.items():
         yield Figure(f"statements wholly from Python strings: {title}", _share(count))
@@ -93,7 +93,7 @@ def _looks(checkout: Checkout) -> Iterator[Figure]:
     code = [f"{item.place} {item.function}: {_short(item)}" for item in found if not item.reason]
     other = [f"{item.place} {item.function}: {_short(item)} ({item.reason})" for item in found if item.reason]
     yield Figure("places that read back generated text", _count(code), code)
-    yield Figure("looks into names, manual text and comments", _count(other), other)
+    yield Figure("searches in names, manual text and comments", _count(other), other)
 
 
 def _short(look: Look) -> str:
@@ -135,7 +135,7 @@ def _functions(found: Sequence[Function]) -> Iterator[Figure]:
 
 
 def table(columns: Mapping[str, Iterable[Figure]]) -> Iterator[str]:
-    """The figures of several commits side by side, in Markdown; a dash where one has no such figure."""
+    """Yield the figures of several commits side by side, in Markdown, with a dash for a missing figure."""
     values = {name: {item.title: item.value for item in figures} for name, figures in columns.items()}
     longest = max(values.values(), key=len)
     titles = dict.fromkeys([*longest, *(title for column in values.values() for title in column)])
@@ -146,7 +146,7 @@ def table(columns: Mapping[str, Iterable[Figure]]) -> Iterator[str]:
 
 
 def lists(figures: Iterable[Figure]) -> Iterator[str]:
-    """The places that the figures count, in Markdown."""
+    """Yield the places that the figures count, in Markdown."""
     for item in figures:
         if item.places:
             yield from ("", f"### {item.title}", "", *(f"- `{place}`" for place in item.places))
@@ -154,7 +154,7 @@ def lists(figures: Iterable[Figure]) -> Iterator[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--against", metavar="COMMIT", help="measure this commit as well, in a folder of its own")
+    parser.add_argument("--against", metavar="COMMIT", help="also measure this commit, in a separate folder")
     parser.add_argument("--list", action="store_true", help="list the places that are counted in this checkout")
     chosen = parser.parse_args()
     columns = {}

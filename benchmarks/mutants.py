@@ -1,12 +1,13 @@
-"""Mutants of the specs: how many slips of a transcriber pass ``check``, by class of fact.
+"""Plant mistakes of a transcriber in the specs, and count those that pass ``check``, by class of fact.
 
     python benchmarks/mutants.py                     tries some thousand, drawn evenly over files and classes
-    python benchmarks/mutants.py --number 500        tries fewer; --all tries every mutant there is
-    python benchmarks/mutants.py --files amm5        keeps to the specs or second readings of these names
-    python benchmarks/mutants.py --write             writes docs/mutants.md too
+    python benchmarks/mutants.py --number 500        tries fewer
+    python benchmarks/mutants.py --all               tries every mutant
+    python benchmarks/mutants.py --files amm5        tries only the specs or second readings of these names
+    python benchmarks/mutants.py --write             also writes docs/mutants.md
 
-The exit code is 1 where a wrong value passes in a class in which none may, where one passes without a reason, or where
-more pass than may. The modules in benchmarks/mutation/ say at their heads what a mutant is and how it is tried.
+The exit code is 1 if a wrong value passes in a class in which none may, if one passes without a reason, or if too many
+pass. The docstrings of the modules in benchmarks/mutation/ explain mutants and their trial.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ MOST = 0.05
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--number", type=int, default=NUMBER, help="how many mutants to try (%(default)s)")
-    parser.add_argument("--all", action="store_true", help="try every mutant there is")
-    parser.add_argument("--seed", type=int, default=1, help="another draw (%(default)s)")
+    parser.add_argument("--number", type=int, default=NUMBER, help="number of mutants to try (%(default)s)")
+    parser.add_argument("--all", action="store_true", help="try every mutant")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the draw (%(default)s)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (%(default)s)")
     parser.add_argument("--files", nargs="+", default=(), metavar="NAME", help="files by their names without .yaml")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.parent.name}/{PAGE.name}")
@@ -50,14 +51,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _judged(outcome: Outcome) -> int:
-    """Says what is not as it has to be; the exit code."""
+    """Print each violated limit, and return the exit code."""
     sums = dict(outcome.sums())
     wrong = [f"crash: {crash}" for crash in outcome.crashes]
     strict = sums["classes with *"]
     if strict.texts + strict.code:
-        wrong.append(f"{strict.texts + strict.code} wrong values pass in classes in which none may")
+        wrong.append(f"{strict.texts + strict.code} wrong values pass in classes where none is allowed")
     if sums["all facts"].wrong > MOST:
-        wrong.append(f"{sums['all facts'].wrong:.1%} of the wrong values pass; {MOST:.0%} may")
+        wrong.append(f"{sums['all facts'].wrong:.1%} of the wrong values pass, at most {MOST:.0%} may")
     wrong += [f"no reason: {item.place} {item.said} ({item.effect})" for item in outcome.gaps]
     print("\n".join(wrong), file=sys.stderr)
     return 1 if wrong else 0

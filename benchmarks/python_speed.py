@@ -1,9 +1,10 @@
-"""How fast the generated Python package is: for one frame, for a million, and until it is there.
+"""Measure the speed of the generated Python package: one frame, a million frames, and import.
 
     make bench-python
 
-Everything is measured in one run, in CPU time, the candidates taking turns, the best of many rounds: trust the ratios.
-A peer that is not installed is named and left out. None of the peers checks a CRC; what does is marked with one.
+Everything is measured in one run, in CPU time. The candidates take turns, and the best of many rounds counts, so trust
+the ratios. A peer that is not installed is listed and left out. No peer checks a CRC. Candidates that do have it in
+their name.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def main() -> None:
 
 
 def compare(title: str, candidates: Candidates, calls: int, of: int) -> None:
-    """Prints how long each takes, beside the first."""
+    """Print the time of each, next to the first."""
     best = dict.fromkeys(candidates, float("inf"))
     for _ in range(ROUNDS):
         for name, call in candidates.items():
@@ -95,7 +96,7 @@ def biss_by_hand() -> Candidates:
 
 
 def remainder(number: int) -> int:
-    """A number modulo x^6 + x + 1."""
+    """Return a number modulo x^6 + x + 1."""
     for place in range(47, 5, -1):
         number ^= 0x43 << place - 6 if number >> place & 1 else 0
     return number
@@ -137,7 +138,7 @@ FIELDS = [("spare", 19), ("multiturn", 16), ("singleturn", 21), ("error", 1), ("
 
 
 def kaitai_bits(kaitai: Any, data: bytes) -> object:
-    """What its compiler writes for such a record."""
+    """Return the code that its compiler writes for such a record."""
     from io import BytesIO
 
     stream = kaitai.KaitaiStream(BytesIO(data))
@@ -145,7 +146,7 @@ def kaitai_bits(kaitai: Any, data: bytes) -> object:
 
 
 def cantools_message(fields: list[tuple[str, int, int]]) -> Any:
-    """A message of eight bytes with these signals: name, first bit, width."""
+    """Return a message of eight bytes with these signals: name, first bit, width."""
     if peer("cantools") is None:
         return None
     lines = [f' SG_ {name} : {8 * (at // 8) + 7 - at % 8}|{bits}@0+ (1,0) [0|0] "" E' for name, at, bits in fields]
@@ -248,7 +249,7 @@ def many() -> Candidates:
 
 
 def helped(calls: Candidates, kind: str, native: bool) -> Candidates:
-    """The same with the compiled helper; nothing, and said so, where it cannot be made."""
+    """Return the same with the compiled helper. If it cannot be built, print so and return no candidates."""
     from lika_encoders import _many, use_helper
     from lika_encoders._helper import HelperError
     from lika_encoders.build_helper import build
@@ -289,7 +290,7 @@ void many(const uint64_t *words, uint64_t *positions, uint8_t *faults, size_t co
 
 
 def compiled(words: Any) -> Callable[[], object] | None:
-    """A loop in C over our own header; None, and said so, where it cannot be had."""
+    """Return a loop in C over our own header. If it cannot be built, print so and return None."""
     import numpy
 
     folder = tempfile.mkdtemp()
@@ -305,13 +306,13 @@ def compiled(words: Any) -> Callable[[], object] | None:
         print("  left out: our C header, which could not be compiled here")
         return None
     loaded = ctypes.CDLL(str(library))
-    # The columns have to stay for as long as their places are used.
+    # The columns must stay alive while their addresses are used.
     columns = (words, numpy.empty_like(words), numpy.empty(len(words), numpy.uint8))
     given = [ctypes.c_void_p(item.ctypes.data) for item in columns]
     return lambda: loaded.many(*given, ctypes.c_size_t(len(columns[0])))
 
 
-# -- until it is there
+# -- import
 
 
 def lookups() -> Candidates:
@@ -322,8 +323,8 @@ def lookups() -> Candidates:
 
 
 def loading() -> None:
-    """How long an import takes, the interpreter itself left out; with bytecode."""
-    print("import with bytecode, ms of CPU time beside the interpreter alone")
+    """Print the time of an import, with bytecode and without the interpreter itself."""
+    print("import with bytecode, ms of CPU time without that of the interpreter")
     cases = ("pass", "import typing, enum", "import lika_encoders", *(f"import lika_encoders.{n}" for n in families()))
     best = dict.fromkeys(cases, float("inf"))
     with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,6 @@
-"""A file larger than memory, decoded by the generated package's command: how long it takes, and how much memory.
+"""Decode a file larger than memory with the generated package's command, and measure its time and memory.
 
-``python benchmarks/stream.py --gigabytes 2`` makes a file of frames, decodes it into Parquet, and removes both.
+``python benchmarks/stream.py --gigabytes 2`` writes a file of frames, decodes it into Parquet, and removes both.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-#: So many frames are made; the file holds them over and over.
+#: Number of generated frames. The file repeats them.
 MADE = 60_000
-#: One of so many frames is damaged.
+#: One in this many frames is damaged.
 DAMAGED = 1000
-#: What a command may need, in MB.
+#: Limit for the memory of a command, in MB.
 LIMIT = 200
 
 
@@ -36,13 +36,13 @@ class Measured(NamedTuple):
     def __str__(self) -> str:
         each = self.seconds / max(self.frames, 1) * 1e9
         return (
-            f"{self.frames:,} frames, {self.damaged:,} with a fault, in {self.seconds:.1f} s: {each:.0f} ns a frame; "
-            f"peak {self.peak_mb:.0f} MB; Parquet of {self.written_mb:.0f} MB"
+            f"{self.frames:,} frames, {self.damaged:,} with an error, in {self.seconds:.1f} s: {each:.0f} ns per "
+            f"frame, peak {self.peak_mb:.0f} MB, Parquet of {self.written_mb:.0f} MB"
         )
 
 
 def frames(encoder: Any) -> bytes:
-    """Frames of an axis that moves to and fro, some of them damaged, packed into bytes."""
+    """Return frames of an axis that moves back and forth, some of them damaged, packed into bytes."""
     source = random.Random(1)
     length = (encoder.frame_bits + 7) // 8
     kind = type(encoder.decode_many([]).encoder)
@@ -59,7 +59,7 @@ def frames(encoder: Any) -> bytes:
 
 
 def write(path: Path, block: bytes, size: int, length: int) -> None:
-    """So many bytes of whole frames."""
+    """Write whole frames up to this many bytes."""
     size -= size % length
     with path.open("wb") as file:
         for _ in range(size // len(block)):
@@ -74,7 +74,7 @@ class Run(NamedTuple):
 
 
 def run(package: Path, *arguments: str) -> Run:
-    """The command in a process of its own, and what it took."""
+    """Run the command in its own process, and return its time and memory."""
     started = time.monotonic()
     command = [sys.executable, str(Path(__file__)), "--child", str(package), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -85,7 +85,7 @@ def run(package: Path, *arguments: str) -> Run:
 
 
 def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
-    """What the command needs for a file of ``size`` bytes."""
+    """Measure the command for a file of ``size`` bytes."""
     sys.path.insert(0, str(package))
     try:
         from lika_encoders import lookup  # type: ignore[import-not-found, unused-ignore]
@@ -107,7 +107,7 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
 
 
 def child(package: str, *arguments: str) -> int:
-    """Runs the command and tells of its memory. It stands between: a process begins with the memory of its parent."""
+    """Run the command and report its memory. A process begins with the memory of its parent, hence one in between."""
     environment = {**os.environ, "PYTHONPATH": package}
     done = subprocess.run([sys.executable, "-m", "lika_encoders", "decode", *arguments], env=environment)
     print("peak", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)

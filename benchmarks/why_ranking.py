@@ -1,10 +1,10 @@
-"""How often the mistake that was made is found, and how often first: frames of every family, one mistake in each.
+"""Measure how often the planted mistake is found, and how often first, with one mistake per frame of every family.
 
     python benchmarks/why_ranking.py [FRAMES]
 
-FRAMES is how many frames of each order code have each mistake, 20 if not given. The same frames every time.
-A planted frame that fits all the same, by coincidence or because the mistake changed nothing,
-is counted as unseen: no reader would ask why.
+FRAMES is the number of frames of each order code with each mistake, by default 20. The frames are the same every time.
+A planted frame whose CRC is still correct, by coincidence or because the mistake changed nothing,
+is counted as unseen, because no reader would ask why.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ import planted
 
 @dataclass
 class Count:
-    """What became of the frames with one mistake."""
+    """Results for the frames with one mistake."""
 
     frames: int = 0
     unseen: int = 0
@@ -43,7 +43,7 @@ def main() -> None:
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     devices, report = load_library()
     if report:
-        sys.exit("the specs have problems; run codewheel check")
+        sys.exit("the specs have problems. Run codewheel check")
     counts = measure({device.name: device for device in devices}, rounds)
     print(f"{'mistake':34} {'frames':>7} {'unseen':>7} {'listed':>8} {'first':>8} {'in the list':>12}")
     for name, count in counts.items():
@@ -65,8 +65,10 @@ def main() -> None:
 
 
 def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
-    """What became of each mistake, by its name, and of frames of random bits;
-    there ``listed`` counts the frames that have an explanation at all."""
+    """Return the results of each mistake, by its name, and of frames of random bits.
+
+    For random bits, ``listed`` counts the frames that have an explanation at all.
+    """
     counts: dict[str, Count] = {}
     for name, plant in _plants(rounds):
         count = counts.setdefault(name, Count())

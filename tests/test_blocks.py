@@ -101,10 +101,10 @@ ELSEWHERE = {
 }
 #: What no test runs, and why.
 EXCEPTIONS = {
-    ("README.md", ": python3 -m venv"): "fetches packages; test_commands_run runs the line after it",
+    ("README.md", ": $ python3 -m venv"): "fetches packages. test_readme.py runs and compares the lines after it",
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
-    ("CONTRIBUTING.md", ": spec "): "a drawing of the house; tests/test_house_rules.py holds the house against its map",
+    ("CONTRIBUTING.md", ": spec "): "a drawing of the packages. tests/test_house_rules.py compares the map with them",
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",

@@ -1,4 +1,4 @@
-"""The map of CONTRIBUTING: it names every room, and the rooms import each other only as it says."""
+"""The map of CONTRIBUTING names every package, and the packages import each other only as it says."""
 
 from __future__ import annotations
 

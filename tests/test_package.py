@@ -8,6 +8,7 @@ import sys
 import venv
 import zipfile
 from collections.abc import Callable
+from email import message_from_bytes
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,18 @@ def built(folder: Path) -> None:
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_bytes((ROOT / name).read_bytes())
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder, source, cwd=folder)
+
+
+def test_the_wheel_has_metadata(wheel: Path) -> None:
+    archive = zipfile.ZipFile(wheel)
+    metadata = message_from_bytes(next(archive.read(name) for name in archive.namelist() if name.endswith("/METADATA")))
+    assert (metadata["License-Expression"], metadata["Requires-Python"]) == ("MIT", ">=3.10")
+    assert {"BiSS", "SSI"} <= set(metadata["Keywords"].split(","))
+    classifiers = metadata.get_all("Classifier", [])
+    assert "Typing :: Typed" in classifiers
+    # A licence classifier beside the expression is refused by the index, and there is no address to give yet.
+    assert not [item for item in classifiers if item.startswith("License")]
+    assert not [key for key in ("Author-email", "Home-page", "Project-URL") if metadata[key]]
 
 
 def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:

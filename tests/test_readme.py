@@ -60,7 +60,8 @@ def test_its_c_compiles(tmp_path: Path) -> None:
 
 def _commands() -> list[str]:
     """Return each line of the README that calls the installed command."""
-    return [line for line in README.splitlines() if line.startswith(".venv/bin/codewheel ")]
+    lines = [line.removeprefix("$ ") for line in README.splitlines()]
+    return [line for line in lines if line.startswith(".venv/bin/codewheel ")]
 
 
 @pytest.mark.parametrize("command", _commands())
@@ -68,6 +69,16 @@ def test_commands_run(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     words = shlex.split(command)
     assert main(words[1:]) == 0
     assert words[2] in capsys.readouterr().out
+
+
+def test_its_first_command_prints_what_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    """An ellipsis stands for lines left out, and all others are printed in this order."""
+    block = re.search(r"^```\n\$ python3 .*\n\$ (.*)\n((?:.*\n)*?)```$", README, re.MULTILINE)
+    assert block is not None
+    assert main(shlex.split(block[1])[1:]) == 0
+    pieces = map(re.escape, block[2].split("...\n"))
+    assert re.fullmatch("(?:.*\n)*".join(pieces), capsys.readouterr().out)
+    assert block[2].count("\n") >= 5
 
 
 def test_its_picture_is_up_to_date() -> None:
@@ -105,11 +116,28 @@ def test_its_picture_has_no_text_wider_than_its_box() -> None:
         assert all(len(line) * 7.9 <= panel.width - 20 for line in panel.lines), panel.title
 
 
-def test_its_first_screen_has_the_badge_and_a_command() -> None:
-    first = "".join(README.splitlines(keepends=True)[:16])
+def test_its_first_screen_has_the_badge_a_command_and_its_result() -> None:
+    first = "".join(README.splitlines(keepends=True)[:18])
     assert "Not yet tested on hardware" in first
-    assert ".venv/bin/codewheel decode" in first
     assert "docs/front.svg" in first
+    assert "pip install" in first
+    assert "$ .venv/bin/codewheel decode" in first
+    assert "position: 171.6619°" in first
+
+
+def test_its_parts_are_in_order() -> None:
+    """What it is, a picture, install with a result, encoders, three doors, own encoder, trust, limits, licence."""
+    parts = ["# codewheel", "docs/front.svg", "$ python3 -m venv", "| Encoders of Lika Electronic |", "## Firmware"]
+    parts += [
+        "## BiSS or SSI master, PLC",
+        "## Bench",
+        "## Your own encoder",
+        "## Can I trust it?",
+        "## Limits",
+        "## Licence",
+    ]
+    places = [README.index(part) for part in parts]
+    assert places == sorted(places)
 
 
 def test_it_is_short() -> None:

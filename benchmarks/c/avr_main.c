@@ -1,4 +1,4 @@
-/* Cycles of one call on an AVR, printed through the serial port: those of entry() less those of the same call to a function that only returns. */
+/* Prints the cycles of one call on an AVR through the serial port: those of entry() minus those of the same call to a function that only returns. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -9,7 +9,7 @@ void check(void);
 void nothing(void);
 extern volatile int good;
 
-/* What it is called with makes no difference. */
+/* The arguments do not matter. */
 __attribute__((naked)) void nothing(void)
 {
     __asm__("ret");

@@ -1,4 +1,4 @@
-/* The floor: fields taken out of a frame and nothing checked. */
+/* The lower limit: extracts the fields of a frame and checks none of them. */
 #include "hand.h"
 
 int floor_biss46(uint64_t word, hand_biss *out);

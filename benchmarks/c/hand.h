@@ -1,4 +1,4 @@
-/* What the hand-written decoders fill and tell: the members and the faults of the generated ones. */
+/* Members and results of the hand-written decoders, the same as those of the generated ones. */
 #ifndef HAND_H
 #define HAND_H
 

@@ -1,4 +1,4 @@
-/* 46 bits: 12 of revolutions, 26 of the position within one, nE, nW, CRC x^6 + x + 1 inverted; the last bit sent is bit 0. */
+/* 46 bits: 12 of revolutions, 26 of the position within one, nE, nW, CRC x^6 + x + 1 inverted. The last bit sent is bit 0. */
 #include "hand.h"
 
 int hand_biss46(uint64_t word, hand_biss *out)

@@ -1,4 +1,4 @@
-/* 47 bits: 16 of revolutions, 23 of the position within one, nE, nW, CRC x^6 + x + 1 inverted; the last bit sent is bit 0. */
+/* 47 bits: 16 of revolutions, 23 of the position within one, nE, nW, CRC x^6 + x + 1 inverted. The last bit sent is bit 0. */
 #include "hand.h"
 
 int hand_biss47(uint64_t word, hand_biss *out)

@@ -1,1 +1,1 @@
-"""The figures of ``benchmarks/house.py``, a module for each sort. None of them imports the code that it measures."""
+"""Figures of ``benchmarks/house.py``, one module for each sort. None of them imports the code that it measures."""

@@ -1,9 +1,9 @@
-"""Measures how long and how branched functions are.
+"""Measure how long and how branched functions are.
 
 The complexity of a function is one, and one more for each of: ``if``, ``elif``, conditional expression, loop, the
 ``else`` of a loop or of a ``try``, ``except``, further part of ``and`` and ``or``, loop and condition of a
-comprehension, ``assert``, and ``case`` but for ``case _``. That is how radon counts. A function inside another one
-counts for itself alone.
+comprehension, ``assert``, and ``case`` except ``case _``. radon counts in the same way. A function inside another one
+is counted separately.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from .tree import Source
 
-#: The longest function that needs no excuse, in lines with its signature and docstring.
+#: Longest function without a reason, in lines with its signature and docstring.
 LONGEST = 40
 
 _Definition = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -32,7 +32,7 @@ class Function:
 
 
 def functions(modules: Sequence[Source]) -> list[Function]:
-    """Every function of the modules."""
+    """Return every function of the modules."""
     return [
         Function(
             item.at(node.lineno),
@@ -48,12 +48,12 @@ def functions(modules: Sequence[Source]) -> list[Function]:
 
 
 def complexity(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
-    """How many ways lead through a function."""
+    """Return the number of paths through a function."""
     return 1 + sum(_branches(node) for node in _own_nodes(function))
 
 
 def _own_nodes(node: ast.AST) -> Iterator[ast.AST]:
-    """The nodes below ``node``, those of functions and classes in it left out."""
+    """Yield the nodes below ``node``, without those of its functions and classes."""
     for child in ast.iter_child_nodes(node):
         if not isinstance(child, (*_Definition, ast.ClassDef)):
             yield child

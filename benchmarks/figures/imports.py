@@ -1,8 +1,8 @@
-"""Reads from the sources which module imports which, and finds the circles.
+"""Read from the sources which module imports which, and find the cycles.
 
-Every import counts: inside of functions and under ``TYPE_CHECKING`` as well. ``from .layout import Field`` is an
-arrow to ``layout`` alone, not to the package around it; ``from . import slots`` is one to ``slots`` where that is a
-module, else to the package. Modules that are imported by a name in a string are not seen.
+Every import counts, also in functions and under ``TYPE_CHECKING``. ``from .layout import Field`` is an import of
+``layout`` only, not of its package. ``from . import slots`` is an import of ``slots`` if that is a module, else of
+the package. Modules that are imported by a name in a string are not found.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from pathlib import Path
 
 from .tree import Source
 
-#: Modules, or rooms, and what each imports of the others.
+#: Modules or packages, and the others that each imports.
 Graph = Mapping[str, Set[str]]
 PACKAGE = "codewheel"
 
 
 def module_name(path: str) -> str:
-    """The name of a module in the package: ``targets.c.files``; the package itself has its own name."""
+    """Return the name of a module in the package: ``targets.c.files``. The package itself has its own name."""
     parts = Path(path).with_suffix("").parts[1:]
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts) or PACKAGE
 
 
 def graph(modules: Sequence[Source]) -> Graph:
-    """The imports of each module."""
+    """Return the imports of each module."""
     names = {module_name(item.path) for item in modules}
     return {name: set(_imported(item, name, names)) - {name} for item in modules for name in [module_name(item.path)]}
 
@@ -59,7 +59,7 @@ def _imported_from(node: ast.ImportFrom, package: Sequence[str], names: Set[str]
 
 
 def rooms(modules: Graph) -> Graph:
-    """The same by the first part of the names: a folder is a room, and so is a module that lies flat."""
+    """Return the same by the first part of the names. A folder is a package, and so is a module in no folder."""
     found: dict[str, set[str]] = {}
     for name, imported in modules.items():
         room = name.partition(".")[0]
@@ -68,14 +68,14 @@ def rooms(modules: Graph) -> Graph:
 
 
 def circles(arrows: Graph) -> list[list[str]]:
-    """The circles, the largest first: names that all reach each other."""
+    """Return the cycles, the largest first: names that all reach each other."""
     reached = {name: _reached(name, arrows) for name in arrows}
     found = {tuple(sorted(other for other in reached[name] if name in reached[other])) for name in arrows}
     return sorted((list(circle) for circle in found if circle), key=lambda circle: (-len(circle), circle))
 
 
 def _reached(name: str, arrows: Graph) -> set[str]:
-    """Everything that ``name`` imports, at once or by way of others."""
+    """Return everything that ``name`` imports, directly or indirectly."""
     found: set[str] = set()
     waiting = [name]
     while waiting:

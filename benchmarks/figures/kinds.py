@@ -1,9 +1,9 @@
-"""Finds the strings that modules and templates compare to learn the kind of a thing.
+"""Find the strings that modules and templates compare to learn the kind of a thing.
 
-Counted is ``thing.kind == "flag"``, likewise with ``!=``, ``in`` and ``not in``, and each ``case "flag"`` of a
-``match thing.kind``: an attribute with one of the names in ``KINDS`` beside a word in quotes, or a tuple, list or set
-of such words. Not counted: variables of that name, keys of YAML (``raw["kind"]``), and tables with a kind for their
-key.
+It counts ``thing.kind == "flag"``, also with ``!=``, ``in`` and ``not in``, and each ``case "flag"`` of a
+``match thing.kind``: an attribute with one of the names in ``KINDS`` next to a word in quotes, or a tuple, list or set
+of such words. It does not count variables of that name, keys of YAML (``raw["kind"]``), and tables with a kind as
+their key.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ KINDS = frozenset({"carried_as", "do", "form", "interface", "kind", "style"})
 
 @dataclass(frozen=True)
 class Comparison:
-    """A place where a string decides, and the attribute that it is compared with."""
+    """A place where a string decides, with the attribute that it is compared with."""
 
     place: str
     attribute: str
 
 
 def comparisons(checkout: Checkout) -> list[Comparison]:
-    """All of them in the generator and its templates."""
+    """Return all of them in the generator and its templates."""
     found = [item for module in checkout.modules for item in _in_module(module)]
     return found + [item for template in checkout.templates for item in _in_template(template)]
 

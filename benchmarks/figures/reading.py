@@ -1,10 +1,10 @@
-"""Finds the places where the C and Python targets and their templates look into text, perhaps into their own.
+"""Find the places where the C and Python targets and their templates search in text, perhaps in their own output.
 
-Found by the shape of the code: the methods of regular expressions and those of strings that search, cut or replace; a
-string sought with ``in``; a comparison with a string that is no lower-case word, such as ``== "return number"``; and
-each call of a function that looks into text so and answers ``bool`` or a set of names. Of nested looks the outermost
-counts. Whether the text is code, the shape cannot tell. ``ALLOWED`` names the looks into names, text of manuals and
-comments, with the reason; every other one counts, and is listed for people to judge.
+It finds them by the shape of the code: methods of regular expressions, methods of strings that search, cut or replace,
+a string sought with ``in``, a comparison with a string that is not a lower-case word, such as ``== "return number"``,
+and each call of a function that searches in this way and returns ``bool`` or a set of names. Of nested searches the
+outermost counts. The shape does not show if the text is code. ``ALLOWED`` lists the searches in names, text of manuals
+and comments, with the reason. Every other one counts, and is listed for people to judge.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _ANSWERS = re.compile(r"bool|(frozen)?set\[str\]")
 
 @dataclass(frozen=True)
 class Look:
-    """A look into text: its place, the function around it, its expression; ``reason`` says why it is none into code."""
+    """A search in text: its place, function and expression. ``reason`` says why it does not search in code."""
 
     place: str
     function: str
@@ -41,13 +41,13 @@ class Look:
     reason: str = ""
 
 
-#: Looks into other text than code: function and expression, each a regular expression for all of it, and the reason.
+#: Searches in other text than code: function and expression, each a regular expression, and the reason.
 ALLOWED: Sequence[tuple[str, str, str]] = (
     (".*", r"[\w.]+\.replace\('[_-]', '[ _-]'\).*", "a name of the spec in words, or as a name of another sort"),
     (".*", r".*\bname \| replace\(\"_\", \" \"\).*", "the same in a template"),
     (".*", r"[\w.]*name\.split\('_'\)", "the words of a name of the spec"),
     (".*", r"[\w.\[\]]+\.partition\('\.'\)", "a place in a spec: register and field"),
-    (".*", r"\w+\.startswith\((f'\{\w+\}\.'|\w+ \+ '\.')\)", "a place in a spec: what lies below another one"),
+    (".*", r"\w+\.startswith\((f'\{\w+\}\.'|\w+ \+ '\.')\)", "a place in a spec: one below another"),
     (".*", r".*\bmeaning\.lower\(\).*", "text of a manual"),
     (".*", r"'(send|write)' in does", "a set of what steps do"),
     (".*", r"name == 'H'", "one of five names that each header has"),
@@ -79,7 +79,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
 
 
 def looks(checkout: Checkout) -> list[Look]:
-    """Every look into text, those that are allowed with the reason."""
+    """Return every search in text. Allowed ones have a reason."""
     modules = [item for item in checkout.modules if _language(item.path) in LANGUAGES]
     templates = [item for item in checkout.templates if Path(item.path).parts[1] in LANGUAGES]
     found = [look for item in modules for look in _in_module(item, frozenset())]
@@ -89,7 +89,7 @@ def looks(checkout: Checkout) -> list[Look]:
 
 
 def _language(path: str) -> str:
-    """The target that a module belongs to, by its folder or, earlier, by its name up to an underscore."""
+    """Return the target of a module, by its folder or, in earlier commits, by its name up to an underscore."""
     parts = Path(path).parts
     if parts[1] != "targets":
         return ""
@@ -106,13 +106,13 @@ def _look(place: str, function: str, expression: str) -> Look:
 
 
 def _in_module(module: Source, helpers: Set[str]) -> Iterator[Look]:
-    """The looks of a module, and its calls of ``helpers``."""
+    """Yield the searches of a module, and its calls of ``helpers``."""
     for function, node in _outermost(module.tree, helpers):
         yield _look(module.at(node.lineno), function, ast.unparse(node))
 
 
 def _outermost(tree: ast.AST, helpers: Set[str], function: str = "") -> Iterator[tuple[str, ast.expr]]:
-    """Every expression that looks into text and is in no other such one, with the name of the function around it."""
+    """Yield every outermost expression that searches in text, with the name of the function around it."""
     for child in ast.iter_child_nodes(tree):
         if isinstance(child, (ast.Call, ast.Compare)) and (_looks_into(child) or _is_call_of(child, helpers)):
             yield function, child
@@ -134,14 +134,14 @@ def _looks_into(node: ast.Call | ast.Compare) -> bool:
 
 
 def _strings(node: ast.expr) -> list[str]:
-    """The strings that an expression consists of, alone or in a tuple, list or set."""
+    """Return the strings of an expression, alone or in a tuple, list or set."""
     if isinstance(node, (ast.Tuple, ast.List, ast.Set)):
         return [text for item in node.elts for text in _strings(item)]
     return [node.value] if isinstance(node, ast.Constant) and isinstance(node.value, str) else []
 
 
 def _answering(modules: Sequence[Source]) -> set[str]:
-    """The functions that answer ``bool`` or names."""
+    """Return the functions that return ``bool`` or names."""
     return {
         node.name
         for item in modules

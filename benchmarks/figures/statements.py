@@ -1,14 +1,14 @@
-"""Tells who writes the statements of the generated C headers and Python modules: templates, strings of Python, or both.
+"""Find the origin of the statements of the generated C headers and Python modules: templates, Python strings, or both.
 
 A statement counts once, however many lines it takes. In C it is the text in the body of a function up to a ``;``, a
 ``{`` or the ``:`` of a ``case``: ``if (…) {``, ``for (…) {``, ``return …;``, a declaration. In Python it is a
-statement in the body of a function; of a compound one its head, ``if …:``, ``for …:``. Left out are comments,
-docstrings, preprocessor lines, signatures, braces alone, and the initialisers of tables: in C ``… = {…};``, in Python
-everything outside of functions.
+statement in the body of a function, or the head of a compound one, ``if …:``, ``for …:``. Comments, docstrings,
+preprocessor lines, signatures, single braces, and the initialisers of tables are left out: in C ``… = {…};``, in
+Python everything outside of functions.
 
-It comes from the writer of its letters, digits and operators; blanks, brackets, commas, points, colons, semicolons
-and quotes do not count. In ``out->{{ name }} = {{ value }};`` template and Python are mixed, and in
-``{{ name }} = {{ value }};`` as well, since the template assigns.
+The letters, digits and operators decide the origin. Blanks, brackets, commas, points, colons, semicolons and quotes do
+not count. ``out->{{ name }} = {{ value }};`` mixes template and Python, and so does ``{{ name }} = {{ value }};``,
+because the template assigns.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from pathlib import Path
 from .traced import PYTHON, TEMPLATE
 from .tree import Checkout
 
-#: What a statement's origin can be.
+#: Possible origins of a statement.
 ORIGINS = ("template", "mixed", "Python")
 
 _SILENT = frozenset(" \t\n\r.,:;()[]{}\"'`\\")
@@ -38,7 +38,7 @@ _SILENT = frozenset(" \t\n\r.,:;()[]{}\"'`\\")
 
 @dataclass(frozen=True)
 class Printed:
-    """A generated file: its text, and the origin of each letter."""
+    """A generated file: its text, and the origin of each character."""
 
     text: str
     origin: str
@@ -46,17 +46,17 @@ class Printed:
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement: the line that it begins on, and who wrote it."""
+    """A statement: its first line, and its origin."""
 
     line: int
     origin: str
 
 
 def printed(checkout: Checkout) -> dict[str, Printed]:
-    """The headers and modules that a checkout makes of its specs.
+    """Return the headers and modules that a checkout generates from its specs.
 
     Raises:
-        RuntimeError: It makes none.
+        RuntimeError: The checkout generates none.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -78,7 +78,7 @@ def printed(checkout: Checkout) -> dict[str, Printed]:
 
 
 def _lay_out(checkout: Checkout, package: Path) -> None:
-    """Make ``package`` the package ``codewheel`` of a checkout, as it would be if it were installed."""
+    """Turn ``package`` into the package ``codewheel`` of a checkout, as if it were installed."""
     package.mkdir(parents=True)
     for item in (checkout.root / "generator").iterdir():
         if item.name != "__pycache__":
@@ -88,7 +88,7 @@ def _lay_out(checkout: Checkout, package: Path) -> None:
 
 
 def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Counter[str]]:
-    """The origins of the statements, counted for each sort of file."""
+    """Count the origins of the statements, for each sort of file."""
     families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
     counts = {
         f"{language}, {sort}": Counter[str]() for language in ("C", "Python") for sort in ("families", "shared by all")
@@ -101,7 +101,7 @@ def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Cou
 
 
 def statements(path: str, file: Printed) -> list[Statement]:
-    """The statements of a C header or a Python module, by the end of its name."""
+    """Return the statements of a C header or a Python module, by the end of its name."""
     masked, spans = _in_c(file.text) if path.endswith(".h") else _in_python(file.text)
     found = []
     for start, end in spans:
@@ -128,14 +128,14 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def _in_c(text: str) -> tuple[str, list[Span]]:
-    """A header without comments and preprocessor lines, every letter in its place, and its statements."""
+    """Return a header without comments and preprocessor lines, every character in its place, and its statements."""
     masked = _C_COMMENT.sub(lambda match: _blank(match) if match[1] else match[0], text)
     masked = _C_PREPROCESSOR.sub(_blank, masked)
     return masked, list(_CScanner(masked).statements())
 
 
 class _CScanner:
-    """Goes through a header once; ``inside`` tells of each open brace whether it holds code or other things."""
+    """One pass through a header. ``inside`` says for each open brace whether it holds code."""
 
     def __init__(self, masked: str) -> None:
         self.code = _C_TEXT.sub(lambda match: "x" * len(match[0]), masked)
@@ -157,7 +157,7 @@ class _CScanner:
                 self.start = index + 1
 
     def _opened(self, index: int) -> Iterator[Span]:
-        """A function, a block, or in code the initialiser of a table; outside also a type or ``extern "C"``."""
+        """Handle the start of a function, a block, an initialiser in code, or outside a type or ``extern "C"``."""
         head = self.code[self.start : index].strip()
         if self._in_code() and not head.endswith("="):
             yield self.start, index
@@ -174,7 +174,7 @@ class _CScanner:
 
 
 def _in_python(text: str) -> tuple[str, list[Span]]:
-    """A module without comments, every letter in its place, and its statements."""
+    """Return a module without comments, every character in its place, and its statements."""
     starts = [0]
     for line in text.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
@@ -200,7 +200,7 @@ def _in_python(text: str) -> tuple[str, list[Span]]:
 
 
 def _statements_below(function: ast.AST) -> Iterator[ast.stmt]:
-    """The statements in the body of a function, at any depth; docstrings are none."""
+    """Yield the statements in the body of a function, at any depth, without docstrings."""
     for node in ast.iter_child_nodes(function):
         if isinstance(node, ast.stmt) and not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)):
             yield node
@@ -208,7 +208,7 @@ def _statements_below(function: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _head_end(node: ast.stmt) -> tuple[int, int]:
-    """Where a statement ends, or begins to hold others."""
+    """Return the end of a statement, or of its head."""
     body: list[ast.stmt] = getattr(node, "body", [])
     if body:
         return body[0].lineno, body[0].col_offset

@@ -1,15 +1,15 @@
-"""Runs ``codewheel generate`` so that every letter of its files tells its origin: a template, or a string of Python.
+"""Run ``codewheel generate`` and record the origin of every character in its files: a template, or a Python string.
 
     python -m figures.traced RESULT FOLDER ARGUMENTS...
 
-runs ``codewheel ARGUMENTS...``, whichever codewheel the path of modules leads to, and writes to RESULT, as JSON, the
-text and the origin of every file that FOLDER holds then. It has a process of its own, since it changes Jinja.
+runs ``codewheel ARGUMENTS...`` with the codewheel on the module path, and writes to RESULT, as JSON, the text and the
+origin of every file that FOLDER then has. It needs its own process, because it changes Jinja.
 
-A template's own letters are its text and the strings that stand in its expressions: of ``{{ "if (" ~ limit ~ ")" }}``
-the template writes ``if (`` and ``)``. They stay its own through macros, ``{% set %}`` blocks, ``~``, ``+``, ``%``,
-``strip``, ``join``, and through every filter that changes blanks or adds something. Where a filter changes a string
-otherwise (``upper``, ``replace``), the result counts as Python's, and so does a string of a template that Python code
-cuts or joins. Templates with autoescape, those of XML, are not traced.
+The text of a template and the strings in its expressions belong to the template: in ``{{ "if (" ~ limit ~ ")" }}``
+these are ``if (`` and ``)``. This is kept through macros, ``{% set %}`` blocks, ``~``, ``+``, ``%``, ``strip``,
+``join``, and every filter that changes blanks or adds something. If a filter changes a string in another way
+(``upper``, ``replace``), the result counts as Python's, and so does a string of a template that Python code cuts or
+joins. Templates with autoescape, those of XML, are not traced.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _RENDERED: list[Traced] = []
 
 
 class Traced(str):
-    """Text whose ``origin`` has a letter for each of its own: ``TEMPLATE`` or ``PYTHON``."""
+    """Text whose ``origin`` has a letter for each of its characters: ``TEMPLATE`` or ``PYTHON``."""
 
     origin: str
 
@@ -50,7 +50,7 @@ class Traced(str):
         return made
 
     def __str__(self) -> str:
-        return self  # Jinja calls str() on what it prints.
+        return self  # Jinja calls str() on printed values.
 
     def __add__(self, other: str) -> str:
         return _joined((self, _traced(other)))
@@ -79,12 +79,12 @@ class Traced(str):
 
 
 def template_text(text: str) -> Traced:
-    """A string that stands in a template."""
+    """Return a string from a template."""
     return Traced(text, TEMPLATE * len(text))
 
 
 def _traced(value: object) -> Traced:
-    """What an expression of a template has for a value."""
+    """Return the value of an expression of a template."""
     return value if isinstance(value, Traced) else Traced(text := str(value), PYTHON * len(text))
 
 
@@ -94,12 +94,12 @@ def _joined(parts: Iterable[Traced]) -> Traced:
 
 
 def _printed(parts: Iterable[str]) -> Traced:
-    """The output of a template, a macro or a block: values, which are traced, and between them the template's text."""
+    """Return the output of a template, a macro or a block: traced values, with the template's text between them."""
     return _joined(part if isinstance(part, Traced) else template_text(part) for part in parts)
 
 
 def aligned(text: str, sources: Iterable[Traced]) -> Traced:
-    """``text``, made of ``sources`` by changing blanks and adding letters; they keep the origin that they had."""
+    """Return ``text``, made from ``sources`` by changing blanks and adding characters, with their origins."""
     places = [index for index, letter in enumerate(text) if not letter.isspace()]
     dense = "".join(text[index] for index in places)
     origin = [PYTHON] * len(text)
@@ -116,13 +116,13 @@ def aligned(text: str, sources: Iterable[Traced]) -> Traced:
 
 
 def _dense(text: Traced) -> Traced:
-    """``text`` without blanks."""
+    """Return ``text`` without blanks."""
     kept = [index for index, letter in enumerate(text) if not letter.isspace()]
     return Traced("".join(text[index] for index in kept), "".join(text.origin[index] for index in kept))
 
 
 def _runs(text: Traced) -> Iterator[Traced]:
-    """The parts of ``text`` that are of one origin, and between the placeholders of a format."""
+    """Yield the parts of ``text`` with one origin, and those between the placeholders of a format."""
     for run in re.finditer(f"{TEMPLATE}+|{PYTHON}+", text.origin):
         for part in _PLACEHOLDER.split(text[run.start() : run.end()]):
             dense = "".join(part.split())
@@ -131,7 +131,7 @@ def _runs(text: Traced) -> Iterator[Traced]:
 
 
 class _Filters(dict[str, Callable[..., Any]]):
-    """Filters that keep the origin of what goes through them."""
+    """Filters that keep the origin of their input."""
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
         plain = super().__getitem__(name)
@@ -147,7 +147,7 @@ class _Filters(dict[str, Callable[..., Any]]):
 
 
 def _filtered(arguments: Iterable[Any]) -> Iterator[Traced]:
-    """The text that goes into a filter: its first argument after what Jinja passes, or the items of that."""
+    """Yield the input of a filter: its first argument after those that Jinja passes, or the items of it."""
     value = next(item for item in arguments if not isinstance(item, (Context, nodes.EvalContext, jinja2.Environment)))
     for item in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(item, Traced):
@@ -155,7 +155,7 @@ def _filtered(arguments: Iterable[Any]) -> Iterator[Traced]:
 
 
 class _Generator(CodeGenerator):
-    """Compiles the strings in a template's expressions so that they tell where they come from."""
+    """Code generator that makes the strings in a template's expressions record their origin."""
 
     def visit_Const(self, node: nodes.Const, frame: Frame) -> None:  # noqa: N802 (Jinja's name)
         value = node.as_const(frame.eval_ctx)
@@ -174,7 +174,7 @@ class _Template(jinja2.Template):
 
 
 class _Environment(jinja2.Environment):
-    """Stands in for Jinja's own; keeps no cache: templates there are not traced, and traced ones must not get there."""
+    """Replacement for Jinja's environment, without a cache, because cached templates are not traced."""
 
     code_generator_class = _Generator
     template_class = _Template
@@ -190,12 +190,12 @@ class _Environment(jinja2.Environment):
 
 
 def _str_join(parts: Iterable[Any]) -> str:
-    """The operator ``~``."""
+    """Apply the operator ``~``."""
     return _joined(map(_traced, parts))
 
 
 def _code(text: str) -> list[int]:
-    """The places of the letters that stay, in their order, when a formatter breaks lines: no blanks, no C comments."""
+    """Return the places of the characters that stay when a formatter breaks lines: no blanks, no C comments."""
     kept = set(range(len(text)))
     for found in _COMMENT.finditer(text):
         kept.difference_update(range(*found.span()))
@@ -203,7 +203,7 @@ def _code(text: str) -> list[int]:
 
 
 def _origin(text: str) -> str:
-    """Where the letters of a file come from: of a template that printed all of it, or of those that printed parts."""
+    """Return the origin of each character of a file, from the template or templates that printed it."""
     whole = next((item for item in _RENDERED if item == text), None)
     if whole is not None:
         return whole.origin

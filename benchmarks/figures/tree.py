@@ -1,4 +1,4 @@
-"""A checkout as files: modules, templates, their lines and characters; and an earlier commit as a folder of its own."""
+"""A checkout as files: modules, templates, their lines and characters. An earlier commit gets its own folder."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 
-#: The folders that people write in, and what they write there.
+#: Folders with written sources, and the endings of their files.
 WRITTEN = ("generator", "templates", "tests", "benchmarks")
-#: The longest line that the formatter leaves.
+#: Longest line that the formatter allows.
 COLUMNS = 120
 
 
 @dataclass(frozen=True)
 class Source:
-    """A file: its path from the checkout, and what stands in it."""
+    """A file: its path in the checkout, and its content."""
 
     path: str
     text: str
@@ -34,18 +34,18 @@ class Source:
         return len(self.text.splitlines())
 
     def at(self, line: int) -> str:
-        """A place in it, as an editor takes it."""
+        """Return a place in it, as an editor expects it."""
         return f"{self.path}:{line}"
 
 
 @dataclass(frozen=True)
 class Checkout:
-    """The folder of a repository."""
+    """Folder of a repository."""
 
     root: Path
 
     def files(self, folder: str, suffix: str) -> list[Source]:
-        """The files of a folder that end in ``suffix``, in order of path; caches and hidden folders are passed over."""
+        """Return the files of a folder that end in ``suffix``, in order of path, without caches and hidden folders."""
         found = sorted((self.root / folder).rglob(f"*{suffix}"))
         names = [path.relative_to(self.root) for path in found if path.is_file()]
         return [
@@ -56,7 +56,7 @@ class Checkout:
 
     @cached_property
     def modules(self) -> list[Source]:
-        """The modules of the generator."""
+        """Return the modules of the generator."""
         return self.files("generator", ".py")
 
     @cached_property
@@ -64,16 +64,16 @@ class Checkout:
         return self.files("templates", ".jinja")
 
     def size(self) -> int:
-        """The characters without blanks of the generator and its templates."""
+        """Return the number of characters without blanks of the generator and its templates."""
         return sum(len("".join(item.text.split())) for item in (*self.modules, *self.templates))
 
     def flat_modules(self) -> list[str]:
-        """The modules that lie in no room."""
+        """Return the modules that are in no package."""
         paths = [Path(item.path) for item in self.modules]
         return [path.stem for path in paths if len(path.parts) == 2 and not path.stem.startswith("__")]
 
     def lines_of_targets(self) -> Counter[str]:
-        """The lines of each target, which has a folder or, earlier, modules with its name before an underscore."""
+        """Count the lines of each target, which has a folder or, in earlier commits, modules with its name."""
         lines: Counter[str] = Counter()
         for item in self.modules:
             parts = Path(item.path).parts
@@ -83,14 +83,14 @@ class Checkout:
         return lines
 
     def lines_of_templates(self) -> Counter[str]:
-        """The lines of the templates in each folder."""
+        """Count the lines of the templates in each folder."""
         lines: Counter[str] = Counter()
         for item in self.templates:
             lines[Path(item.path).parts[1]] += item.lines
         return lines
 
     def wide_lines(self) -> Iterator[str]:
-        """The lines of code and templates that have more than ``COLUMNS`` columns."""
+        """Yield the lines of code and templates that have more than ``COLUMNS`` columns."""
         for folder in WRITTEN:
             for item in (*self.files(folder, ".py"), *self.files(folder, ".jinja")):
                 for number, line in enumerate(item.text.splitlines(), 1):
@@ -99,7 +99,7 @@ class Checkout:
 
 
 def unpack(repository: Path, commit: str, folder: Path) -> Checkout:
-    """The files of a commit, put into ``folder``; the repository itself stays as it is.
+    """Copy the files of a commit into ``folder``, and leave the repository unchanged.
 
     Raises:
         LookupError: The repository knows no such commit.

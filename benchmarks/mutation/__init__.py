@@ -1,1 +1,1 @@
-"""Mutants of specs: the slips of a transcriber, made on purpose, to see which of them ``check`` refuses."""
+"""Mutants of specs: planted mistakes of a transcriber, to see which of them ``check`` refuses."""

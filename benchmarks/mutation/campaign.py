@@ -11,20 +11,20 @@ from dataclasses import dataclass
 from .slips import Mutant
 from .trial import Trial, Verdict
 
-#: Mutants that a process is handed at a time.
+#: Number of mutants that a process gets at a time.
 _AT_A_TIME = 20
 
 
 @dataclass(frozen=True)
 class Tried:
-    """A mutant and what became of it."""
+    """A mutant and its result."""
 
     mutant: Mutant
     verdict: Verdict
 
 
 def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
-    """So many mutants: as many of each file and class of fact as there are, and of these as many of each slip."""
+    """Draw this many mutants, evenly over files and classes of facts, and within these over the mistakes."""
     draw = random.Random(seed)
     slips: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
     for mutant in mutants:
@@ -38,17 +38,17 @@ def _shuffled(mutants: Sequence[Mutant], draw: random.Random) -> list[Mutant]:
 
 
 def _in_turns(columns: Sequence[Sequence[Mutant]]) -> Iterator[Mutant]:
-    """The first of each column, the second of each that has one, and so on."""
+    """Yield the first of each column, then the second of each that has one, and so on."""
     for index in range(max(map(len, columns), default=0)):
         yield from (column[index] for column in columns if index < len(column))
 
 
 def tried(trial: Trial, mutants: Sequence[Mutant], jobs: int) -> Iterator[Tried]:
-    """What becomes of each mutant, in their order."""
+    """Yield the result of each mutant, in their order."""
     if jobs < 2 or "fork" not in multiprocessing.get_all_start_methods():
         yield from (Tried(mutant, trial.verdict(mutant)) for mutant in mutants)
         return
-    # The processes have trial and mutants from this one; only numbers and verdicts travel.
+    # The processes inherit trial and mutants from this one. Only numbers and verdicts are sent.
     _Shared.trial, _Shared.mutants = trial, mutants
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
         verdicts = pool.imap(_verdict, range(len(mutants)), _AT_A_TIME)

@@ -1,4 +1,4 @@
-"""What a mutant that nobody refuses does to the outputs: to code, to texts only, or to nothing."""
+"""Effect of an accepted mutant on the outputs: on code, on texts only, or none."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from codewheel.model import Device
 from codewheel.targets import Library, TargetError
 from codewheel.targets.registry import files_of, load_target
 
-#: The outputs that machines read.
+#: Outputs that machines read.
 _CODE = ("python", "c", "biss")
-#: Texts that are facts: which contact carries what.
+#: Texts that are facts: signals of contacts.
 _FACTS = frozenset(("contact", "signal"))
-#: Lists whose order is a fact; of all others it only says in which order outputs name things.
+#: Lists whose order is a fact. The order of all others only decides the order in the outputs.
 _ORDERED = frozenset("fields join steps arguments digits control_data answers columns cells writes".split())
 _C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 class Effect(Enum):
-    """What has changed: in the outputs, only in their order, or only in what a second reading states."""
+    """Changed part: the outputs, only their order, or only a second reading."""
 
     NOTHING = "nothing"
     ORDER = "order"
@@ -37,7 +37,7 @@ class Effect(Enum):
 
 
 class Outputs:
-    """The outputs of a device that nothing is wrong with, to hold those of its mutants against.
+    """Outputs of an unchanged device, for comparison with those of its mutants.
 
     Attributes:
         targets: The outputs that machines read, without those that cannot be made of the device.
@@ -50,7 +50,7 @@ class Outputs:
         self.targets = tuple(self._code)
 
     def effect(self, device: Device) -> Effect:
-        """What the outputs show of the change to another device: they are made only where the facts differ."""
+        """Return the effect of the change to another device. Outputs are generated only if the facts differ."""
         if device == self._device:
             return Effect.NOTHING
         dump = device_dump(device)
@@ -66,7 +66,7 @@ class Outputs:
 
 @cache
 def _text_keys() -> frozenset[str]:
-    """The keys under which plain data have words for people."""
+    """Return the keys under which plain data have words for people."""
     schema = load_schema("show")
     parts: list[Mapping[str, Any]] = [schema, *schema["$defs"].values()]
     members = [member for part in parts for member in part.get("properties", {}).items()]
@@ -75,13 +75,13 @@ def _text_keys() -> frozenset[str]:
 
 
 def _is_text(item: Mapping[str, Any]) -> bool:
-    """Whether a member of plain data has words for people."""
+    """Return whether a member of plain data has words for people."""
     references = (item.get("$ref", ""), item.get("items", {}).get("$ref", ""))
     return any(reference.rpartition("/")[2] in ("text", "names", "source") for reference in references)
 
 
 def _unordered(data: Any, key: str = "") -> Any:
-    """Plain data without the order of lists in which it says nothing."""
+    """Return plain data without the order of lists that have none."""
     if isinstance(data, dict):
         return {name: _unordered(item, name) for name, item in data.items()}
     if not isinstance(data, list):
@@ -91,7 +91,7 @@ def _unordered(data: Any, key: str = "") -> Any:
 
 
 def _facts(data: Any) -> Any:
-    """Plain data without words for people."""
+    """Return plain data without words for people."""
     if isinstance(data, dict):
         return {key: _facts(item) for key, item in data.items() if key not in _text_keys()}
     return [_facts(item) for item in data] if isinstance(data, list) else data
@@ -107,7 +107,7 @@ def _files(name: str, device: Device) -> Mapping[str, str] | None:
 
 
 def _code(name: str, device: Device) -> dict[str, str] | None:
-    """The files of an output without comments and docstrings; None where it cannot be made."""
+    """Return the files of an output without comments and docstrings, or None if it cannot be generated."""
     files = _files(name, device)
     return None if files is None else {path: text for path, whole in files.items() for text in _stripped(path, whole)}
 
@@ -122,7 +122,7 @@ def _stripped(path: str, text: str) -> Iterator[str]:
 
 
 def _python(text: str) -> str:
-    """A module as its syntax tree without docstrings."""
+    """Return a module as its syntax tree without docstrings."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)

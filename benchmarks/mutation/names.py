@@ -1,4 +1,4 @@
-"""Names that a slip may take for another: those of the things that a key can name."""
+"""Names that a transcriber can confuse: those of the things that a key can name."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _OF_LISTS = {
     "erratum": "errata",
     "alternative": "alternatives",
 }
-#: Keys that give a name to the thing itself: whatever it is called, all else has to call it so.
+#: Keys that name the thing itself. All references must use that name.
 _DEFINES = frozenset(("name", "device", "manufacturer"))
 
 
 def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
-    """Names that could stand in this place by mistake; none for a place that holds no reference."""
+    """Yield names that could be in this place by mistake. A place without a reference has none."""
     key = next((step for step in reversed(place.path) if isinstance(step, str)), "")
     value = str(place.value)
     if "." in value and place.kind == "" and "pattern" in place.schema:
@@ -45,7 +45,7 @@ def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
 
 
 def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
-    """Other fields of a register that is named as ``register.field``."""
+    """Yield other fields of a register that is named as ``register.field``."""
     name, _, field = text.partition(".")
     register = next((item for _, item in items(data, "registers") if item.get("name") == name), {})
     yield from (
@@ -54,7 +54,7 @@ def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
 
 
 def _beside(place: Place, data: dict[str, Any]) -> list[str]:
-    """Names of what holds the place: fields and joins of its layout, values of the register that a step names."""
+    """Yield names near the place: fields and joins of its layout, values of the register that a step names."""
     chain = [data]
     for step in place.path[:-1]:
         chain.append(chain[-1][step])
@@ -72,7 +72,7 @@ def _beside(place: Place, data: dict[str, Any]) -> list[str]:
 
 
 def _under(key: str, node: Any) -> Iterator[str]:
-    """All texts that stand under a key anywhere."""
+    """Yield all texts under a key, anywhere."""
     if isinstance(node, dict):
         for name, item in node.items():
             if name == key:

@@ -1,4 +1,4 @@
-"""The values of a spec that a slip can change: where each stands, what kind of value it is, and which class of fact."""
+"""Values of a spec that a mistake can change: their places, kinds, and classes of fact."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from codewheel.language.document import Document, Path
 from codewheel.language.schema import load_schema
 
-#: Classes of facts by their keys, lists passed over; the first that fits. What stands in capitals is a key of any name.
+#: Classes of facts by their keys without lists. The first match counts. Capitals stand for a key of any name.
 _CLASSES = (
     ("erratum", r"errata\b.*"),
     ("example", r"examples\b.*"),
@@ -75,38 +75,38 @@ _COMPILED = tuple((name, re.compile(pattern)) for name, pattern in _CLASSES)
 
 #: Classes in which a wrong value moves a position, breaks a check or an access, or comes at the wrong time.
 STRICT = frozenset(("position", "CRC", "address", "byte order", "access", "default", "limit", "clock", "time", "wait"))
-#: Classes that are words for people: no output computes with them, and no other fact says them once more.
+#: Classes that are words for people: no output computes with them, and no other fact repeats them.
 PROSE = frozenset(("prose", "prose fact", "source", "erratum", "manual"))
-#: Classes that are there to find slips in others.
+#: Classes that exist to find mistakes in others.
 WITNESSES = frozenset(("example", "printed once more"))
 
-#: Texts that are facts: a pin, a wire, what a label shows.
+#: Texts that are facts: a pin, a wire, the text on a label.
 _FACTUAL_TEXTS = frozenset(("contact", "signal", "description_file", "pattern", "open", "then"))
 
 
 @dataclass(frozen=True)
 class Place:
-    """A value of a spec: where it stands, its keys without lists, and what the language says of it."""
+    """A value of a spec: its place, its keys without lists, and its definition in the language."""
 
     path: Path
     keys: str
     value: Any
-    #: The definition of the language that the value follows, such as ``name`` or ``expression``, else empty.
+    #: The definition of the language for the value, such as ``name`` or ``expression``, else empty.
     kind: str
     schema: Mapping[str, Any]
-    #: Whether the map that holds the value can do without it.
+    #: True if the value is optional.
     optional: bool
 
     @property
     def fact(self) -> str:
-        """The class of fact."""
+        """Class of the fact."""
         words = self.kind in ("text", "names") and str(self.path[-1]) not in _FACTUAL_TEXTS
         found = next((name for name, pattern in _COMPILED if pattern.fullmatch(self.keys)), "other")
         return "prose" if words and found not in PROSE | WITNESSES else found
 
 
 def places(document: Document) -> Iterator[Place]:
-    """Every value of a device or manufacturer file: those inside of others after these."""
+    """Yield every value of a device or manufacturer file, containers after their content."""
     kind = "device" if "device" in document.data else "manufacturer"
     schema = load_schema(kind)
     yield from (place for place in _inside((), "", document.data, schema, _Language(schema)) if place.keys)
@@ -119,7 +119,7 @@ class _Language:
     schema: Mapping[str, Any]
 
     def followed(self, schema: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """The definition that a schema refers to, with its name; else the schema itself."""
+        """Return the definition that a schema refers to, with its name, or the schema itself."""
         if "$ref" not in schema:
             return "", schema
         name = str(schema["$ref"]).removeprefix("#/$defs/")

@@ -1,4 +1,4 @@
-"""Why a mutant passes that is not equivalent: each of them has to have one of these reasons."""
+"""Reasons why a mutant passes although it is not equivalent. Each such mutant must have one."""
 
 from __future__ import annotations
 
@@ -8,58 +8,58 @@ from collections.abc import Iterator
 from .places import PROSE
 from .slips import Mutant
 
-#: Reasons by what a mutant is of: a class of fact, its keys, the slip, and the name of the file; the first that fits.
+#: Reasons by class of fact, keys, mistake, and name of the file. The first match counts.
 _REASONS = (
     (
         "words for people",
-        "No output computes with them, and no other fact says them once more; whoever reviews a spec reads them.",
+        "No output computes with them, and no other fact repeats them. They are checked by reading the spec.",
         {"fact": "|".join(sorted(PROSE))},
     ),
     (
         "words of an example",
-        "What an example is called and says beside its bytes and values; these are worked out again.",
+        "The name and the texts of an example. Its bytes and values are computed again.",
         {"fact": "example"},
     ),
     (
         "a witness is missing",
-        "What is there to find slips in other facts can be left out; then it finds none.",
+        "A value that only helps to find mistakes in other facts can be omitted. It then finds none.",
         {"fact": "printed once more", "slip": "(item|key) lost"},
     ),
     (
         "read once: another edition",
-        "What another edition prints. Its manual is not the one that was read twice.",
+        "These facts are from another edition, whose manual was not read twice.",
         {"keys": r"(order_code\.also_written|editions)\b.*"},
     ),
     (
         "names of two groups with the same bits",
-        "The two groups have the same fields; only what is said of them in words differs.",
+        "The two groups have the same fields. Only their descriptions differ.",
         {"keys": r"field_groups\.name", "slip": "exchanged with the next"},
     ),
     (
         "how a number is written",
-        "The number is the same; documents show it in decimal or in hexadecimal.",
+        "The number is the same. Documents show it in decimal or in hexadecimal.",
         {"keys": r"parameters\.NAME\.hexadecimal"},
     ),
     (
-        "left out, and then not made",
-        "Without the ID of the manufacturer there is no description for BiSS masters, which its user sees.",
+        "left out, and then not generated",
+        "Without the ID of the manufacturer there is no description for BiSS masters, which users notice.",
         {"fact": "BiSS manufacturer ID", "slip": "key lost"},
     ),
     (
         "a witness, not a fact",
-        "What only the second reading has reaches no output.",
+        "Facts that only the second reading has reach no output.",
         {"file": r".*\.second"},
     ),
 )
 
 
 def reason(mutant: Mutant) -> str:
-    """The reason why a mutant passes; empty where there is none, so that it is a gap."""
+    """Return the reason why a mutant passes. An empty string marks a gap."""
     return next(_fitting(mutant), "")
 
 
 def explanation(name: str) -> str:
-    """A reason in a sentence."""
+    """Return a reason in a sentence."""
     return next(text for known, text, _ in _REASONS if known == name)
 
 

@@ -1,4 +1,4 @@
-"""What came out of a campaign: a table by class of fact, and every mutant that passes with the reason why."""
+"""Report of a campaign: a table by class of fact, and every mutant that passes with the reason."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from .places import PROSE, STRICT, WITNESSES
 from .reasons import explanation, reason
 from .trial import Trial
 
-#: Effects by which nothing is wrong in an output.
+#: Effects that leave every output correct.
 _EQUIVALENT = frozenset((Effect.NOTHING.value, Effect.ORDER.value))
 _HEADINGS = ("mutants", "refused", "same", "left out", "texts", "code", "wrong")
 
 
 @dataclass
 class Row:
-    """The mutants of a class: how many there are, and what became of them.
+    """The mutants of a class: their number and their results.
 
     Attributes:
-        same: Those that change nothing but an order in which nothing lies.
-        left_out: Those that pass and leave something out, so that nothing is wrong.
-        texts: Those that pass with a wrong value that only texts show.
+        same: Those that change no output, or only an order without a meaning.
+        left_out: Those that pass and omit something, so that no output is wrong.
+        texts: Those that pass with a wrong value in texts only.
         code: Those that pass with a wrong value in code.
     """
 
@@ -40,7 +40,7 @@ class Row:
 
     @property
     def wrong(self) -> float:
-        """The share of wrong values that pass, those that change nothing not counted."""
+        """Return the share of wrong values that pass, without mutants that change nothing."""
         return (self.texts + self.code) / max(self.mutants - self.same, 1)
 
     def cells(self) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Passed:
-    """A mutant that passes: its reason, where it is, and what it does."""
+    """A mutant that passes: its reason, place and effect."""
 
     reason: str
     place: str
@@ -62,9 +62,9 @@ class Outcome:
     """The outcome of a campaign.
 
     Attributes:
-        rows: The table by class; ``second readings`` are a class of their own.
+        rows: The table by class. ``second readings`` are a separate class.
         passed: Every mutant that passes and changes something, in order of place.
-        crashes: What went wrong with the tool itself.
+        crashes: Crashes of the tool itself.
     """
 
     def __init__(self, trial: Trial, found: Iterable[Tried]) -> None:
@@ -101,11 +101,11 @@ class Outcome:
 
     @property
     def gaps(self) -> list[Passed]:
-        """What passes without a reason."""
+        """Return the mutants that pass without a reason."""
         return [item for item in self.passed if not item.reason]
 
     def of(self, classes: Iterable[str]) -> Row:
-        """The sum of several classes."""
+        """Return the sum of several classes."""
         made = Row()
         for name in classes:
             for key, number in vars(self.rows.get(name, Row())).items():
@@ -113,7 +113,7 @@ class Outcome:
         return made
 
     def sums(self) -> Iterator[tuple[str, Row]]:
-        """The sums below the table."""
+        """Yield the sums below the table."""
         known = set(self.rows) - {"second readings"}
         yield "classes with *", self.of(known & STRICT)
         yield "all facts", self.of(known - PROSE - WITNESSES)
@@ -121,7 +121,7 @@ class Outcome:
 
 
 def table(outcome: Outcome) -> list[str]:
-    """The table of a campaign, as Markdown: classes in which nothing may pass have a star."""
+    """Return the table of a campaign, as Markdown. A star marks classes in which no mutant may pass."""
     rows = [("class", _HEADINGS), ("---", ("---:",) * len(_HEADINGS))]
     rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted(outcome.rows)]
     rows += [(f"**{name}**", row.cells()) for name, row in outcome.sums()]
@@ -134,7 +134,7 @@ def _sorted(names: Iterable[str]) -> list[str]:
 
 
 def survivors(outcome: Outcome) -> Iterator[str]:
-    """Every mutant that passes, by reason, as Markdown."""
+    """Yield every mutant that passes, by reason, as Markdown."""
     counts = Counter(item.reason for item in outcome.passed)
     for name in sorted(counts):
         yield f"## {name or 'without a reason'}: {counts[name]}"
@@ -147,23 +147,23 @@ def survivors(outcome: Outcome) -> Iterator[str]:
 
 
 def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
-    """The page of a campaign."""
+    """Return the page of a campaign."""
     head = f"""\
 # Mutants
 
-What a slip of a transcriber does to the specs: `{command}` makes slips on purpose, one at a time, in
-{", ".join(files)}, and `check` looks at each. The page is written by the command; do not edit it.
+This page shows which mistakes of a transcriber `check` detects. `{command}` plants mistakes, one at a time, in
+{", ".join(files)}, and runs `check` on each. The command writes this page, so do not edit it.
 
-Slips are a digit lost, swapped or taken for one that looks alike, a number that is one off, a bit, a boolean, another
-word of a list or another name, a letter lost from a name, an item or a key left out, two items in the wrong order, and
-a value that stands where the next item's should. *Same* are those that change nothing in any output but an order in
-which nothing lies. *Left out* pass, but leave nothing wrong. *Texts* and *code* are wrong values that pass: what only
-documents show, and what code computes with; *wrong* is their share. In classes with * a wrong value moves a position,
-breaks a check or an access, or comes at the wrong time: none may pass.
+A mistake is a lost, swapped or misread digit, a number that is off by one, a flipped bit or boolean, another
+word of a list or another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or
+the value of the next item. Mutants in the column *same* change no output, or only an order without a meaning. Those in
+*left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents only and in code.
+*Wrong* is their share. In classes with * a wrong value moves a position, breaks a check or an access, or comes at the
+wrong time. No such mutant may pass.
 """
     return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 
 
 def file_name(path: str) -> str:
-    """A file as the page names it."""
+    """Return the name of a file on the page."""
     return PurePath(path).name

@@ -1,4 +1,4 @@
-"""What a transcriber's slips make of the values of a spec."""
+"""Mistakes of a transcriber in the values of a spec."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from .places import PROSE, Place, places
 
 
 class Gone(Enum):
-    """Stands for what was left out."""
+    """Marker for an omitted value."""
 
     GONE = "nothing"
 
 
-#: A place and what stands there instead.
+#: A place and its new value.
 Change = tuple[Path, Any]
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """A spec with one slip: the place, the slip by its name, and what it changes."""
+    """A spec with one mistake: the place, the name of the mistake, and the change."""
 
     file: str
     place: Place
@@ -35,16 +35,16 @@ class Mutant:
 
     @property
     def said(self) -> str:
-        """The slip in one line, as it would be seen in a comparison of the files."""
+        """Return the mistake in one line, as a comparison of the files would show it."""
         return f"{_shown(self.place.value)} -> {_shown(self.changes[0][1])}"
 
     @property
     def is_left_out(self) -> bool:
-        """Whether something is left out rather than wrong."""
+        """Return whether a value is omitted rather than wrong."""
         return self.slip in ("item lost", "key lost")
 
 
-#: Digits that are taken for each other, in print and in handwriting.
+#: Digits that are easily confused, in print and in handwriting.
 _ALIKE = {
     "0": "86", "1": "7", "2": "7", "3": "8", "4": "9", "5": "63", "6": "85", "7": "1", "8": "3B", "9": "40",
     "A": "4", "B": "8", "C": "0", "D": "0", "E": "F", "F": "E",
@@ -52,21 +52,21 @@ _ALIKE = {
 _NUMBER = re.compile(r"0x[0-9A-Fa-f]+|[0-9]+(?:\.[0-9]+)*")
 _IN_TEXT = re.compile(r"0x[0-9A-Fa-f]+|[0-9]+")
 _WORD = re.compile(r"(?<![a-z0-9_^])[a-z][a-z0-9_]*|(?<=\^)[a-z][a-z0-9_]*")
-#: Lists in which the order says something: of their items each may come before its neighbour.
+#: Lists whose order matters. Each of their items can be exchanged with its neighbour.
 _ORDERED = re.compile(r".*\b(fields|steps|digits|join\.NAME|writes|printed_writes)")
 #: Keys whose text is hexadecimal without a prefix.
 _HEX_TEXTS = frozenset(("bytes",))
 
 
 def mutants(document: Document) -> Iterator[Mutant]:
-    """Every slip of one place of a document, in the order of the file."""
+    """Yield every mistake in one place of a document, in the order of the file."""
     for place in places(document):
         for slip, changes in _slips(place, document):
             yield Mutant(document.file, place, slip, changes)
 
 
 def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
-    """The data of a document with the slip; what the slip does not touch is shared."""
+    """Return the data of a document with the mistake. Unchanged parts are shared."""
     data = document.data
     for path, new in mutant.changes:
         data = _replaced(data, path, new)
@@ -128,7 +128,7 @@ def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
 
 
 def _written(place: Place, document: Document) -> str:
-    """A number as the file has it."""
+    """Return a number as the file has it."""
     line, column = document.position(place.path)
     found = _NUMBER.match(document.line(line), column - 1)
     return found[0] if found is not None else str(place.value)
@@ -142,7 +142,7 @@ def _of_number(value: int, written: str) -> Iterator[tuple[str, int]]:
 
 
 def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
-    """Slips in the digits of a number as it is written; a ``bare`` one is hexadecimal without a prefix."""
+    """Yield mistakes in the digits of a number as it is written. A ``bare`` one is hexadecimal without a prefix."""
     start = 2 if written.startswith("0x") else 0
     hexadecimal, digits = bare or start > 0, written[start:]
     for index, digit in enumerate(digits):
@@ -159,7 +159,7 @@ def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
 
 
 def _of_text(text: str, bare: bool) -> Iterator[tuple[str, str]]:
-    """Slips in each number that a text holds."""
+    """Yield mistakes in each number of a text."""
     if set(text) <= {"0", "1"} and len(text) > 2:
         yield from (("bit flipped", text[:at] + str(1 - int(text[at])) + text[at + 1 :]) for at in range(len(text)))
     for found in (re.compile("[0-9A-Fa-f]+") if bare else _IN_TEXT).finditer(text):
@@ -185,7 +185,7 @@ def _of_expression(text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[s
 
 
 def _labels(place: Place) -> Iterator[tuple[str, tuple[Change, ...]]]:
-    """Slips in the texts of labels, which are keys."""
+    """Yield mistakes in the texts of labels, which are keys."""
     for label in place.value:
         made = [(slip, text) for found in _IN_TEXT.finditer(label) for slip, text in _of_label(label, found)]
         for slip, text in made:
@@ -200,7 +200,7 @@ def _of_label(label: str, found: re.Match[str]) -> Iterator[tuple[str, str]]:
 
 
 def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
-    """The value of the next item in this one's place, and the other way round, as when a row of a table slips."""
+    """Yield this value and the next exchanged, as when a reader skips a row of a table."""
     path = place.path
     for depth in (1, 2):
         if len(path) <= depth:
@@ -218,7 +218,7 @@ def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Ch
 
 
 def _following(siblings: Any, step: str | int, place: Place) -> str | int | None:
-    """The step to the item after this one, in a list or in a map of free names."""
+    """Return the step to the item after this one, in a list or in a map of free names."""
     if isinstance(siblings, list) and isinstance(step, int):
         return step + 1 if step + 1 < len(siblings) else None
     if isinstance(siblings, dict) and ".NAME." in f"{place.keys}.":

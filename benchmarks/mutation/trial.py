@@ -1,6 +1,6 @@
-"""The trial of mutants: ``check`` looks at each, in this process, with the documents changed in memory.
+"""Trial of mutants: ``check`` examines each, in this process, with the documents changed in memory.
 
-What a mutant does not touch is read, built and worked out once: the other specs, and all facts of the other reading.
+Everything that a mutant does not touch is read, built and computed once: the other specs, and the other reading.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from codewheel.readings.second import Readings, Second, compare_readings, explai
 from .effects import Effect, Outputs
 from .slips import Mutant, mutants, mutated
 
-#: What ``check --coverage`` refuses, beside the rules of ``check``: facts that are no longer read twice.
+#: Rules of ``check --coverage`` in addition to those of ``check``: facts that are no longer read twice.
 READ_ONCE = "read once"
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a mutant: the rules that refuse it, else what it does to the outputs."""
+    """Result for a mutant: the rules that refuse it, or its effect on the outputs."""
 
     rules: tuple[str, ...]
     effect: Effect
@@ -43,11 +43,11 @@ class Verdict:
 
 
 class Unfit(Exception):
-    """The specs have problems before anything is changed."""
+    """The specs have problems before any change."""
 
 
 class Trial:
-    """Specs without a problem, and what ``check`` says when one value of them or of their second readings is changed.
+    """Specs without a problem, and the answer of ``check`` after a change of one value in them or a second reading.
 
     Raises:
         Unfit: The specs have a problem as they are.
@@ -68,17 +68,17 @@ class Trial:
 
     @property
     def second_readings(self) -> list[Document]:
-        """The documents of the second readings."""
+        """Return the documents of the second readings."""
         return [item.document for item in self._seconds.values()]
 
     def mutants(self, names: Sequence[str] = ()) -> list[Mutant]:
-        """Every mutant of the documents and second readings, or of those whose files have one of these names."""
+        """Return every mutant of the documents and second readings, or of those whose files have one of these names."""
         documents = [*self.documents, *self.second_readings]
         wanted = (item for item in documents if not names or Path(item.file).stem in names)
         return [mutant for document in wanted for mutant in mutants(document)]
 
     def place(self, mutant: Mutant) -> str:
-        """Where a mutant is: its file and the path to the value."""
+        """Return the place of a mutant: its file and the path to the value."""
         document = self._document(mutant)
         return f"{Path(document.file).stem}: {document.name_path(mutant.place.path)}"
 
@@ -86,7 +86,7 @@ class Trial:
         return next(item for item in (*self.documents, *self.second_readings) if item.file == mutant.file)
 
     def verdict(self, mutant: Mutant) -> Verdict:
-        """What ``check`` says of a mutant, and if it says nothing, what comes of it."""
+        """Return the verdict of ``check`` on a mutant and, if it passes, its effect."""
         document = self._document(mutant)
         changed = replace(document, data=mutated(document, mutant), kept={})
         try:

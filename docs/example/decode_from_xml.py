@@ -1,4 +1,4 @@
-"""Decode a frame with nothing but a device's XML.
+"""Decode a frame with only a device's XML.
 
 decode_from_xml.py generated/biss/lika-amm5.xml AMM5A21/65KSC1 single_cycle_data 0xF4243D3
 """
@@ -27,7 +27,7 @@ for asked in layout.get("alternatives", "").split():
     known = root.xpath(f"//d:alternative[@name='{asked}']/d:answers/d:answer", namespaces=ns)
     chosen = next((item for item in known if f"{asked}={item.get('name')}" in answers), None)
     if chosen is None:
-        sys.exit(f"for you to decide: {' or '.join(f'{asked}=' + item.get('name') for item in known)}")
+        sys.exit(f"choose: {' or '.join(f'{asked}=' + item.get('name') for item in known)}")
     parameters |= {entry.get("name"): int(entry.text, 0) for entry in chosen.iterfind("d:sets/d:entry", ns)}
 order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
 in_bytes = layout.get("carried_as") == "bytes"
@@ -42,10 +42,10 @@ for field in layout.iterfind("d:fields/d:field", ns):
         speaks[field.get("name")] = field
     print(f"{field.get('name')} {value} {said}".rstrip())
 if layout.get("gray_of") and parameters.get(layout.get("gray_when"), 1):
-    print("note:", layout.get("gray_of"), "is in Gray code; its bits are shown as they are sent")
+    print("note:", layout.get("gray_of"), "is in Gray code. Its bits are shown as they are sent")
 
 
-def makes(field):  # the manual does not explain a flag for order codes in which the parameter only_while is 0
+def makes(field):  # The manual does not explain a flag for order codes with the parameter only_while at 0.
     return field.get("makes_position") if parameters.get(field.get("only_while"), 1) else "usable_with_warning"
 
 

@@ -1,4 +1,4 @@
-"""The pages of the C and Python APIs: what the headers and modules declare, with the comment that stands there."""
+"""Pages of the C and Python APIs: the declarations of headers and modules, with their comments."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from codewheel.say.markdown import code, text
 
 HEADERS = "generated/c/include/lika"
 MODULES = "generated/python/lika_encoders"
-#: A comment of documentation with what it is about below it: a whole type, or a function without its body.
+#: A documentation comment with the declaration below it: a whole type, or a function without its body.
 _DECLARED = re.compile(
     r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n"
     r"(?P<what>(?:[A-Z_]+\n)?(?:typedef [^{;]*\{.*?\n\} \w+;|static inline [^{;]*))",
@@ -22,7 +22,7 @@ _NAME = re.compile(r"(\w+)(?:\(|;$)")
 
 
 def api_pages(root: Path) -> Iterator[tuple[str, str]]:
-    """Path and text of each page."""
+    """Yield path and text of each page."""
     headers, modules = sorted((root / HEADERS).glob("*.h")), sorted((root / MODULES).glob("[!_]*.py"))
     yield "api/c.md", _index("C headers", "generated/c", headers)
     yield "api/python.md", _index("Python package", "generated/python", modules)
@@ -37,9 +37,9 @@ def _index(title: str, folder: str, files: list[Path]) -> str:
     kind = "c" if files and files[0].suffix == ".h" else "python"
     rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
     return (
-        f"# {title}: reference\n\nWhat each file declares, in its own words. "
-        f"How to begin: [README](../{folder}/README.md).\n"
-        f"A frame that decodes is not yet a usable position: look at its verdict before you use it.\n\n{rows}"
+        f"# {title}: reference\n\nThe declarations of each file with their comments. "
+        f"Begin with the [README](../{folder}/README.md).\n"
+        f"A frame that decodes is not yet a usable position. Look at its verdict before you use it.\n\n{rows}"
     )
 
 
@@ -52,7 +52,7 @@ def _page(title: str, language: str, entries: Iterator[tuple[str, str, str]]) ->
 
 
 def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
-    """Name, declaration and comment of each function and type that has a comment."""
+    """Yield name, declaration and comment of each function and type that has a comment."""
     for found in _DECLARED.finditer(header):
         lines = (line.strip().removeprefix("*").removeprefix(" ") for line in found["comment"].splitlines())
         declared = found["what"].strip()
@@ -60,7 +60,7 @@ def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
 
 
 def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
-    """The same of the public classes and functions of a module, and of the methods of its classes."""
+    """Yield the same for the public classes and functions of a module, and for the methods of its classes."""
     for item in module.body:
         if isinstance(item, ast.ClassDef) and not item.name.startswith("_"):
             yield item.name, f"class {item.name}", _documented(item)

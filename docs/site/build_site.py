@@ -1,9 +1,9 @@
-"""The command behind ``make site``: the pages of this repository as a static site in a folder, ready to be opened.
+"""Build a static site from the pages of this repository, for ``make site``.
 
     python docs/site/build_site.py [build/site]
 
-Pages keep the paths that they have in the repository, so that a link in Markdown leads on as it does on a code host.
-What a link names that is no page is copied beside them; a folder without a README gets a page that lists its files.
+Pages keep the paths that they have in the repository, so links in Markdown work as on a code host. Linked files that
+are not pages are copied next to them. A folder without a README gets a page that lists its files.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from sphinx.util.console import nocolor
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-#: What becomes a page.
+#: Files that become pages.
 PAGES = (
     "*.md",
     "docs/*.md",
@@ -32,22 +32,22 @@ PAGES = (
     "generated/*/*.md",
     "examples/*/README.md",
 )
-#: The script of the box that decodes a frame, where it has been generated.
+#: The script of the decode box, if it has been generated.
 DECODER = Path("generated/browser/decode.js")
 DECODER_PAGE = "decode"
-#: An entry of the contents: a page, or what to call it and the page.
+#: An entry of the contents: a page, or a title and the page.
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
 _LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
 
 
 def build(target: Path, root: Path = ROOT) -> int:
-    """Writes the site into ``target``, which is emptied first; gives the number of warnings."""
+    """Write the site into ``target``, which is emptied first, and return the number of warnings."""
     work = target.parent / f"{target.name}-work"
     for folder in (target, work):
         shutil.rmtree(folder, ignore_errors=True)
     source = work / "source"
     stage(root, source)
-    # The run makes millions of small objects that all stay; to look them through for garbage takes a third of the time.
+    # The run creates millions of small objects that all stay. Collecting garbage among them takes a third of the time.
     gc.disable()
     logging.getLogger("sphinx").setLevel(logging.WARNING)
     nocolor()
@@ -62,7 +62,7 @@ def build(target: Path, root: Path = ROOT) -> int:
 
 
 def stage(root: Path, source: Path) -> None:
-    """Copies the pages and their pictures, and writes those that only the site has."""
+    """Copy the pages and their pictures, and write those that only the site has."""
     found = {path for pattern in PAGES for path in root.glob(pattern)}
     found |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
     for path in sorted(found):
@@ -78,14 +78,14 @@ def stage(root: Path, source: Path) -> None:
 
 
 def _start_page(source: Path) -> str:
-    """The start page; its contents name what there is."""
+    """Return the start page, with contents that list the existing pages."""
     lines = (HERE / "index.md").read_text(encoding="utf-8").splitlines(keepends=True)
     named = [(line, NAMED.match(line)) for line in lines]
     return "".join(line for line, name in named if name is None or (source / f"{name[1]}.md").exists())
 
 
 def linked(source: Path) -> Iterator[Path]:
-    """What the Markdown links of the pages name, by its path in the repository."""
+    """Yield the targets of the Markdown links of the pages, by their path in the repository."""
     for page in sorted(source.rglob("*.md")):
         for target in _LINK.findall(page.read_text(encoding="utf-8")):
             if ":" not in target:
@@ -104,7 +104,7 @@ def _listing(root: Path, folder: Path) -> str:
 
 
 def copy_linked(root: Path, source: Path, target: Path) -> None:
-    """Copies the files that links name and that are no pages, and the script that decodes frames."""
+    """Copy the linked files that are not pages, and the script that decodes frames."""
     for path in [DECODER, *linked(source)]:
         if path.suffix != ".md" and (root / path).is_file():
             (target / path).parent.mkdir(parents=True, exist_ok=True)

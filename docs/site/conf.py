@@ -1,4 +1,4 @@
-"""What Sphinx is told; ``build_site.py`` beside it calls it with the pages of the repository."""
+"""Configuration of Sphinx. ``build_site.py`` next to it calls Sphinx with the pages of the repository."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ sys.path.insert(0, str(HERE))
 
 project = "codewheel"
 extensions = ["myst_parser", "mirror", "things"]
-# Links are those of the repository, which mirror.py leads to pages.
+# Links use the paths of the repository. mirror.py turns them into links between pages.
 myst_all_links_external = True
 # Code, names and addresses stay as they are written.
 smartquotes = False
@@ -21,9 +21,9 @@ html_title = "codewheel"
 html_copy_source = False
 html_show_copyright = False
 html_use_index = False
-# The text of a hit would be fetched, which a page opened as a file may not do.
+# The text of a hit would be fetched, which a page opened as a file cannot do.
 html_show_search_summary = False
 html_permalinks = False
-# What a terminal shows is no language.
+# Output of a terminal is not in a language.
 highlight_language = "none"
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]

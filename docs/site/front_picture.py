@@ -1,7 +1,6 @@
-"""Draw the picture on the front page: a frame in YAML on the left, what it becomes on the right.
+"""Draw the picture on the front page: a frame in YAML on the left, its outputs on the right.
 
-`python docs/site/front_picture.py docs/front.svg` writes it. A test compares its lines with the files and commands that
-they come from.
+`python docs/site/front_picture.py docs/front.svg` writes it. A test compares its lines with their files and commands.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from xml.sax.saxutils import escape
 
 @dataclass(frozen=True)
 class Panel:
-    """One box of the picture, in pixels; an ellipsis stands for lines left out."""
+    """One box of the picture, in pixels. An ellipsis marks omitted lines."""
 
     title: str
     x: int

@@ -1,4 +1,4 @@
-"""Makes pages of the Markdown of a repository: links lead on, anchors are known, and each page has its parent."""
+"""Turn the Markdown of a repository into pages: resolve links, register anchors, and give each page its parent."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from sphinx.transforms import SphinxTransform
 
 _ID = re.compile(r"""\bid=["']([^"']+)["']""")
 _TARGET = re.compile(r"""\b(href)=(["'])([^"']+)\2""")
-#: Below which page comes what has no other.
+#: The page above those that have no other parent.
 _REST = "CONTRIBUTING"
 _NOT_IN_A_SLUG = re.compile(r"[^\w\- ]")
 
 
 class Mirror(SphinxTransform):
-    """Leads links between Markdown files to pages, gives headings the anchors of code hosts, and notes all anchors."""
+    """Transform that resolves Markdown links, gives headings the anchors of code hosts, and collects all anchors."""
 
     default_priority = 400
 
@@ -45,7 +45,7 @@ class Mirror(SphinxTransform):
         self.env.metadata[self.env.docname]["anchors"] = anchors  # type: ignore[assignment]
 
     def _drop_crumbs(self) -> None:
-        """The site says on every page where one is, beginning with its start page; a page need not say it again."""
+        """Drop the breadcrumbs of a page, because the site shows its own on every page."""
         for paragraph in list(self.document.findall(nodes.paragraph)):
             if isinstance(paragraph.parent, nodes.document) and " › " in paragraph.astext():
                 paragraph.parent.remove(paragraph)
@@ -72,7 +72,7 @@ class Mirror(SphinxTransform):
 
 
 def _add_children(app: Sphinx, doctree: nodes.document) -> None:
-    """Puts below a page, unseen, what lies below it: for ``x.md`` pages ``x-…md`` and those of the folder ``x``."""
+    """Add a hidden list of the pages below a page: for ``x.md`` pages ``x-…md`` and those of the folder ``x``."""
     env: BuildEnvironment = app.env
     children = list(_children(env, env.docname))
     if children:
@@ -93,7 +93,7 @@ def _children(env: BuildEnvironment, page: str) -> Iterator[str]:
 
 
 def _parent(env: BuildEnvironment, page: str) -> str:
-    """The page above one that ``index`` does not name: that of its folder or of the words before its hyphens."""
+    """Return the page above one that ``index`` does not name: that of its folder or of the words before its hyphens."""
     folder, _, name = page.rpartition("/")
     above = [f"{folder}/{name.rsplit('-', count)[0]}" for count in range(1, name.count("-") + 1)] if folder else []
     above += [folder, f"{folder}/README", f"{posixpath.dirname(folder)}/README", _REST]
@@ -101,7 +101,7 @@ def _parent(env: BuildEnvironment, page: str) -> str:
 
 
 def _decoder(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
-    """Tells a page whether it has the box that decodes frames, and for which order code."""
+    """Set whether a page has the decode box, and for which order code."""
     if DECODER_PAGE in app.env.found_docs:
         context["order_code"] = app.env.get_domain("encoder").code_of(page)  # type: ignore[attr-defined]
         context["decodes"] = context["order_code"] or page == DECODER_PAGE

@@ -1,4 +1,4 @@
-"""The page of rules: each rule of ``check`` with a spec of the tests that breaks it, each of ``diff`` with its reason.
+"""Page of rules: each rule of ``check`` with a spec of the tests that breaks it, each rule of ``diff`` with its reason.
 
 ``make rules-page`` writes the page, and the examples for ``codewheel explain`` as JSON.
 """
@@ -21,15 +21,15 @@ _EXPECTED = re.compile(r"^# expect: (\d+):(\d+): ([\w-]+): (.*)$", re.MULTILINE)
 _WIDEST = 110
 
 _INTRODUCTION = """\
-<!-- Made from the broken specs of the tests by: make rules-page -->
+<!-- Generated from the broken specs of the tests by: make rules-page -->
 
 # Rules
 
-`codewheel check` names the rule with each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. Each stands here with the
-shortest spec of the tests that breaks it, at the faulty line, and the message, which says what to write instead. The
-tests hold every message to the letter.
+`codewheel check` names the rule of each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. For each rule, this page has the
+message with the fix, and the faulty line of the shortest spec of the tests that breaks the rule. The tests compare
+every message literally.
 
-How `diff` judges a change is [below](#rules-of-diff)."""
+[Below](#rules-of-diff) are the rules by which `diff` judges a change."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Example:
 
     @property
     def lines(self) -> list[str]:
-        """The faulty line, after the last one that is indented less."""
+        """Return the faulty line, after the last one that is indented less."""
         lines = self.spec.read_text(encoding="utf-8").splitlines()
         faulty = lines[self.line - 1]
         depth = len(faulty) - len(faulty.lstrip())
@@ -53,7 +53,7 @@ class Example:
 
 
 def examples() -> dict[str, Example]:
-    """For each rule the spec with the fewest problems, and of these the shortest."""
+    """Return for each rule the spec with the fewest problems, and of these the shortest."""
     found: dict[str, list[Example]] = {}
     for spec in sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.yaml")):
         told = _EXPECTED.findall(spec.read_text(encoding="utf-8"))

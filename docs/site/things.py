@@ -1,7 +1,7 @@
-"""What a search finds first: order codes, addresses of registers and printed names, taken from the model.
+"""First results of the search: order codes, addresses of registers and printed names, taken from the model.
 
-They are objects of a Sphinx domain, which its search puts before headings and words. The model says what there is; the
-pages say where: a thing without an anchor on any page of its family is left out, and the build says so.
+They are objects of a Sphinx domain, which its search ranks before headings and words. The model has the things, and
+the pages have their places. A thing without an anchor on any page of its family is left out, with a warning.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from sphinx.application import Sphinx
 from sphinx.domains import Domain
 from sphinx.util import logging
 
-#: Where the pages of families lie.
+#: Folder of the pages of families.
 _PAGES = "generated/docs"
-#: What Sphinx adds to the score of a hit by its name: 15; or 5, by which a part of a name comes after headings.
+#: Sphinx adds to the score of a hit by its name: 15, or 5, which ranks a part of a name after headings.
 _FIRST, _SECOND = 0, 1
 
 
@@ -33,7 +33,7 @@ class _Nameable(Protocol):
 
 @dataclass(frozen=True)
 class Thing:
-    """A name, what it is the name of, and the anchor where that is told."""
+    """A name, the kind of thing that it names, and the anchor of its description."""
 
     name: str
     what: str
@@ -43,7 +43,7 @@ class Thing:
 
 
 def things(device: Device) -> Iterator[Thing]:
-    """What a family has a name or an address for, order codes and fields aside."""
+    """Yield everything in a family with a name or an address, except order codes and fields."""
     for register in device.registers:
         anchor = f"register-{register.name}"
         what = f"register {title(register)}, {addresses(register)}"
@@ -66,7 +66,7 @@ def things(device: Device) -> Iterator[Thing]:
 
 
 def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
-    """The other parts of a family with a place of their own: what they are, how their anchors begin."""
+    """Yield the other parts of a family that have their own section: kind, prefix of their anchors, and the parts."""
     yield "error or warning", "alarm", device.alarms
     yield "input", "input", device.inputs
     yield "CRC", "crc", device.crcs
@@ -74,7 +74,7 @@ def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
 
 
 def fields(device: Device) -> Iterator[Thing]:
-    """The fields of registers and frames, and the groups that frames share."""
+    """Yield the fields of registers and frames, and the groups that frames share."""
     for register in device.registers:
         owner, anchor = f"register {title(register)}", f"register-{register.name}"
         yield from _fields(device, register.layout, owner, anchor, register.interface)
@@ -94,23 +94,23 @@ def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: 
 
 
 def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
-    """What the manual prints comes first; a name of ours, such as number, is a word among others."""
+    """Yield a field. The printed name ranks first, and our own names, such as number, rank like other words."""
     for thing in _named(field, f"field of {owner}", anchor, interface):
         is_printed = thing.name == field.printed_name.replace(".", " ")
         yield thing if is_printed else replace(thing, priority=_SECOND)
 
 
 def _named(item: _Nameable, what: str, anchor: str, interface: str = "") -> Iterator[Thing]:
-    """Under the manual's own name, its name in words, and that in specs and code."""
+    """Yield an item under the manual's own name, its name in words, and its name in specs and code."""
     for name in (getattr(item, "printed_name", ""), words(item.name)):
         if name:
-            # A point would part the name.
+            # A point would split the name.
             yield Thing(name.replace(".", " "), what, anchor, interface)
     yield Thing(item.name, what, anchor, interface, _SECOND)
 
 
 class Encoders(Domain):
-    """The domain of encoders."""
+    """Domain of encoders."""
 
     name = "encoder"
     label = "Encoder"
@@ -125,7 +125,7 @@ class Encoders(Domain):
 
     @cached_property
     def _once(self) -> dict[str, list[Thing]]:
-        """The things of each family, each place once; a field only where nothing else has its name."""
+        """Return the things of each family, each place once. A field is kept only if no other thing has its name."""
         found = {}
         for device in self._families:
             kept = {(item.name.lower(), item.anchor): item for item in reversed([*things(device)])}
@@ -136,7 +136,7 @@ class Encoders(Domain):
 
     @cached_property
     def _code_pages(self) -> dict[str, tuple[str, ...]]:
-        """The pages of order codes, and which they are."""
+        """Return the pages of order codes with their codes."""
         return {
             f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes)
             for device in self._families
@@ -144,7 +144,7 @@ class Encoders(Domain):
         }
 
     def code_of(self, page: str) -> str:
-        """The first order code of a page of such; empty for another page."""
+        """Return the first order code of its page, or an empty string for another page."""
         return self._code_pages.get(page, ("",))[0]
 
     def get_objects(self) -> Iterator[tuple[str, str, str, str, str, int]]:
@@ -160,7 +160,7 @@ class Encoders(Domain):
                     yield name, name, thing.what, page, thing.anchor, thing.priority
 
     def missing(self) -> Iterator[str]:
-        """The things that no page has an anchor for."""
+        """Yield the things that have no anchor on any page."""
         for page, codes in self._code_pages.items():
             if not self._anchors(page):
                 yield f"{codes[0]}: no page {page}"
@@ -173,13 +173,13 @@ class Encoders(Domain):
         return self.env.metadata.get(page, {}).get("anchors", [])  # type: ignore[return-value]
 
     def _page_with(self, device: Device, thing: Thing) -> str:
-        """The page of the family that tells of a thing: that of its interface if there is one, else the first."""
+        """Return the page of the family that describes a thing: that of its interface, else the first."""
         pages = self._pages_with.get((device.name, thing.anchor), ())
         return next((page for page in pages if thing.interface and _is_of(page, thing.interface)), (*pages, "")[0])
 
     @cached_property
     def _pages_with(self) -> dict[tuple[str, str], list[str]]:
-        """The pages of each family with an anchor, those of order codes aside."""
+        """Return the pages of each family with an anchor, except those of order codes."""
         found: dict[tuple[str, str], list[str]] = {}
         for device in self._families:
             start = f"{_PAGES}/{device.name}"

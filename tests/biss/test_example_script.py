@@ -180,7 +180,7 @@ def placed_unused(placed: PlacedLayout) -> Iterator[tuple[PlacedField, int]]:
 @pytest.mark.parametrize("answer", ["", "eeprom_address=bit_0", "zero_bit=as_printed"])
 def test_it_does_not_decide_for_its_user(answer: str) -> None:
     known = "eeprom_address=as_printed or eeprom_address=as_t_format"
-    with pytest.raises(SystemExit, match=f"for you to decide: {known}"):
+    with pytest.raises(SystemExit, match=f"choose: {known}"):
         output("amm5", "AMM5A23/65KJP1", "eeprom_read_reply", "EA0A5ABA", *filter(None, [answer]))
 
 
@@ -196,7 +196,7 @@ def test_it_takes_a_decision(answer: str, zero: str) -> None:
 def test_gray_code_is_said(code: str, is_gray: bool) -> None:
     """All ones are no position of 2^31 - 1 where the code is Gray."""
     notes = [line for line in output("am36", code, "ssi_word", "0x7FFFFFFF") if line.startswith("note:")]
-    assert notes == (["note: position is in Gray code; its bits are shown as they are sent"] if is_gray else [])
+    assert notes == (["note: position is in Gray code. Its bits are shown as they are sent"] if is_gray else [])
 
 
 def test_the_page_shows_what_it_prints() -> None:

@@ -69,7 +69,7 @@ def test_its_commands(site: Path, tmp_path: Path) -> None:
 
 def test_help_and_wrong_options(site: Path, tmp_path: Path) -> None:
     shown = " ".join(run(site, tmp_path, "generate", "--help")[1].split())
-    assert "plc tables of registers for a PLC --option plc.separator=comma|semicolon: what stands" in shown
+    assert "plc tables of registers for a PLC --option plc.separator=comma|semicolon: separator" in shown
     code, _, err = run(site, tmp_path, "generate", "--target", "plc", "--option", "plc.separator=tab")
     assert (code, err) == (2, "codewheel: 'plc.separator' cannot be 'tab'; it can be: comma, semicolon\n")
 
@@ -110,8 +110,8 @@ def test_its_page_of_templates(site: Path, tmp_path: Path) -> None:
     assert run(site, tmp_path, "page.md", "plc", module=module) == (0, "", "")
     page = (tmp_path / "page.md").read_text(encoding="utf-8")
     assert "| `table.csv.jinja` | `plc/<family>.csv`: the registers of a family. | `Table` |" in page
-    assert "| `cell` | Text as a cell in quotes. |" in page
-    assert "| `separator` | `str` | what stands between" in page
+    assert "| `cell` | Return text as a cell in quotes. |" in page
+    assert "| `separator` | `str` | separator of the columns |" in page
     assert "## docs" not in page
 
 

@@ -112,9 +112,9 @@ def test_names_that_clash_have_their_places(codewheel: Run, tmp_path: Path) -> N
     }
     messages = [line.partition(" rust-name: ")[2] for line in found]
     assert messages == [
-        "this would be called Fault in Rust, as something that every module has; rename it",
-        f"this would be called A1 in Rust, as something on line {places['a_1'] - 1}; rename it",
-        "this would be called encode in Rust, as something that every module has; rename it",
+        "this would be called Fault in Rust, as something that every module has. Rename it",
+        f"this would be called A1 in Rust, as something on line {places['a_1'] - 1}. Rename it",
+        "this would be called encode in Rust, as something that every module has. Rename it",
     ]
 
 
@@ -130,7 +130,7 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
     lines = (tmp_path / "hostile.yaml").read_text(encoding="utf-8").splitlines()
     place = next(at for at, line in enumerate(lines, 1) if '"name": "wide"' in line) - 1
     assert [line.partition(": ")[2] for line in found] == [
-        "rust-size: 'wide' has 80 bits, and fields that move with the order code; 64 is the most in Rust"
+        "rust-size: 'wide' has 80 bits, and fields that move with the order code. Rust allows at most 64"
     ]
     assert found[0].startswith(f"{place}:")
 

@@ -1,4 +1,4 @@
-"""A target of codewheel: for each manufacturer a crate without the standard library, with a module for each family."""
+"""Target of codewheel for Rust: a no_std crate for each manufacturer, with a module for each family."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Documentation: what ``say`` has to tell of the parts of a device, as comments in Markdown for rustdoc."""
+"""Documentation: the sentences of ``say`` on the parts of a device, as comments in Markdown for rustdoc."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LIST = re.compile(r"^(\s*\d*)([-+#>.)])", re.MULTILINE)
 
 
 def markdown(text: str) -> str:
-    """Text of a spec as text in Markdown."""
+    """Return text of a spec as text in Markdown."""
     return _MARKUP.sub(r"\\\g<0>", text)
 
 
@@ -28,7 +28,7 @@ _STYLE = Style(
 
 
 def doc(items: Iterable[Said | str] | Said, indent: int = 0, mark: str = "///") -> str:
-    """Statements as a comment for rustdoc, each a paragraph."""
+    """Return statements as a comment for rustdoc, each a paragraph."""
     lead = f"{' ' * indent}{mark} "
     said = [items] if isinstance(items, Said) else items
     texts = [_STYLE.sentence(item) if isinstance(item, Said) else item for item in said]
@@ -37,16 +37,16 @@ def doc(items: Iterable[Said | str] | Said, indent: int = 0, mark: str = "///") 
 
 
 def frame_text(device: Device, interface: Interface, item: Layout) -> list[Said]:
-    """What a frame is, and what has to be known of it."""
+    """Return the description of a frame."""
     return [layout.head(interface, item, name.title(item)), *layout.layout(device, interface, item)]
 
 
 def register_text(device: Device, item: Register) -> list[Said]:
-    """What a register is, and what has to be known of it."""
+    """Return the description of a register."""
     return [register.head(device, item, name.title(item)), *register.register(device, item)]
 
 
 def field_text(device: Device, owner: Layout, item: Field) -> list[str]:
-    """Where a field stands, and what it means, in one paragraph."""
+    """Return place and meaning of a field, in one paragraph."""
     text = _STYLE.paragraph([Said(tuple(place.field_place(owner, item))), *field.field(device, item)])
     return [text[0].upper() + text[1:]]

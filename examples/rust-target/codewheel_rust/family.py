@@ -1,4 +1,4 @@
-"""A family as the templates see it: the plan of its parts, and the name that each has in Rust."""
+"""A family for the templates: the plan of its parts, and the name of each in Rust."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Struct:
 
     @property
     def read(self) -> dict[str, Bits]:
-        """The fields whose bits the decoder works with, by name; constants in bytes are looked at byte by byte."""
+        """Return the fields whose bits the decoder needs, by name. Constants in bytes are checked byte by byte."""
         found = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
         for check in self.codec.checks:
             if not isinstance(check, AlwaysIs) or self.codec.by_word:
@@ -51,20 +51,20 @@ class Struct:
 
     @property
     def sent(self) -> list[Term]:
-        """What is encoded as a number: all but zeros, the CRC, and texts that are copied; parity bits last."""
+        """Return the fields encoded as numbers, without zeros, the CRC and copied texts. Parity bits are last."""
         found = [item for item in self.codec.terms if item.value != Fixed(0) and not characters(item.field)]
         return sorted(found, key=lambda term: isinstance(term.value, ParityOf))
 
     def type_of(self, field: Field) -> str:
-        """The type of a member."""
+        """Return the type of a member."""
         return self.enums[field.name].name if field.name in self.enums else type_of(field)
 
     def allows(self, field: Field, values: Iterable[int]) -> bool:
-        """Whether the type of a member alone keeps out every other value."""
+        """Return whether the type of a member already excludes every other value."""
         return field.name in self.enums and {item.value for item in field.values} == set(values)
 
     def too_wide(self) -> Iterator[str]:
-        """What would have to fit into a word, and does not."""
+        """Yield the layouts that must fit into a word, but do not."""
         if self.codec.by_word and self.layout.widest > WORD:
             yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
         for field in self.layout.fields:
@@ -73,7 +73,7 @@ class Struct:
 
 
 class Family:
-    """The types, functions and constants of a family; ``problems`` tells which it cannot have."""
+    """Types, functions and constants of a family. ``problems`` lists those that it cannot have."""
 
     def __init__(self, device: Device) -> None:
         self.device, self._scopes, self._wide = device, list[Names](), list[TargetProblem]()
@@ -103,7 +103,7 @@ class Family:
         return self._scopes[-1]
 
     def _frame(self, interface: Interface, layout: Layout) -> Struct:
-        """Frames share the type of a choice that has the same values in all frames of the interface."""
+        """Return the types of a frame. Frames of an interface share the type of a choice with the same values."""
         others = [field for other in interface.layouts for field in other.data_fields]
         owners = {}
         for field in layout.data_fields:
@@ -133,10 +133,10 @@ class Family:
             methods.give(snake(name), *place)
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
         for wrong in struct.too_wide():
-            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{wrong}; {WORD} is the most in Rust"))
+            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{wrong}. Rust allows at most {WORD}"))
         return struct
 
 
 def crc_name(item: CrcFunction) -> str:
-    """What the function for a CRC is called."""
+    """Return the name of the function for a CRC."""
     return f"crc_{item.crc.name}" if item.alone else f"crc_{item.crc.name}_{item.carrier.value}"

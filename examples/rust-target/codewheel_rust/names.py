@@ -1,4 +1,4 @@
-"""Names as Rust wants them, and what cannot be a name."""
+"""Names by the rules of Rust, and words that cannot be names."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ from codewheel.targets import TargetProblem
 
 Place = tuple[str, ...]
 
-#: The words of Rust that are no names.
+#: Reserved words of Rust.
 KEYWORDS = frozenset(
     "abstract as async await become box break const continue crate do dyn else enum extern false final fn for if impl"
     " in let loop macro match mod move mut override priv pub ref return self static struct super trait true try type"
     " typeof unsafe unsized use virtual where while yield".split()
 )
-#: What every module has at its top, or takes for granted.
+#: Names that every module declares or relies on.
 OF_MODULE = tuple("Crc Err Fault Interface None Ok Option OrderCode Result Some Variant".split())
-#: What every type of a frame or register has.
+#: Names that every type of a frame or register has.
 OF_STRUCT = ("bits", "decode", "encode")
 
 
 def snake(name: str) -> str:
-    """The name of a module, member or function; no name in a spec ends in an underscore."""
+    """Return the name of a module, member or function. A name in a spec never ends in an underscore."""
     return f"{name}_" if name in KEYWORDS else name
 
 
 def pascal(name: str) -> str:
-    """The name of a type or of one of its values."""
+    """Return the name of a type or of one of its values."""
     text = "".join(part[0].upper() + part[1:] for part in name.split("_"))
     return "Itself" if text == "Self" else text
 
 
 def constant(text: str) -> str:
-    """The name of a constant, of any text: ``AMM5A17/1BG1`` as ``AMM5A17_1BG1``."""
+    """Return the name of a constant for any text: ``AMM5A17_1BG1`` for ``AMM5A17/1BG1``."""
     name = re.sub(r"[^A-Z0-9]+", "_", text.upper()).strip("_")
     return name if name[:1].isalpha() else f"N{name}"
 
 
 class Names:
-    """Gives out the names of one scope; one that is given out twice is a problem of the spec."""
+    """The names of one scope. A name that is given out twice is a problem of the spec."""
 
     def __init__(self, device: Device, taken: tuple[str, ...] = ()) -> None:
         self._device = device
@@ -50,7 +50,7 @@ class Names:
         if name in self._places:
             other = self._places[name]
             where = "something on line {line}" if other else "something that every module has"
-            wrong = f"this would be called {name} in Rust, as {where}; rename it"
+            wrong = f"this would be called {name} in Rust, as {where}. Rename it"
             self.problems.append(TargetProblem(self._device, "rust-name", place, wrong, other))
         self._places.setdefault(name, place)
         return name

@@ -1,4 +1,4 @@
-"""Types, numbers and expressions as Rust writes them."""
+"""Types, numbers and expressions in Rust."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .names import snake
 
 
 def unsigned(bits: int, least: int = 8) -> str:
-    """The type of a number of so many bits."""
+    """Return the unsigned type for a number of bits."""
     return f"u{next(size for size in (8, 16, 32, 64, 128) if size >= max(bits, least))}"
 
 
 def type_of(field: Field) -> str:
-    """The type of a member; that of a choice has a name of its own."""
+    """Return the type of a member. A choice has its own type."""
     match field.kind:
         case Number(signed=True):
             return unsigned(field.widest).replace("u", "i")
@@ -35,56 +35,56 @@ def type_of(field: Field) -> str:
 
 
 def type_of_parameter(item: Parameter) -> str:
-    """The type of a parameter: ``u32``, in which places and widths are worked out, unless it is larger."""
+    """Return the type of a parameter: ``u32``, which is used for places and widths, unless it is larger."""
     return unsigned(item.largest.bit_length(), 32)
 
 
 def fills(field: Field, type_: str) -> bool:
-    """Whether every number of a type fits into a field."""
+    """Return whether every number of a type fits into a field."""
     return field.width == Expression(int(type_[1:]))
 
 
 def hexadecimal(number: int) -> str:
-    """A number in hexadecimal, if it has several digits."""
+    """Return a number in hexadecimal, if it has several digits."""
     return f"0x{number:X}" if number > 9 else f"{number}"
 
 
 def pattern(numbers: Collection[int]) -> str:
-    """Spell a pattern that matches these numbers, as a range where they are three or more in a row."""
+    """Return a pattern that matches these numbers, with a range for three or more in a row."""
     low, high = min(numbers), max(numbers)
     return f"{low}..={high}" if 1 < high - low == len(numbers) - 1 else " | ".join(map(str, numbers))
 
 
 def quoted(text: str) -> str:
-    """A literal of text on one line."""
+    """Return a literal of text on one line."""
     return json.dumps(plain(text), ensure_ascii=False)
 
 
 def widened(value: str, type_: str) -> str:
-    """A number of this type in 64 bits."""
+    """Return a number of this type in 64 bits."""
     return value if type_[1:] == "64" else f"{type_[0]}64::from({value})"
 
 
 def narrowed(value: str, type_: str) -> str:
-    """A number of 64 bits in this type, which is large enough."""
+    """Return a number of 64 bits in this type, which is large enough."""
     return value if type_[1:] == "64" else f"{value} as {type_}"
 
 
 def byte_of(piece: Piece) -> str:
-    """The bits of a piece in its byte."""
+    """Return the bits of a piece in its byte."""
     byte = f"bytes[{piece.byte}] >> {piece.right}" if piece.right else f"bytes[{piece.byte}]"
     masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.right else f"{byte} & {hexadecimal(piece.mask)}"
     return byte if piece.mask == 0xFF >> piece.right else masked
 
 
 def taken(pieces: Iterable[Piece]) -> str:
-    """What the bits of these pieces of ``bytes`` are together."""
+    """Return the bits of these pieces of ``bytes`` as one number."""
     parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
     return " | ".join(f"({part} << {left})" if left else part for part, left in parts) or "0_u64"
 
 
 def put_byte(piece: Piece, raw: str) -> str:
-    """What a piece of a number, which fits, gives to its byte."""
+    """Return the contribution of a piece of a number, which fits, to its byte."""
     part = f"({raw} >> {piece.left}) as u8" if piece.left else f"{raw} as u8"
     if piece.mask != 0xFF >> piece.right:
         part = f"{part} & {hexadecimal(piece.mask)}"
@@ -96,19 +96,19 @@ NUMBERS = (fills, hexadecimal, narrowed, pattern, quoted, type_of_parameter, uns
 
 
 class Scope:
-    """Spells expressions over the parameters of ``variant``."""
+    """Spelling of expressions over the parameters of ``variant``."""
 
     def __init__(self, device: Device) -> None:
         self._parameters = {item.name: item for item in device.parameters}
 
     def parameter(self, name: str) -> str:
-        """A parameter as it is; one that the user has to decide on is asked for."""
+        """Return a parameter. One that the user must decide on is asked for."""
         asked = self._parameters[name].alternative
         call = "" if self._parameters[name].equals is None else "()"
         return f"variant.{snake(name)}{call}" + (f'.ok_or(Fault::Undecided("{asked}"))?' if asked else "")
 
     def expression(self, item: Expression, type_: str = "u32") -> str:
-        """An expression in a type that holds it; what is subtracted comes last."""
+        """Return an expression in a type that can hold it, with subtractions last."""
         alone = item.constant == 0 and len(item.terms) == 1 and not item.terms[0].is_product
         plus = [self._term(term, type_, alone) for term in item.terms if term.sign > 0]
         minus = [self._term(term, type_, False) for term in item.terms if term.sign < 0]

@@ -1,4 +1,4 @@
-// What scrolls by itself can be reached by the keyboard, and nothing else is a stop on the way.
+// Makes boxes that scroll reachable by the keyboard, and only those.
 (function () {
   "use strict";
   function mark() {

@@ -1,0 +1,108 @@
+"""The English of all texts: phrases to avoid, and densities of patterns, by english_words.py."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from english_texts import Text, texts
+from english_words import DENSITIES, phrases
+
+ROOT = Path(__file__).parents[2]
+#: Texts of one kind, whose density is measured together.
+PLACES = {
+    "pages": ["*.md", "docs/*.md", "docs/site/*.md", ".github/*.md", ".github/*/*.yml", "examples/**/*.md"],
+    "generated pages": ["generated/*/*.md", "generated/docs/*/*.md", "templates/docs/*", "templates/biss/*"],
+    "C": ["generated/c/**/*.[ch]", "templates/c/*", "templates/browser/*"],
+    "generated Python": ["generated/python/**/*.py", "templates/python/*"],
+    "generator": ["generator/**/*.py"],
+    "scripts": ["docs/**/*.py", "benchmarks/**/*.py", "examples/**/*.py", ".ci/*.py", "Makefile", "pyproject.toml"],
+    "specs": ["specs/**/*.yaml", "docs/example/**/*.yaml"],
+    "schemas": ["generator/**/*.json"],
+}
+#: Fewer words say little about a density.
+ENOUGH_WORDS = 5_000
+
+
+def files(root: Path, place: str) -> list[Path]:
+    return sorted({path for pattern in PLACES[place] for path in root.glob(pattern) if path.is_file()})
+
+
+def once(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
+    """Yield the texts of the files, each only the first time that it comes."""
+    seen = set()
+    for path in paths:
+        for text in texts(path):
+            if text.words not in seen:
+                seen.add(text.words)
+                yield path, text
+
+
+def findings(root: Path, path: Path, text: Text) -> Iterator[str]:
+    name = path.relative_to(root).as_posix()
+    for offset, phrase, better in phrases(name, text.words):
+        line = text.line + text.words.count("\n", 0, offset)
+        yield f"{name}:{line}: '{phrase}': better {better}"
+
+
+def statements(text: str) -> str:
+    """Return a text without its questions."""
+    return re.sub(r"[^.!?:|]*\?(?=\s|$)", "", text)
+
+
+def densities(found: list[Text]) -> tuple[int, dict[str, float]]:
+    """Return the number of words and, for each pattern, how often it comes per 1,000 words."""
+    prose = [statements(text.words).lower() for text in found if not text.heading]
+    words = sum(len(re.findall(r"[a-z][a-z'-]*", text)) for text in prose)
+    return words, {
+        name: 1000 * sum(len(pattern.findall(text)) for text in prose) / max(words, 1)
+        for name, (pattern, _) in DENSITIES.items()
+    }
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_texts_avoid_the_phrases_and_patterns(place: str) -> None:
+    found = list(once(files(ROOT, place)))
+    lines = [line for path, text in found for line in findings(ROOT, path, text)]
+    words, measured = densities([text for _, text in found])
+    if words >= ENOUGH_WORDS:
+        lines += [
+            f"{place}: {measured[name]:.2f} times a {name} per 1,000 words, at most {most}"
+            for name, (_, most) in DENSITIES.items()
+            if measured[name] > most
+        ]
+    assert not lines, f"{len(lines)} findings:\n" + "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "line", "phrase"),
+    [
+        ("page.md", "# A page\n\nThe manual\nof the maker.\n", 4, "maker"),
+        ("header.h", "int a;\n/* A position that\n * counts on. */\n", 2, "that counts on"),
+        ("module.py", 'def f():\n    """Return it.\n\n    A sound frame.\n    """\n', 4, "sound frame"),
+        ("command.py", 'def f():\n    print(f"the CRC of {f} has to be zero")\n', 2, "has to be"),
+        ("spec.yaml", "meaning: >-\n  The bit is\n  low active.\n", 3, "low active"),
+    ],
+)
+def test_a_planted_phrase_is_found(tmp_path: Path, name: str, source: str, line: int, phrase: str) -> None:
+    planted = tmp_path / name
+    planted.write_text(source, encoding="utf-8")
+    found = [finding for text in texts(planted) for finding in findings(tmp_path, planted, text)]
+    assert [finding.split(": better")[0] for finding in found] == [f"{name}:{line}: '{phrase}'"]
+
+
+def test_what_a_manual_prints_is_a_quotation(tmp_path: Path) -> None:
+    (tmp_path / "spec.yaml").write_text("printed: the bit is low active\nwhy: 'Printed \"is low active\" there.'\n")
+    (tmp_path / "page.md").write_text('The manual has "low active", as in `low active`.\n')
+    assert [
+        finding for path in tmp_path.iterdir() for text in texts(path) for finding in findings(tmp_path, path, text)
+    ] == []
+
+
+def test_densities_leave_out_headings_questions_and_code() -> None:
+    found = [Text(1, "# What it is", heading=True), Text(3, "What is it? It is ····. What it is; that is said.")]
+    words, measured = densities(found)
+    assert words == 8
+    assert measured == {"headless what/where/whether clause": 125, "told/said": 125, "stands": 0, "semicolon": 125}
