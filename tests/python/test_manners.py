@@ -25,7 +25,7 @@ SCREEN = 40
 
 
 #: Modules that belong to no family.
-SHARED = {"biss", "build_helper"}
+SHARED = {"biss"}
 
 
 def modules(files: Mapping[str, str]) -> dict[str, str]:

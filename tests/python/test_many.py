@@ -172,6 +172,22 @@ def test_nothing_happens_between_chunks(families: dict[str, Family], count: int)
     assert table["multiturn"].tolist() == [42] * count
 
 
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 2_047, 2_048, 2_049, 10_000])
+def test_rows_of_every_count(families: dict[str, Family], count: int) -> None:
+    """Rows are read eight bytes at a time, so the last ones are read differently."""
+    amm5 = families["amm5"].module
+    serial = amm5.lookup("AMM5A23/65KJP1")
+    for kind in (amm5.DataRequest, amm5.SingleturnReply, amm5.CompleteReply):
+        table = kind.decode_many([], *([serial] if "variant" in kind._fields else []))
+        assert table.fault.size == 0
+    rows = numpy.frombuffer(bytes.fromhex("02 00 C7 D1 6A 7E") * count, numpy.uint8).reshape(-1, 6)
+    table = serial.decode_many(rows, amm5.SingleturnReply)
+    assert not table.fault.any()
+    assert (table["singleturn"] == 7000519).all()
+    every_other = numpy.repeat(rows, 2, 0)[::2]
+    assert (serial.decode_many(every_other, amm5.SingleturnReply)["singleturn"] == 7000519).all()
+
+
 def test_numbers_of_any_kind(families: dict[str, Family]) -> None:
     """What would overflow, or stand for something else, is refused; what is the same number is taken."""
     encoder = families["amm5"].module.lookup("AMM5A17/1BG1")

@@ -90,7 +90,6 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
     own = library.own_templates
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
     files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
-    files[f"{package}/_helper.c"] = TEMPLATES.render("_helper.c.jinja", values, own)
     files[f"{package}/py.typed"] = ""
     for folder in FOLDERS:
         files[f"{package}/{folder}/__init__.py"] = TEMPLATES.render(
@@ -135,7 +134,6 @@ def _markdown(text: str) -> str:
 TEMPLATES = Templates(
     our_templates("python"),
     values={
-        "_helper.c.jinja": Package,
         "device.py.jinja": Family,
         "facts.py.jinja": Family,
         "folder.py.jinja": Folder,

@@ -60,8 +60,8 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 
 #: What the package's modules are called that hold no device.
 SHARED = tuple(
-    """__main__ _arrow _codec _codes _encoder _facts _helper _input _loops _make _many _order_codes _registers _reports
-    _run _shape _sinks _sources _steps _stream _table _text _why build_helper""".split()
+    """__main__ _arrow _codec _codes _encoder _facts _input _make _many _order_codes _registers _reports _run _shape
+    _sinks _sources _steps _stream _table _text _why""".split()
 )
 #: The folders for what is loaded only when it is asked for, with a module for each device.
 FOLDERS = ("facts", "_shapes")
