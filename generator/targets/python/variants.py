@@ -52,8 +52,22 @@ class FrameKind:
         return [(item.name, item.about) for item in self.asked]
 
     @property
+    def arguments(self) -> list[tuple[str, str]]:
+        """Arguments of ``decode``, with their descriptions."""
+        if self.in_bytes:
+            return [("frame", "Bytes of the frame, in the order of transmission."), *self.listed]
+        frame = "Frame as a number whose most significant bit was sent first, or as a text of 0 and 1."
+        bits = "Number of bits received, if known. A number alone does not show whether bits are missing."
+        return [("frame", frame), ("bits", bits), *self.listed]
+
+    @property
+    def returned(self) -> str:
+        """Description of the value that ``decode`` returns."""
+        return "The frame. Check its ``verdict`` before you use the position." if self.judged else "The frame."
+
+    @property
     def judged(self) -> bool:
-        """Whether any of its frames tells what its position is worth."""
+        """True if any of the frames has a verdict."""
         return self.coder.reports is not None and bool(self.coder.reports.otherwise)
 
 
