@@ -36,7 +36,7 @@ class Measured(NamedTuple):
     def __str__(self) -> str:
         each = self.seconds / max(self.frames, 1) * 1e9
         return (
-            f"{self.frames:,} frames, {self.damaged:,} with a fault, in {self.seconds:.1f} s: {each:.0f} ns a frame; "
+            f"{self.frames:,} frames, {self.damaged:,} with an error, in {self.seconds:.1f} s: {each:.0f} ns a frame; "
             f"peak {self.peak_mb:.0f} MB; Parquet of {self.written_mb:.0f} MB"
         )
 
@@ -98,7 +98,7 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
     try:
         write(source, block, size, (encoder.frame_bits + 7) // 8)
         done = run(package, code, str(source), "-o", str(target))
-        told = re.match(r"(\d+) frames.*?, (\d+) with a crc fault", done.said)
+        told = re.match(r"(\d+) frames.*?, (\d+) with a CRC error", done.said)
         assert told is not None, done.said
         return Measured(int(told[1]), int(told[2]), done.seconds, done.peak_mb, target.stat().st_size / 1e6)
     finally:

@@ -186,7 +186,7 @@ def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, wrong: Any) ->
         lambda: amm5.decode_reply(reply.encode(), encoder, eeprom_address=wrong),
         lambda: encoder.decode(reply.encode(), eeprom_address=wrong),
     ):
-        with pytest.raises(TypeError, match=r"^.*expected EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT, got .*: the manual leaves this open$"):
+        with pytest.raises(TypeError, match=r"expected EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT, got"):
             call()
     # Nor do what is no sound frame, and frames that do not depend on it.
     for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):

@@ -300,7 +300,7 @@ def test_what_is_no_number_is_not_encoded(lika: Any, wrong: Any) -> None:
         lambda: lika.biss.encode_byte(wrong),
         lambda: encoder.unwrap(0, wrong),
     ):
-        with pytest.raises(TypeError, match="must be an integer, got "):
+        with pytest.raises(TypeError, match=r"must be an integer( or an object of [\w.]+)?, got "):
             call()
 
 
@@ -447,7 +447,9 @@ def test_every_procedure_takes_the_encoder(lika: Any, devices: Mapping[str, Devi
 def test_a_label_without_end_is_refused_at_once(lika: Any, wrong: str) -> None:
     for find in (lika.lookup, lika.amm5.lookup, lika.am36.lookup):
         begin = time.monotonic()
-        with pytest.raises(lika.OrderCodeError, match="is not an order code: it has .* characters, more than the 100 of any label") as caught:
+        with pytest.raises(
+            lika.OrderCodeError, match=r"is not an order code: it has \d+ characters, more than"
+        ) as caught:
             find(wrong)
         assert time.monotonic() - begin < 0.5
         assert len(str(caught.value)) < 200
@@ -602,7 +604,7 @@ def test_the_first_example_prints_no_position_of_a_frame_with_an_error(
 ) -> None:
     readme = (generated_python[0] / "README.md").read_text(encoding="utf-8")
     assert readme.index("pip install") < readme.index("```python") < readme.index("| `frame.verdict` |")
-    assert "**Nothing of it has been tried on an encoder.**" in readme[: readme.index("pip install")]
+    assert "**Not yet tested on hardware.**" in readme[: readme.index("pip install")]
     block = readme.split("```python\n")[1].partition("```")[0]
     code = "\n".join(line[4:] for line in block.splitlines() if line.startswith((">>> ", "... ")))
     exec(code, {})

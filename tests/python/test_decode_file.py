@@ -250,7 +250,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "options", "code", "said"),
     [
-        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte follows"),
+        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
         ("it.csv", b"word\nxyz\n0x1\nzyx\n", [], 1, "it.csv, line 2: 'xyz' is not a hexadecimal number"),
         ("it.csv", b"word\n17\n", [], 1, "it.csv, line 2: '17' can be decimal or hexadecimal; choose the digits"),
@@ -330,7 +330,8 @@ def test_help_is_80_wide(decode: Command) -> None:
     done = decode("--help")
     assert done.code == 0
     assert max(map(len, done.out.splitlines())) <= 80
-    assert all(word in done.out for word in ("exit codes:\n  0    success\n", "--columns", "--interface", "--force", "--limit"))
+    assert "\nexit codes:\n  0    success\n" in done.out
+    assert all(word in done.out for word in ("--columns", "--interface", "--force", "--limit"))
 
 
 # What nobody would write
@@ -504,7 +505,7 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     ):
         with pytest.raises(ValueError, match=said):
             lika.decode_partition(wrong, encoder, "word")
-    with pytest.raises(TypeError, match="got list$"):
+    with pytest.raises(TypeError, match=r"got list$"):
         lika.decode_partition([1], encoder)
 
 
