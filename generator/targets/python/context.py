@@ -1,4 +1,4 @@
-"""The names in a device module. All parts of the module take them from here."""
+"""The names in a device module. All parts of the module use them."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
 
 
 def _entry(name: str, text: str, pad: str) -> str:
-    """Return an entry of a block; further lines of a named one are indented."""
+    """Return an entry of a block. Further lines of a named entry are indented."""
     start = f"{pad}    {name}: " if name else f"{pad}    "
     return wrapped(_in_docstring(text), WIDTH, f"{pad}        " if name else start, start)
 

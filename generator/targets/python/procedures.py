@@ -112,11 +112,11 @@ class Steps:
         return attribute(argument.name, PROCEDURE_NAMES)
 
     def type(self, given: Given) -> str:
-        """The type of an argument: a register of several fields is given as an object or as one number."""
+        """Return the type of an argument. A register of several fields is passed as an object or as one number."""
         return f"{self.context.registers[given.argument.of]} | int" if self.is_object(given) else "int"
 
     def is_object(self, given: Given) -> bool:
-        """Whether an object of the register's class is taken as well as a number."""
+        """Return whether an argument accepts an object of the register's class, in addition to a number."""
         taken = {item.register.name for item in given.written if isinstance(item.value, AsNumber)}
         return given.argument.of in taken
 
