@@ -239,41 +239,11 @@ def many() -> Candidates:
     }
     by_c = compiled(words)
     found |= {"our C header, -O3 -march=native, BiSS": by_c} if by_c is not None else {}
-    for kind, native in (("portable", False), ("native", True)):
-        found |= helped({name: call for name, call in found.items() if "ours: decode_many" in name}, kind, native)
     return {
         **found,
         "ours: encode_many, BiSS": lambda: encoder.encode_many({"position": positions}),
         "ours: table.unwrapped": table.unwrapped,
     }
-
-
-def helped(calls: Candidates, kind: str, native: bool) -> Candidates:
-    """Return the same with the compiled helper. If it cannot be built, print so and return no candidates."""
-    from lika_encoders import _many, use_helper
-    from lika_encoders._helper import HelperError
-    from lika_encoders.build_helper import build
-
-    library = Path(tempfile.mkdtemp(), "helper.so")
-    try:
-        use_helper(build(library, native))
-    except HelperError as error:
-        print(f"  left out: the compiled helper, {kind}: {error}")
-        return {}
-    loops = _many.HELPER
-    use_helper(off=True)
-
-    def with_loops(call: Callable[[], object]) -> Callable[[], object]:
-        def run() -> object:
-            _many.HELPER = loops
-            try:
-                return call()
-            finally:
-                _many.HELPER = None
-
-        return run
-
-    return {f"helper, {kind}: {name.partition(', ')[2]}": with_loops(call) for name, call in calls.items()}
 
 
 PROGRAM = """

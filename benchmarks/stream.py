@@ -98,7 +98,7 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
     try:
         write(source, block, size, (encoder.frame_bits + 7) // 8)
         done = run(package, code, str(source), "-o", str(target))
-        told = re.match(r"(\d+) frames.*?, (\d+) with a crc fault", done.said)
+        told = re.match(r"(\d+) frames.*?, (\d+) with a CRC error", done.said)
         assert told is not None, done.said
         return Measured(int(told[1]), int(told[2]), done.seconds, done.peak_mb, target.stat().st_size / 1e6)
     finally:

@@ -90,7 +90,6 @@ ELSEWHERE = {
         "html: ": "tests/browser/test_browser_page.py::test_a_box_has_the_order_code_of_its_element",
     },
     "generated/python/README.md": {
-        ": python -m lika_encoders.build_helper": "tests/python/test_helper.py::test_the_command_of_the_readme",
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
         "python: import": "tests/verify/test_stream.py::test_the_readme_of_an_engine",
     },

@@ -186,7 +186,7 @@ def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, wrong: Any) ->
         lambda: amm5.decode_reply(reply.encode(), encoder, eeprom_address=wrong),
         lambda: encoder.decode(reply.encode(), eeprom_address=wrong),
     ):
-        with pytest.raises(TypeError, match=r"say EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT"):
+        with pytest.raises(TypeError, match=r"expected EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT, got"):
             call()
     # Nor do what is no sound frame, and frames that do not depend on it.
     for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):
@@ -244,11 +244,11 @@ def test_published_single_cycles(
 @pytest.mark.parametrize(
     ("label", "part", "words"),
     [
-        ("AMM5A19/65KSC1", "singleturn", "has singleturn '19'; valid are 17, 21, 23"),
-        ("AMM5C21/65KSC1", "mount", "has mount 'C'; valid are A, B"),
-        ("AMM5A21/65KSC2", "interface", "has interface 'SC2'; valid are BG1, SC1, JP1"),
+        ("AMM5A19/65KSC1", "singleturn", "has singleturn '19'; valid values: 17, 21, 23"),
+        ("AMM5C21/65KSC1", "mount", "has mount 'C'; valid values: A, B"),
+        ("AMM5A21/65KSC2", "interface", "has interface 'SC2'; valid values: BG1, SC1, JP1"),
         ("AMM5A/65KSC1", "singleturn", "has no singleturn"),
-        ("nonsense", "", "is no order code of"),
+        ("nonsense", "", "'NONSENSE' is not an order code of"),
     ],
 )
 def test_unknown_order_codes(lika: Any, label: str, part: str, words: str) -> None:
@@ -302,7 +302,7 @@ def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
     for call in wrong:
         with pytest.raises(lika.RangeError):
             call()
-    with pytest.raises(ValueError, match="BISS is needed"):
+    with pytest.raises(ValueError, match="has the interface RS-485, but this needs BiSS"):
         amm5.set_preset(rs485, 1)
 
 

@@ -101,7 +101,7 @@ def test_every_way_in(decode: Command, tmp_path: Path, name: str, content: bytes
     assert [row["position"] for row in found] == [str(POSITION), "", ""]
     assert (found[0]["multiturn"], found[0]["singleturn"], found[0]["position"]) == ("42", "1821973", str(POSITION))
     assert [row["error"] for row in found] == ["false", "false", "true"]
-    summary = "3 frames, 2 sound, 1 with a crc fault; of the sound ones 1 not usable, 1 usable\n"
+    summary = "3 frames, 2 valid (1 not usable, 1 usable), 1 with a CRC error\n"
     assert done.err == summary
 
 
@@ -149,8 +149,8 @@ def test_frames_that_follow_a_register(
     (tmp_path / "it.bin").write_bytes(packed([frame.encode()], 5))
     done = decode("AM3616/4096-I7", "it.bin", "--register", "0x56=0x10")
     assert (rows(done.out)[0]["multiturn"], rows(done.out)[0]["singleturn"]) == ("42", "77")
-    assert "offset 0: 0 whole frames of 6 bytes" in decode("AM3616/4096-I7", "it.bin").err
-    assert "no register changes the frames" in decode(CODE, "it.bin", "--register", "0x56=1").err
+    assert "offset 0: 0 complete frames of 6 bytes" in decode("AM3616/4096-I7", "it.bin").err
+    assert f"no register affects the frames of {CODE}" in decode(CODE, "it.bin", "--register", "0x56=1").err
 
 
 def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
@@ -159,10 +159,10 @@ def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
     arguments = ("AMM5A23/65KJP1", "it.bin", "--layout", "eeprom_read_request")
     done = decode(*arguments)
     assert done.code == 2
-    assert "it has to be as_printed or as_t_format" in done.err
+    assert "choose as_printed or as_t_format" in done.err
     assert rows(decode(*arguments, "--choose", "eeprom_address=as_printed").out)[0]["address"] == "5"
     assert rows(decode(*arguments, "--choose", "eeprom_address=as_t_format").out)[0]["address"] == "10"
-    assert "asks for no 'other'" in decode(*arguments, "--choose", "other=x").err
+    assert "does not take an answer 'other'" in decode(*arguments, "--choose", "other=x").err
 
 
 def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> N
         (tmp_path / "it.bin").write_bytes(packed([word], 5))
         done = decode("ASC8525/SC1", "it.bin")
         assert done.code == 2
-        assert "it has to be as_printed or left_out" in done.err
+        assert "choose as_printed or left_out" in done.err
         (row,) = rows(decode("ASC8525/SC1", "it.bin", "--choose", f"zero_bit={answer}").out)
         assert (row["position"], row["fault"]) == ("1", "none")
 
@@ -185,7 +185,7 @@ def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
     for name in ("it.parquet", "it.arrow", "it.csv"):
         done = decode(CODE, "it.bin", "-o", name, "--max-errors", "100")
         assert (done.code, done.err) == (0, "")
-        assert done.out == "45 frames, 15 sound, 30 with a crc fault; of the sound ones 15 usable\n"
+        assert done.out == "45 frames, 15 valid (15 usable), 30 with a CRC error\n"
     parquet = pyarrow.parquet.read_table(tmp_path / "it.parquet")
     assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().cast(parquet.schema) == parquet
     text = rows((tmp_path / "it.csv").read_text())
@@ -232,14 +232,14 @@ def test_columns_that_are_asked_for(decode: Command, tmp_path: Path) -> None:
     assert pyarrow.parquet.read_table(tmp_path / "it.parquet").to_pydict() == {"error": [False]}
     done = decode(CODE, "it.bin", "--columns", "speed")
     assert done.code == 2
-    assert "no column 'speed'; there are singleturn, multiturn" in done.err
+    assert "no column 'speed'; the columns are singleturn, multiturn" in done.err
 
 
 def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
     for name in ("it.bin", "it.csv"):
         (tmp_path / name).write_bytes(b"")
         for out in ("it.parquet", "it.arrow", "none.csv"):
-            assert decode(CODE, name, "-o", out, "--force").out == "0 frames, 0 sound\n"
+            assert decode(CODE, name, "-o", out, "--force").out == "0 frames, 0 valid\n"
     assert pyarrow.parquet.read_table(tmp_path / "it.parquet").num_rows == 0
     assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().num_rows == 0
 
@@ -250,26 +250,26 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "options", "code", "said"),
     [
-        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 whole frames of 6 bytes end here, and 1 more byte follows"),
-        ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 whole frames of 8 bytes end here"),
-        ("it.csv", b"word\nxyz\n0x1\nzyx\n", [], 1, "it.csv, line 2: 'xyz' is no hexadecimal number"),
-        ("it.csv", b"word\n17\n", [], 1, "it.csv, line 2: '17' may be decimal or hexadecimal; say which digits"),
-        ("it.csv", b"word\n1f\n", ["--digits", "decimal"], 1, "line 2: '1f' is no decimal number"),
-        ("it.csv", b"a,b\n1,0x2\n", [], 1, "say which column has the frames; there are 'a', 'b'"),
-        ("it.csv", b"a,b\n1,0x2\n", ["--column", "c"], 1, "there is no column 'c'; there are 'a', 'b'"),
-        ("it.csv", b"a,b\n1,0x2\n", ["--column", "3"], 1, "there is no column '3'"),
-        ("it.csv", b"x" * (1 << 21), [], 1, "a line of more than 1048576 characters: this is no CSV file"),
+        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
+        ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
+        ("it.csv", b"word\nxyz\n0x1\nzyx\n", [], 1, "it.csv, line 2: 'xyz' is not a hexadecimal number"),
+        ("it.csv", b"word\n17\n", [], 1, "it.csv, line 2: '17' can be decimal or hexadecimal; choose the digits"),
+        ("it.csv", b"word\n1f\n", ["--digits", "decimal"], 1, "line 2: '1f' is not a decimal number"),
+        ("it.csv", b"a,b\n1,0x2\n", [], 1, "choose the column with the frames; the columns are 'a', 'b'"),
+        ("it.csv", b"a,b\n1,0x2\n", ["--column", "c"], 1, "line 1: no column 'c'; the columns are 'a', 'b'"),
+        ("it.csv", b"a,b\n1,0x2\n", ["--column", "3"], 1, "line 1: no column '3'"),
+        ("it.csv", b"x" * (1 << 21), [], 1, "a line has more than 1048576 characters: this is not a CSV file"),
         ("it.csv", b'word\n"' + b"0x1\n" * 100_000, [], 1, "field larger than field limit"),
-        ("it.parquet", b"PAR1 no more", [], 1, "it.parquet: this is no sound Parquet file"),
-        ("it.parquet", b"", [], 1, "it.parquet: this is no sound Parquet file"),
+        ("it.parquet", b"PAR1 no more", [], 1, "it.parquet: this is not a valid Parquet file"),
+        ("it.parquet", b"", [], 1, "it.parquet: this is not a valid Parquet file"),
         ("it.bin", b"", ["--limit", "-1"], 2, "argument --limit: invalid count value: '-1'"),
         ("it.bin", b"", ["--register", "0x56"], 2, "invalid ADDRESS=BYTE value: '0x56'"),
         ("it.bin", b"", ["--choose", "x"], 2, "invalid NAME=ANSWER value: 'x'"),
-        ("it.bin", b"", ["--interface", "rs485"], 2, "AMM5A21/65KSC1 is connected by biss, not by rs485"),
+        ("it.bin", b"", ["--interface", "rs485"], 2, "AMM5A21/65KSC1 has the interface BiSS, not RS-485"),
         ("it.bin", b"", ["--layout", "nothing"], 2, "AMM5A21/65KSC1 has no frame 'nothing': single_cycle_data"),
-        ("it.bin", b"", ["--write", "parquet"], 2, "only CSV goes to standard output"),
-        ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is what is read; write into another file"),
-        ("it.bin", b"", ["-o", "."], 2, ". is no file that could be replaced"),
+        ("it.bin", b"", ["--write", "parquet"], 2, "standard output takes only CSV"),
+        ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is also the source; write to another file"),
+        ("it.bin", b"", ["-o", "."], 2, ". is not a regular file, so it cannot be replaced"),
         ("it.bin", b"", ["-o", "no/where.csv"], 1, ".part: No such file or directory"),
     ],
 )
@@ -288,7 +288,7 @@ def test_what_is_not_a_file_is_not_replaced(decode: Command, tmp_path: Path, nam
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "link to a pipe").symlink_to("pipe")
     done = decode(CODE, "it.bin", "-o", name, "--force")
-    assert (done.code, f"{name} is no file that could be replaced" in done.err) == (2, True), done.err
+    assert (done.code, f"{name} is not a regular file, so it cannot be replaced" in done.err) == (2, True), done.err
     assert (tmp_path / "pipe").is_fifo()
     assert (tmp_path / "link to a pipe").is_symlink()
 
@@ -300,7 +300,7 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
     (tmp_path / "it.csv").write_text("mine")
     done = decode(CODE, "it.bin", "-o", "it.csv")
     assert (done.code, (tmp_path / "it.csv").read_text()) == (2, "mine")
-    assert "it.csv is there already; force replaces it" in done.err
+    assert "it.csv already exists; use force to replace it" in done.err
     (tmp_path / "link.csv").symlink_to("it.csv")
     assert decode(CODE, "it.bin", "-o", "link.csv", "--force").code == 0
     assert (tmp_path / "link.csv").is_symlink()
@@ -308,29 +308,30 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
     (tmp_path / "it.bin").write_bytes(packed([GOOD]) + b"x")
     assert decode(CODE, "it.bin", "-o", "it.csv", "--force").code == 1
     assert str(POSITION) in (tmp_path / "it.csv").read_text()
-    assert decode(CODE, "it.bin", "-o", "it.csv", "--force", "--cut").out.startswith("1 frame, 1 sound")
+    assert decode(CODE, "it.bin", "-o", "it.csv", "--force", "--cut").out.startswith("1 frame, 1 valid (")
 
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
     for table, said in (
-        ({"word": [1.5]}, "column 'word': 1.5 is not a whole number"),
-        ({"word": [True]}, "column 'word': it has items of the type bool, not numbers, bytes or text"),
-        ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is no hexadecimal number"),
-        ({"a": [1], "b": [2]}, "say which column has the frames; there are 'a', 'b'"),
+        ({"word": [1.5]}, "column 'word': 1.5 is not an integer"),
+        ({"word": [True]}, "column 'word': expected numbers, bytes or text, got items of the type bool"),
+        ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is not a hexadecimal number"),
+        ({"a": [1], "b": [2]}, "choose the column with the frames; the columns are 'a', 'b'"),
     ):
         pyarrow.parquet.write_table(pyarrow.table(table), tmp_path / "it.parquet")
         done = decode(CODE, "it.parquet")
         assert (done.code, said in done.err) == (1, True), done.err
     pyarrow.parquet.write_table(pyarrow.table({"word": [1]}), tmp_path / "it.parquet")
     done = decode("AMM5A23/65KJP1", "it.parquet", "--layout", "singleturn_reply")
-    assert "it has numbers; the frames of this encoder are rows of 6 bytes" in done.err
+    assert "expected rows of 6 bytes, got numbers" in done.err
 
 
 def test_help_is_80_wide(decode: Command) -> None:
     done = decode("--help")
     assert done.code == 0
     assert max(map(len, done.out.splitlines())) <= 80
-    assert all(word in done.out for word in ("exit codes: 0 done", "--columns", "--interface", "--force", "--limit"))
+    assert "\nexit codes:\n  0    success\n" in done.out
+    assert all(word in done.out for word in ("--columns", "--interface", "--force", "--limit"))
 
 
 # What nobody would write
@@ -415,7 +416,7 @@ def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signa
     process.send_signal(which)
     out, err = process.communicate(timeout=60)
     assert (process.returncode, out) == (130, "")
-    assert err == "python -m lika_encoders: interrupted; nothing is written\n"
+    assert err == "python -m lika_encoders: interrupted; no file was written\n"
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"out.parquet": "mine"}
 
 
@@ -452,7 +453,7 @@ def test_standard_input_and_a_package_that_is_missing(start: Any, tmp_path: Path
     (tmp_path / "it.bin").write_bytes(packed([GOOD]))
     process = start(CODE, "it.bin", "-o", "out.parquet", cwd=tmp_path)
     _, err = process.communicate(timeout=60)
-    expected = "python -m lika_encoders: pyarrow is needed for this: pip install 'lika-encoders[parquet]'\n"
+    expected = "python -m lika_encoders: this needs pyarrow: pip install 'lika-encoders[parquet]'\n"
     assert (process.returncode, err) == (1, expected)
     assert not (tmp_path / "out.parquet").exists()
 
@@ -470,7 +471,7 @@ def test_a_bar_on_a_terminal_alone(start: Any, tmp_path: Path) -> None:
     assert "\r[" in shown
     assert "%" in shown
     assert shown.endswith("\r")
-    assert process.stdout.read().startswith("600000 frames, 600000 sound")
+    assert process.stdout.read().startswith("600000 frames, 600000 valid (600000 usable)")
 
 
 # Partitions
@@ -497,14 +498,14 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     replies = lika.decode_partition(texts, "AMM5A23/65KJP1", layout="singleturn_reply")
     assert replies["fault"].tolist() == ["none", "length"]
     for wrong, said in (
-        (table.append_column("position", [[1, 2, 3]]), "a column 'position' of its own"),
-        (pyarrow.table({"word": ["x"]}), "'x' is no hexadecimal number"),
-        (pandas.DataFrame({"word": [1.5]}), "1.5 is not a whole number"),
-        (pandas.DataFrame({"word": [True]}), "a frame is True; it has to be a whole number"),
+        (table.append_column("position", [[1, 2, 3]]), "already has a column 'position'"),
+        (pyarrow.table({"word": ["x"]}), "'x' is not a hexadecimal number"),
+        (pandas.DataFrame({"word": [1.5]}), "1.5 is not an integer"),
+        (pandas.DataFrame({"word": [True]}), "a frame must be an integer, got True"),
     ):
         with pytest.raises(ValueError, match=said):
             lika.decode_partition(wrong, encoder, "word")
-    with pytest.raises(TypeError, match="no list"):
+    with pytest.raises(TypeError, match=r"got list$"):
         lika.decode_partition([1], encoder)
 
 
@@ -555,7 +556,7 @@ def test_bytes_that_are_left_over_are_told_before_anything_is_done(
     monkeypatch.setattr(__import__("lika_encoders._input", fromlist=["CHUNK"]), "CHUNK", 1)
     (tmp_path / "it.bin").write_bytes(packed([GOOD] * 9) + b"x")
     steps: list[tuple[object, ...]] = []
-    with pytest.raises(ValueError, match="offset 54: 9 whole frames of 6 bytes end here, and 1 more byte follows"):
+    with pytest.raises(ValueError, match="offset 54: 9 complete frames of 6 bytes end here, and 1 more byte follows"):
         generated_python[1].decode_file(CODE, "it.bin", "out.csv", progress=lambda *step: steps.append(step))
     assert steps == []
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((tmp_path / "it.bin").read_bytes())))

@@ -247,18 +247,18 @@ def test_blanks_of_a_label_mean_nothing(lika: Any) -> None:
 @pytest.mark.parametrize(
     ("label", "part", "words"),
     [
-        ("AM3617/4096-GG", "singleturn", "has singleturn '17' and output 'GG', which do not go together"),
+        ("AM3617/4096-GG", "singleturn", "has singleturn '17' and output 'GG', which cannot be combined"),
         (
             "SMA21-JP4-0050",
             "output",
-            "has output 'JP' and supply '4', which do not go together; the nearest order codes are SMA21-JP1-0050",
+            "has output 'JP' and supply '4', which cannot be combined; similar order codes: SMA21-JP1-0050",
         ),
         (
             "ASC8529/SC1",
             "resolution",
             (
-                "'ASC8529/SC1' has resolution '29'; valid are 20, 21, 22, 23, 24, 25; "
-                "the nearest order codes are ASC8520/SC1"
+                "'ASC8529/SC1' has resolution '29'; valid values: 20, 21, 22, 23, 24, 25; "
+                "similar order codes: ASC8520/SC1"
             ),
         ),
     ],
@@ -321,9 +321,10 @@ def test_registers_that_cannot_be(lika: Any) -> None:
     encoder = lika.lookup("AM3616/4096-I7")
     with pytest.raises(lika.RangeError, match="0 to 20"):
         encoder.with_registers({0x56: 21})
-    with pytest.raises(ValueError, match=r"register 0x42 does not change .* 0x49, 0x4B, 0x4E, 0x56, 0x57"):
+    said = "register 0x42 does not affect decoding; registers that do: 0x49, 0x4B, 0x4E, 0x56, 0x57"
+    with pytest.raises(ValueError, match=said):
         encoder.with_registers({0x42: 0})
-    with pytest.raises(ValueError, match="those that do: none"):
+    with pytest.raises(ValueError, match="registers that do: none"):
         lika.lookup("AM3616/4096-GG").with_registers({0x56: 16})
     assert not hasattr(lika.lookup("AMM5A21/65KSC1"), "with_registers")
 
@@ -355,7 +356,7 @@ def test_a_preset_is_below_the_product_of_the_resolution(lika: Any) -> None:
         lambda: am36.Preset(small, 40_960).encode(),
         lambda: am36.set_resolution(encoder, 4096, 10, 40_960),
     ):
-        with pytest.raises(lika.RangeError, match="position is"):
+        with pytest.raises(lika.RangeError, match="position must be 0 to "):
             call()
     # The new resolution holds for the preset that is written after it, also where the old one is smaller.
     steps = am36.set_resolution(small, 8192, 10, 40_960)
@@ -499,9 +500,9 @@ def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Dev
     assert lika.asc85.ErrorRegister.decode(b"\x97").encode() == b"\x97"
     assert lika.asc85.ErrorRegister.decode(b"\x97").unused == 0x84
     assert lika.amm5.ManufacturerId.decode(b"\xff\xfe") != lika.amm5.ManufacturerId.decode(b"\x80\x81")
-    with pytest.raises(lika.RangeError, match="made of the bits 0x84 alone"):
+    with pytest.raises(lika.RangeError, match="unused must be within the mask 0x84, got 1"):
         lika.asc85.ErrorRegister(unused=1).encode()
-    with pytest.raises(lika.RangeError, match="2 characters, each of one byte"):
+    with pytest.raises(lika.RangeError, match="must be 2 Latin-1 characters"):
         lika.amm5.ManufacturerId("\u0100x").encode()
     source, tried = random.Random(7), 0
     for device in devices.values():

@@ -25,7 +25,7 @@ SCREEN = 40
 
 
 #: Modules that belong to no family.
-SHARED = {"biss", "build_helper"}
+SHARED = {"biss"}
 
 
 def modules(files: Mapping[str, str]) -> dict[str, str]:
@@ -38,7 +38,7 @@ def modules(files: Mapping[str, str]) -> dict[str, str]:
 def names_in(text: str) -> set[str]:
     """What the contents of a module name, all of it on its first screen."""
     screen = "\n".join(text.splitlines()[:SCREEN])
-    listed = re.search(r"\nIn here:\n(.*?)\n\n", screen, re.DOTALL)
+    listed = re.search(r"\nContents:\n(.*?)\n\n", screen, re.DOTALL)
     assert listed is not None
     groups = re.split(r"\n    (?=\S)", "\n" + listed[1])
     return {name for group in groups if group for name in re.findall(r"\w+", group.partition(": ")[2])}

@@ -172,6 +172,22 @@ def test_nothing_happens_between_chunks(families: dict[str, Family], count: int)
     assert table["multiturn"].tolist() == [42] * count
 
 
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 2_047, 2_048, 2_049, 10_000])
+def test_rows_of_every_count(families: dict[str, Family], count: int) -> None:
+    """Rows are read eight bytes at a time, so the last ones are read differently."""
+    amm5 = families["amm5"].module
+    serial = amm5.lookup("AMM5A23/65KJP1")
+    for kind in (amm5.DataRequest, amm5.SingleturnReply, amm5.CompleteReply):
+        table = kind.decode_many([], *([serial] if "variant" in kind._fields else []))
+        assert table.fault.size == 0
+    rows = numpy.frombuffer(bytes.fromhex("02 00 C7 D1 6A 7E") * count, numpy.uint8).reshape(-1, 6)
+    table = serial.decode_many(rows, amm5.SingleturnReply)
+    assert not table.fault.any()
+    assert (table["singleturn"] == 7000519).all()
+    every_other = numpy.repeat(rows, 2, 0)[::2]
+    assert (serial.decode_many(every_other, amm5.SingleturnReply)["singleturn"] == 7000519).all()
+
+
 def test_numbers_of_any_kind(families: dict[str, Family]) -> None:
     """What would overflow, or stand for something else, is refused; what is the same number is taken."""
     encoder = families["amm5"].module.lookup("AMM5A17/1BG1")
@@ -183,7 +199,7 @@ def test_numbers_of_any_kind(families: dict[str, Family]) -> None:
         with pytest.raises(TypeError):
             encoder.decode_many(wrong)
     serial = families["amm5"].module.lookup("AMM5A23/65KJP1")
-    with pytest.raises(ValueError, match="no whole frames of 6 bytes"):
+    with pytest.raises(ValueError, match="expected complete frames of 6 bytes"):
         serial.decode_many(b"1234567", families["amm5"].module.SingleturnReply)
     with pytest.raises(TypeError):
         serial.decode_many(numpy.zeros((2, 6), numpy.int64), families["amm5"].module.SingleturnReply)
@@ -270,7 +286,7 @@ def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str
             assert found[place] == pytest.approx((count - last[0]) * per_count / (time - last[1]), rel=1e-9)
         last = count, time
     assert numpy.nanmax(numpy.abs(table.velocity(0.001) - numpy.gradient(table.unwrapped()) * 1000)) < 2 * 190_000
-    with pytest.raises(ValueError, match="3 times of 500 frames"):
+    with pytest.raises(ValueError, match="expected 500 times, one per frame, got 3"):
         table.velocity([0, 1, 2])
 
 
@@ -292,7 +308,7 @@ def test_a_position_that_the_encoder_does_not_send(families: dict[str, Family]) 
     sma21 = families["sma21"].module
     encoder = sma21.lookup("SMA21-JP1-0005")
     frames = sma21.WidePositionReply.encode_many({"position": [3, -1]})
-    with pytest.raises(ValueError, match="position is -1"):
+    with pytest.raises(ValueError, match=r"position must be 0 to \d+, got -1"):
         encoder.decode_many(frames, sma21.WidePositionReply).unwrapped()
 
 
@@ -303,7 +319,7 @@ def lookup_of(families: dict[str, Family], label: str) -> Any:
 def test_other_libraries_take_the_columns(families: dict[str, Family]) -> None:
     table = families["amm5"].module.lookup("AMM5A21/65KSC1").decode_many([0x55BCD15E2, 0x55BCD15E3])
     assert [*table] == ["singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
-    assert "1 with a fault" in repr(table)
+    assert "1 with an error" in repr(table)
     pandas = pytest.importorskip("pandas", reason="pandas is not installed: to_pandas is not tried")
     column = table.to_pandas()["position"]
     assert column[0] == 89902357
@@ -322,14 +338,14 @@ def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
     amm5 = family.module
     bits, serial = amm5.lookup("AMM5A21/65KSC1"), amm5.lookup("AMM5A23/65KJP1")
     for wrong in (["1"], [5.9], [True]):
-        with pytest.raises(TypeError, match="it has to be a whole number"):
+        with pytest.raises(TypeError, match="a frame must be an integer, got "):
             bits.decode_many(wrong)
     for wrong in ([2, 0, 199], ["02 00 C7 D1 6A 7E"]):
-        with pytest.raises(TypeError, match="is not made of bytes"):
+        with pytest.raises(TypeError, match="expected bytes, got "):
             serial.decode_many(wrong, amm5.SingleturnReply)
     kinds = "SingleturnReply, MultiturnReply, EncoderIdReply, CompleteReply, EepromWriteReply, EepromReadReply"
     for kind in ("singleturn_reply", amm5.SsiWord, serial):
-        with pytest.raises(TypeError, match=f"no kind of frame that this encoder sends; there are {kinds}$"):
+        with pytest.raises(TypeError, match=f"is not a kind of frame that this encoder sends; it sends {kinds}$"):
             serial.decode_many(b"", kind)
         with pytest.raises(TypeError, match=kinds):
             serial.encode_many({}, kind)

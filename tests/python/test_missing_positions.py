@@ -176,8 +176,8 @@ def test_a_cell_that_is_no_number_is_counted(
 @pytest.mark.parametrize(
     ("header", "said"),
     [
-        ("position,word", "it.csv has a column 'position' of its own, like the decoded frames: give it another name"),
-        ("time,word,time", "it.csv has two columns 'time'; give one another name, or select the columns"),
+        ("position,word", "it.csv already has a column 'position', which the decoded frames also have: rename it"),
+        ("time,word,time", "it.csv has two columns 'time'; rename one, or select the columns"),
     ],
 )
 def test_names_that_clash(decode: Any, tmp_path: Path, header: str, said: str) -> None:
@@ -225,7 +225,7 @@ def test_many_errors_end_with_1(decode: Any, tmp_path: Path) -> None:
     (tmp_path / "it.bin").write_bytes(struct.pack("<10Q", *words))
     arguments = (CODE, "it.bin", "--words", "little", "-o", "out.csv", "--force")
     code, _, err = decode(*arguments)
-    assert (code, "20% of the frames have a fault; --max-errors is 10" in err) == (1, True)
+    assert (code, "20% of the frames have an error; --max-errors is 10" in err) == (1, True)
     assert len((tmp_path / "out.csv").read_text().splitlines()) == 11, "the file is written"
     assert decode(*arguments, "--max-errors", "20")[0] == 0
     assert decode(*arguments, "--max-errors", "101")[0] == 2
@@ -242,7 +242,7 @@ def test_missing_frames_are_rows(lika: Any) -> None:
     assert encoder.decode_many(numpy.array([GOOD, None], object)).fault.tolist() == [0, 1]
     reply = bytes.fromhex("02 00 15 CD 5B 81")
     assert serial.decode_many([reply, None], lika.amm5.SingleturnReply).fault.tolist() == [0, 1]
-    for wrong, said in (([1.5], "not a whole number"), (numpy.array([1.0], numpy.float32), "cannot hold every frame")):
+    for wrong, said in (([1.5], "not an integer"), (numpy.array([1.0], numpy.float32), "cannot represent every frame")):
         with pytest.raises(TypeError, match=said):
             encoder.decode_many(numpy.array(wrong))
     found = lika.decode_partition(pyarrow.table({"word": [GOOD, None]}), encoder)

@@ -89,7 +89,8 @@ except e.OrderCodeError as error:
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path / "python")
     assert done.stdout.startswith(
-        "<OTHERA21/65KSC1> <AMM5B17/1JP1> ['amm5', 'other']\n'OTHERB99/1JP1' has singleturn '99'; valid are 17, 21, 23"
+        "<OTHERA21/65KSC1> <AMM5B17/1JP1> ['amm5', 'other']\n"
+        "'OTHERB99/1JP1' has singleturn '99'; valid values: 17, 21, 23; similar order codes: "
     )
 
 

@@ -108,7 +108,7 @@ def test_byte_order_of_a_step(lika: Any) -> None:
         lika.run([lika.Modify(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
         assert memory.read(5, 2) == expected
         lika.run([lika.Poll(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
-        with pytest.raises(lika.StepError, match=r"does not become what is waited for within 0\.01 s"):
+        with pytest.raises(lika.StepError, match=r"the register did not reach the expected value within 0\.01 s"):
             lika.run([lika.Poll(5, 2, "it", 0xFFFF, 1, order=order)], memory, poll_s=0.01)
 
 
@@ -153,10 +153,10 @@ def test_a_request_owns_its_reply(lika: Any) -> None:
     ("answer", "said"),
     [
         ("", "no reply to BA"),
-        ("BA 00 00 00 00", "the reply to BA is BA 00 00 00 00: 5 bytes, not 6"),
-        ("02 00 00 00 00 02", "it belongs to another request"),
-        ("BA 00 01 00 00 BA", "its CRC is wrong"),
-        ("BA BA 00 01 00 00", "its CRC is wrong; is it an echo of the request?"),
+        ("BA 00 00 00 00", "the reply to BA is BA 00 00 00 00: expected 6 bytes, got 5"),
+        ("02 00 00 00 00 02", "it is the reply to another request"),
+        ("BA 00 01 00 00 BA", "expected CRC 0xbb, got 0xba"),
+        ("BA BA 00 01 00 00", "expected CRC 0x01, got 0x00. Is it an echo of the request?"),
     ],
 )
 def test_a_reply_to_another_request_is_refused(lika: Any, answer: str, said: str) -> None:
@@ -174,7 +174,7 @@ def test_a_line_that_cannot_receive_is_refused(lika: Any) -> None:
         def send(self, request: bytes, /) -> None:
             sent.append(request)
 
-    with pytest.raises(lika.StepError, match="Port has no 'drain': a line drains, sends and receives"):
+    with pytest.raises(lika.StepError, match="Port has no 'drain': a line needs drain, send and receive"):
         lika.run(lika.amm5.reset_errors(), Port())
     assert sent == []
 
@@ -201,7 +201,8 @@ def test_over_the_registers_of_biss(lika: Any) -> None:
     lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), bus, wait=lambda seconds: None)
     assert bytes(held[place] for place in range(0x11, 0x18)) == bytes.fromhex("00 30 24 f4 00 00 00")
     assert (held[0x40], held[0x77]) == (0, 2)
-    with pytest.raises(biss.AccessError, match="78h on: the register is not implemented or protected"):
+    said = "access to registers from 78h failed: the register is not implemented or protected"
+    with pytest.raises(biss.AccessError, match=said):
         bus.write(0x78, b"x")
 
 
@@ -226,7 +227,7 @@ def test_a_disturbed_preset_is_never_saved(lika: Any, register: int, bit: int) -
     assert isinstance(error, lika.VerifyError)
     assert (error.register, error.address, error.written, error.found) == ("preset", 0x11, sent, bytes(held))
     assert str(caught.value) == (
-        f"step 9, Verify: register preset at 11h holds {held.hex(' ').upper()} where 00 30 24 F4 00 00 00 was written"
+        f"step 9, Verify: register preset at 11h holds {held.hex(' ').upper()}, but 00 30 24 F4 00 00 00 was written"
     )
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
@@ -241,9 +242,9 @@ def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
         memory.held[6] = 7
         assert lika.run(steps, memory) == ()
         memory.held[5] = 7
-        with pytest.raises(lika.StepError, match="register it at 05h holds 07 07 where 01 02 was written"):
+        with pytest.raises(lika.StepError, match="register it at 05h holds 07 07, but 01 02 was written"):
             lika.run(steps, memory)
-    with pytest.raises(lika.StepError, match="nothing was written to it before"):
+    with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
         lika.run([lika.Verify(5, 1, "it", 0xFF)], Memory())
     changed = [lika.Modify(5, 1, "it", 0x0F, 0x05), lika.Verify(5, 1, "it", 0x0F)]
     assert lika.run(changed, Memory({5: 0xF0})) == ()

@@ -23,12 +23,12 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
     ("frame", "said"),
     [
         (WORD ^ ((1 << BITS) - 1), "with all bits inverted"),
-        (int(f"{WORD:0{BITS}b}"[::-1], 2), "with its bits in the other order"),
+        (int(f"{WORD:0{BITS}b}"[::-1], 2), "with its bits in reverse order"),
         (WORD ^ 0x3F, "with the 6 bits of its CRC inverted"),
-        (WORD << 1, "without its last 1 bit: clock less"),
-        (WORD << 3 | 5, "without its last 3 bits: clock less"),
-        (WORD >> 1, "with 1 bit more at its end, 0: clock more"),
-        (WORD | 1 << BITS + 1, "by its last 45 bits alone"),
+        (WORD << 1, "without its last 1 bit: send fewer clocks"),
+        (WORD << 3 | 5, "without its last 3 bits: send fewer clocks"),
+        (WORD >> 1, "with 1 more bit at its end, 0: send more clocks"),
+        (WORD | 1 << BITS + 1, "with only its last 45 bits"),
     ],
 )
 def test_common_mistakes_with_bits(lika: Any, frame: int, said: str) -> None:
@@ -43,9 +43,9 @@ def test_common_mistakes_with_bits(lika: Any, frame: int, said: str) -> None:
     ("frame", "said"),
     [
         (bytes(byte ^ 0xFF for byte in REPLY), "with all bits inverted"),
-        (REPLY[::-1], "with its bytes in the other order"),
-        (b"\x02" + REPLY, "without its first 1 byte: is there an echo"),
-        (REPLY + REPLY[:2], "without its last 2 bytes: did the next frame begin?"),
+        (REPLY[::-1], "with its bytes in reverse order"),
+        (b"\x02" + REPLY, "without its first 1 byte: check for an echo"),
+        (REPLY + REPLY[:2], "without its last 2 bytes: they may belong to the next frame"),
     ],
 )
 def test_common_mistakes_with_bytes(lika: Any, frame: bytes, said: str) -> None:
@@ -55,14 +55,14 @@ def test_common_mistakes_with_bytes(lika: Any, frame: bytes, said: str) -> None:
 @pytest.mark.parametrize(
     ("code", "frame", "said"),
     [
-        ("AMM5A21/65KSC1", 0, "Every bit is 0: the line does not move"),
-        ("AMM5A21/65KSC1", (1 << 45) - 1, "Every bit is 1: the line does not move"),
-        ("AMM5A21/65KSC1", (1 << 64) - 1, "Every bit is 1: the line does not move"),
-        ("AMM5A21/65KSC1", "0" * 45, "Every bit is 0: the line does not move"),
+        ("AMM5A21/65KSC1", 0, "Every bit is 0: the line never changes"),
+        ("AMM5A21/65KSC1", (1 << 45) - 1, "Every bit is 1: the line never changes"),
+        ("AMM5A21/65KSC1", (1 << 64) - 1, "Every bit is 1: the line never changes"),
+        ("AMM5A21/65KSC1", "0" * 45, "Every bit is 0: the line never changes"),
         ("AMM5A21/65KSC1", "", "Nothing was received"),
         ("AMM5A23/65KJP1", b"", "Nothing was received"),
-        ("AMM5A23/65KJP1", bytes(6), "Every bit is 0: the line does not move"),
-        ("AMM5A23/65KJP1", b"\xff" * 6, "Every bit is 1: the line does not move"),
+        ("AMM5A23/65KJP1", bytes(6), "Every bit is 0: the line never changes"),
+        ("AMM5A23/65KJP1", b"\xff" * 6, "Every bit is 1: the line never changes"),
     ],
 )
 def test_a_dead_line_is_the_only_answer(lika: Any, code: str, frame: Any, said: str) -> None:
@@ -75,18 +75,16 @@ def test_a_dead_line_is_the_only_answer(lika: Any, code: str, frame: Any, said: 
 def test_a_dead_line_of_ssi_may_be_a_position(lika: Any) -> None:
     encoder = lika.lookup("AMM5A23/65KBG1")
     for word, level in ((0, 0), ((1 << 39) - 1, 1)):
-        assert lika.why(encoder, word)[0].startswith(f"every bit is {level}: a line that does not move looks the same")
+        assert lika.why(encoder, word)[0].startswith(f"every bit is {level}. A dead line looks the same")
     assert lika.why(encoder, 5) == ()
 
 
 def test_a_disturbed_bit_comes_first(lika: Any) -> None:
     encoder = lika.lookup("AMM5A21/65KSC1")
-    assert (
-        lika.why(encoder, WORD ^ 1 << 40)[0] == "with bit 40 inverted: disturbed on the way, if only some frames fail"
-    )
+    assert lika.why(encoder, WORD ^ 1 << 40)[0] == "with bit 40 inverted: a disturbed bit if only some frames fail"
     # x^8 + 1 tells in which of eight places, not in which byte.
     reply = REPLY[:4] + bytes([REPLY[4] ^ 0x10]) + REPLY[5:]
-    assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: disturbed")
+    assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: a disturbed bit")
 
 
 def test_nothing_explains_noise(lika: Any) -> None:

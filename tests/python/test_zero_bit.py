@@ -93,7 +93,8 @@ def test_both_decode_their_own(asc85: Any) -> None:
     for answer, bits, length in ((asc85.ZeroBit.AS_PRINTED, 0b1011, 34), (asc85.ZeroBit.LEFT_OUT, 0b111, 33)):
         frame = bits << 6 | remainder(bits << 6) ^ 0x3F
         assert encoder.decode(frame, bits=length, zero_bit=answer).position == 1
-        with pytest.raises(ValueError, match=f"{67 - length} bits where {length} belong"):
+        with pytest.raises(ValueError, match=f"expected {length} bits, got {67 - length}"):
             encoder.decode(frame, bits=67 - length, zero_bit=answer)
-    with pytest.raises(TypeError, match="None is no ZeroBit: the manual leaves it open"):
+    said = "expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open"
+    with pytest.raises(TypeError, match=said):
         encoder.decode(frame)

@@ -103,7 +103,7 @@ if __name__ == "__main__":
     # With 16 bits for a revolution those of the position above them are revolutions.
     sound, error, *_ = done.stdout.splitlines()
     assert sound == f"{FILES * (ROWS - 1)} {POSITION >> 16}"
-    assert error == "InputError the partition, column 'word': row 1: 'text' is no hexadecimal number"
+    assert error == "InputError the partition, column 'word': row 1: 'text' is not a hexadecimal number"
 
 
 def test_two_gigabytes_in_two_hundred_megabytes(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:

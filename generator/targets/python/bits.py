@@ -1,4 +1,4 @@
-"""How the bits of a frame or register are read: out of one number, or out of its bytes."""
+"""Expressions that read the bits of a frame or register, from one number or from its bytes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, numbe
 
 
 class Reader:
-    """What stands for bits in ``decode``: in ``number`` or ``word``, or in the bytes of ``data`` one by one."""
+    """Expressions for bits in ``decode``, read from ``number`` or ``word``, or from single bytes of ``data``."""
 
     def __init__(self, scope: Scope, codec: Codec, byte: str = "data[{}]") -> None:
         self.scope, self.codec, self._byte = scope, codec, byte
@@ -26,14 +26,14 @@ class Reader:
         return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
     def exclusive_or(self, parts: Sequence[Bits]) -> Expr:
-        """Numbers with the parity of all these bits together."""
+        """Return the XOR of these fields. Its parity is that of all their bits."""
         return joined("^", [self.bits(bits) for bits in parts])
 
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
         return from_pieces(pieces, self.codec.length, self._byte)
 
     def bit(self, bits: Bits, word: str = "") -> Expr:
-        """What is not 0 where the bit is set; ``word`` is the number that has it, if not all bits are in one."""
+        """Return an expression that is not 0 if the bit is set. ``word`` is the number to read it from, if given."""
         place: Expr = Atom(word or self.source)
         if not self.codec.by_word:
             place, low = self._atom(bits.pieces[0].byte), Expression(bits.pieces[0].right)
@@ -47,16 +47,16 @@ class Reader:
         return Atom(self._byte.format(byte))
 
     def unused(self) -> Expr:
-        """Which unused bits are not as the manual has them, each at its place in one number."""
+        """Return the unused bits that differ from the manual, each at its place in one number."""
         moving = [self._reserved(item) for item in self.codec.reserved if not item.bits.are_fixed]
         runs = sorted(run for item in self.codec.reserved if item.bits.are_fixed for run in self._runs(item))
-        # What lies in one byte, or as far from its place as its neighbour does, is taken out at once.
+        # Bits of one byte that move by the same distance are extracted at once.
         groups = (list(group) for _, group in groupby(runs, key=lambda run: run[:2]))
         fixed = [self._taken(*group[0][:2], *(sum(run[at] for run in group) for at in (2, 3))) for group in groups]
         return joined("|", [*fixed, *moving])
 
     def others(self) -> Expr:
-        """The bits without a field, at their places in the number that the bytes make."""
+        """Return the bits without a field, at their places in the number that the bytes form."""
         codec, order = self.codec, "little" if self.codec.layout.byte_order == "low_byte_first" else "big"
         whole = self.source if codec.by_word else f'int.from_bytes(data, "{order}")'
         return Operation(
@@ -64,7 +64,7 @@ class Reader:
         )
 
     def _runs(self, item: Reserved) -> Iterator[tuple[int, int, int, int]]:
-        """Bits side by side: their byte, how far above their place they lie, and there what they are and should be."""
+        """Yield runs of adjacent bits: byte, distance to their place, and mask and expected value at that place."""
         if self.codec.by_word:
             ones = (1 << item.bits.width.constant) - 1
             yield 0, item.bits.low.constant - item.place, ones << item.place, (item.value & ones) << item.place
@@ -84,13 +84,13 @@ class Reader:
         return moved(found, "<<", number(up))
 
     def _reserved(self, item: Reserved) -> Expr:
-        """The same of bits that lie elsewhere with another order code."""
+        """Return the same for bits whose place depends on the order code."""
         found = moved(Atom(self.source), ">>", self.scope.of(item.bits.low))
         found = Operation(found, "^", mask(item.value)) if item.value else found
         return moved(Operation(found, "&", self.scope.ones(item.bits.width)), "<<", number(item.place))
 
     def characters(self, bits: Bits) -> str:
-        """The bytes that are a text as they stand, as a slice of ``data``; empty where none are."""
+        """Return the slice of ``data`` with the bytes of a text. Empty if they are not adjacent."""
         places = [piece.byte for piece in reversed(bits.pieces) if not piece.right and piece.mask == 0xFF]
         if self.codec.by_word or len(places) < len(bits.pieces) or not _ascend(places):
             return ""
@@ -98,7 +98,7 @@ class Reader:
 
 
 def others(scope: Scope, codec: Codec) -> Expr:
-    """Ones for the bits without a field."""
+    """Return a mask of the bits without a field."""
     fixed = sum(item.mask_in_place for item in codec.layout.fields if item.is_fixed)
     moving = [
         moved(scope.ones(item.width), "<<", scope.of(item.low)) for item in codec.layout.fields if not item.is_fixed
@@ -110,14 +110,14 @@ def others(scope: Scope, codec: Codec) -> Expr:
 
 
 def _ascend(places: Sequence[int]) -> bool:
-    """Whether each byte is the one after the one before."""
+    """Return whether the bytes are adjacent and ascending."""
     return all(after - before == 1 for before, after in pairwise(places))
 
 
 def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
-    """The number that the pieces make; ``length`` is how many bytes there are, where that is known.
+    """Return the number that the pieces form, 0 without pieces.
 
-    Without pieces it is 0: no order code has such bits. ``byte`` is what a byte is called.
+    ``length`` is the number of bytes, if it is known. ``byte`` is the pattern for the name of a byte.
     """
     if not pieces:
         return number(0)

@@ -1,4 +1,4 @@
-"""The class of a frame or register: its names, its attributes, and what of it differs with the order code."""
+"""The class of a frame or register: its names and attributes, and their dependence on the order code."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
 
-#: The longest frame whose CRC is written out as one XOR of bytes.
+#: Longest frame, in bytes, whose CRC is unrolled to one XOR of bytes.
 _UNROLLED = 16
 
 
 @dataclass(frozen=True)
 class Attribute:
-    """An attribute of a frame or register; ``default`` is its value where none is given, if it can be left out."""
+    """Attribute of a frame or register. ``default`` is its default value, empty if it has none."""
 
     name: str
     type: str
@@ -38,7 +38,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class LimitsFunction:
-    """The function that gives the limits of a register; ``when`` is the meaning that it has then, if it has several."""
+    """Function that returns the limits of a register, while it has the meaning ``when`` if there are several."""
 
     name: str
     when: str
@@ -48,7 +48,7 @@ class LimitsFunction:
 
 
 class Coder:
-    """The class of one layout, as its template asks for it."""
+    """Class of one layout, for its template."""
 
     def __init__(self, context: Context, interface: str, layout: Layout, register: Register | None = None) -> None:
         self.context, self.layout, self.register = context, layout, register
@@ -63,11 +63,11 @@ class Coder:
     def number(self, value: Expression) -> Expr:
         return self.context.scope.of(value)
 
-    # -- what it depends on
+    # -- dependences
 
     @cached_property
     def takes_variant(self) -> bool:
-        """Whether anything of it differs with the order code."""
+        """True if anything depends on the order code."""
         stated = [item.equals for item in self.expected if isinstance(item.equals, Expression)]
         limited = self.limits is not None and differ(self.limits)
         reported = self.reports is not None and self.reports.depends
@@ -79,25 +79,31 @@ class Coder:
 
     @cached_property
     def asked(self) -> list[Asked]:
-        """What the manual leaves open, and the caller has to say."""
+        """Questions that the manual leaves open and the caller must answer."""
         return self.context.asked_of(self.layout)
 
     @property
     def given(self) -> list[tuple[str, str]]:
-        """What belongs to it besides its fields: the encoder, and answers; each with its type."""
+        """Attributes other than fields: the encoder and answers, with their types."""
         return [
             *([("variant", self.encoder)] if self.takes_variant else []),
             *((item.name, item.kind) for item in self.asked),
         ]
 
     @property
+    def given_about(self) -> list[tuple[str, str]]:
+        """The same arguments, each with its description."""
+        about = {item.name: f"Answer to what the manual leaves open: a ``{item.kind}``." for item in self.asked}
+        return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
+
+    @property
     def finds_constants(self) -> bool:
-        """Whether ``decode`` may find that a constant or a parity bit is another."""
+        """True if ``decode`` can raise ConstantError."""
         return Fault.CONSTANT in self.plan.faults()
 
     @property
     def finds_ranges(self) -> bool:
-        """Whether it may find a value without meaning; one is looked up among the named ones even if all are."""
+        """True if ``decode`` can raise RangeError."""
         return Fault.RANGE in self.plan.faults() or any(part.field.values for part in self.plan.parts)
 
     # -- attributes
@@ -113,7 +119,7 @@ class Coder:
         return [Attribute("unused", "int", text.OF_UNUSED, "0")] if self.plan.reserved else []
 
     def others(self, whole: Whole) -> list[Attribute]:
-        """The attributes that are no part of a join."""
+        """Return the attributes that are not part of a joined number."""
         parts = (part.field for part in self.plan.parts if part.field not in whole.fields)
         return _with_defaults([item for field in parts for item in self._of_part(field)] + self._unused)
 
@@ -127,7 +133,7 @@ class Coder:
             yield Attribute(name(field.name), self._type(field), self.about(field, missing), self._usual(field))
 
     def _of_run(self, field: Field, run: Digits) -> str:
-        """What is said of a run of digits: of the field, where the run is named after it."""
+        """Return the description of a run of digits: that of the field if the run has its name."""
         return self.about(field) if run.name == field.name else text.of_run(run)
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
@@ -145,7 +151,7 @@ class Coder:
                 return "int"
 
     def _usual(self, field: Field) -> str:
-        """The value that an attribute usually has: a flag is not set, a number of a frame is what the manual states."""
+        """Return the default of an attribute: False for a flag, the value in the manual for a number of a frame."""
         match field.kind:
             case Flag():
                 return "False"
@@ -164,7 +170,7 @@ class Coder:
 
     @cached_property
     def named(self) -> set[str]:
-        """The fields whose bits a check of ``decode`` has given a name."""
+        """Fields whose bits have a local name after the checks of ``decode``."""
         return {
             item.field.name
             for item in self.plan.checks
@@ -173,23 +179,23 @@ class Coder:
         }
 
     def is_padded(self, field: Field) -> bool:
-        """Whether a check has looked at what lies above the field already."""
+        """Return whether a check has already verified the bits above the field."""
         return any(isinstance(item, ZerosAbove) and item.field is field for item in self.plan.checks)
 
     def value(self, part: Part) -> Expr:
-        """The bits of a field after all checks."""
+        """Return the bits of a field after all checks."""
         named = part.field.name in self.named
         return Atom(self.names.local(part.field.name)) if named else self.read.bits(part.bits)
 
     @property
     def crc_name(self) -> str:
-        """The function of the CRC that ends the frame."""
+        """Name of the function for the CRC at the end of the frame."""
         carrier = Carrier.BYTES if self.plan.in_bytes else Carrier.BITS
         return self.context.crc_name(self.plan.crc.crc, carrier) if self.plan.crc is not None else ""
 
     @property
     def fold_name(self) -> str:
-        """The function that folds the word down to the remainder."""
+        """Name of the function that folds the word to its remainder."""
         return f"_remainder_{self.plan.crc.crc.name}_{self.layout.widest}" if self.plan.crc is not None else ""
 
     @property
@@ -199,28 +205,28 @@ class Coder:
 
     @property
     def gray_when(self) -> str:
-        """The member of the variant that tells whether Gray code is sent."""
+        """Member of the variant that is true if Gray code is sent."""
         return self.context.parameters[self.plan.gray.when] if self.plan.gray is not None else ""
 
-    # -- joins, and what the manual states
+    # -- joined numbers and values from the manual
 
     def whole_width(self, whole: Whole) -> Expr:
         return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
 
     @property
     def expected(self) -> list[Field]:
-        """The fields whose value the manual states."""
+        """Fields whose value is in the manual."""
         return [item for item in self.layout.fields if item.equals is not None]
 
     @property
     def decimals(self) -> list[Field]:
-        """The fields in decimal digits that no run of digits is named after."""
+        """Fields in decimal digits that do not share their name with a run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
         return [item for item in decimals if item.name not in {run.name for run in item.runs}]
 
     @property
     def is_strict(self) -> bool:
-        """Whether it is as documented only without unused bits that differ; a register is known by its values alone."""
+        """True if unused bits that differ make it undocumented. A register is compared by its values only."""
         return bool(self.plan.reserved) and self.register is None
 
     @property
@@ -239,7 +245,7 @@ class Coder:
 
     @property
     def measured(self) -> str:
-        """The attribute that is the position, if the frame has one; empty where it has not, or only a part of it."""
+        """Attribute that is the position. Empty if the frame has none, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         name = measurement.of if measurement is not None else "position"
         numbers = {part.field.name for part in self.plan.parts if isinstance(part.field.kind, Number)}
@@ -247,7 +253,7 @@ class Coder:
 
     @cached_property
     def reports(self) -> FrameReports | None:
-        """What a frame of the encoder tells of it."""
+        """Reports and verdict of a frame that the encoder sends."""
         if self.register is not None or self.layout.sender != "encoder":
             return None
         reporting = self.context.reportings.get(self.layout.name)
@@ -264,7 +270,7 @@ class Coder:
 
     @property
     def limited(self) -> str:
-        """The attribute that the limits of the register bound, if it is one."""
+        """Attribute that the limits of the register apply to. Empty for a number of several."""
         member = self.limits.member if self.limits is not None else ""
         return self.names.attribute(member) if member else ""
 
@@ -305,7 +311,7 @@ def _in_words(value: Expression | int | str | None) -> str:
 
 
 def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
-    """The lowest and the highest value; where a limit is not given, what fits."""
+    """Return the lowest and the highest value. A missing limit follows from the width."""
     low: Expr = number(0)
     high: Expr = Operation(scope.power(limits.width), "-", number(1))
     if limits.zero_means:
@@ -320,13 +326,13 @@ def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
 
 
 def differ(limits: Limits) -> bool:
-    """Whether they differ with the order code."""
+    """Return whether limits depend on the order code."""
     given = [item for item in (limits.low, limits.high) if item is not None]
     return not all(item.is_constant for item in (*given, *([limits.width] if len(given) < 2 else [])))
 
 
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
-    """The attributes; one has a default only if all that follow have one."""
+    """Return the attributes. One keeps its default only if all that follow have one."""
     made: list[Attribute] = []
     for item in reversed(attributes):
         made.insert(0, item if all(other.default for other in made) else replace(item, default=""))

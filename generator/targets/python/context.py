@@ -1,4 +1,4 @@
-"""The names of everything in a device module, given once; every part of the module takes them from here."""
+"""The names in a device module. All parts of the module use them."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _Values = tuple[str, tuple[tuple[str, int], ...]]
 
 
 def byte_order(owner: Layout | Register) -> str:
-    """The byte order as Python calls it."""
+    """Return the byte order in Python's terms."""
     return "little" if owner.byte_order == "low_byte_first" else "big"
 
 
 def is_one_choice(register: Register) -> bool:
-    """Whether a register is one of its named values, and nothing else."""
+    """Return whether a register consists of one choice of named values."""
     only = register.layout.fields[0]
     return bool(register.values) and isinstance(only.kind, Choice) and only.width == register.layout.bits
 
@@ -49,9 +49,9 @@ def _runs(field: Field) -> list[str]:
 
 @dataclass(frozen=True)
 class Asked:
-    """What the manual leaves open, as an argument ``name`` that takes the members of the Enum ``kind``.
+    """Question that the manual leaves open, as an argument ``name`` that takes members of the Enum ``kind``.
 
-    ``members`` are the parameters that an answer sets, and what they are called in the Enum.
+    ``members`` are the parameters that an answer sets, with their names in the Enum.
     """
 
     alternative: Alternative
@@ -61,12 +61,12 @@ class Asked:
 
     @property
     def about(self) -> str:
-        """What it is for, where several frames may be meant."""
-        return f"{sentence(self.alternative.meaning)} Only the frames that depend on it need it."
+        """Description of the argument of a function that decodes several kinds of frames."""
+        return f"{sentence(self.alternative.meaning)} Only frames that depend on it need it."
 
 
 class Context:
-    """A device, and the names of its module, in the order in which they are given out."""
+    """Device with the names in its module, in the order in which they are assigned."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -83,7 +83,7 @@ class Context:
         self._enums = {key: names.take(camel(item.name), "Value") for key, item in self.choices.items()}
 
     def scope_of(self, owner: str) -> Scope:
-        """The parameters as members of ``owner``."""
+        """Return the parameters as members of ``owner``."""
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _asked(self, item: Alternative, names: Names) -> Asked:
@@ -95,12 +95,12 @@ class Context:
         return Asked(item, names.take(camel(item.name), "Alternative"), name, tuple(members))
 
     def asked_of(self, layout: Layout) -> list[Asked]:
-        """What has to be decided before a frame of this layout can be read or written."""
+        """Return the questions that must be answered to decode or encode a frame of this layout."""
         return [self.asked[item.name] for item in self.device.alternatives_of(layout)]
 
     @cached_property
     def choices(self) -> dict[_Values, Field]:
-        """The fields with named values; those of the same name and values share an IntEnum."""
+        """Fields with named values. Those with the same name and values share an IntEnum."""
         found: dict[_Values, Field] = {}
         for layout in self.coded_layouts():
             for item in layout.fields:
@@ -109,13 +109,13 @@ class Context:
         return found
 
     def coded_layouts(self) -> Iterator[Layout]:
-        """The layouts that have a class: all but those of registers that are an IntEnum."""
+        """Yield the layouts that have a class: all but those of registers that are an IntEnum."""
         yield from (layout for _, layout in self.device.layouts())
         yield from (item.layout for item in self.device.registers if not is_one_choice(item))
 
     @cached_property
     def reportings(self) -> dict[str, Reporting]:
-        """What frames tell of the encoder, by the name of the frame."""
+        """Reports and verdicts of frames, by the name of the frame."""
         return {item.codec.layout.name: item for item in reportings(self.device)}
 
     def enum(self, field: Field) -> str:
@@ -123,7 +123,7 @@ class Context:
 
     @cached_property
     def crc_functions(self) -> dict[str, CrcFunction]:
-        """What computes CRCs, by name."""
+        """Functions that compute CRCs, by name."""
         return {self.crc_name(item.crc, item.carrier): item for item in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:

@@ -1,4 +1,4 @@
-"""Docstrings, and text that cannot break out of them."""
+"""Docstrings, with text that cannot break out of them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from ...say.lines import plain, wrapped
 from .lines import WIDTH
 
-#: A quotation mark at the end that no backslash takes the meaning from.
+#: A quotation mark at the end that is not escaped.
 _OPEN_QUOTE = re.compile(r'(?<!\\)(?:\\\\)*"$')
 
 
 @dataclass(frozen=True)
 class Lines:
-    """Lines of a docstring that stay as they are, such as those of an example."""
+    """Lines of a docstring that are not wrapped, such as those of an example."""
 
     lines: tuple[str, ...]
 
@@ -24,7 +24,10 @@ Block = str | Lines | tuple[str, Sequence[tuple[str, str]]]
 
 
 def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
-    """A docstring with its quotes; a block is a paragraph, or a title with named entries. Empty blocks are left out."""
+    """Return a docstring with its quotes. A block is a paragraph, or a title with entries. Empty blocks are left out.
+
+    An entry without a name, such as that of ``Returns``, is plain text.
+    """
     pad = " " * indent
     lines = [wrapped(_in_docstring(summary), WIDTH - (3 if not any(blocks) else 0), pad, f'{pad}"""')]
     for block in blocks:
@@ -33,10 +36,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
         elif isinstance(block, Lines):
             lines += ["", *(f"{pad}    {_in_docstring_line(line)}" for line in block.lines)] if block.lines else []
         elif block[1]:
-            entries = (
-                wrapped(_in_docstring(text), WIDTH, f"{pad}        ", f"{pad}    {name}: ") for name, text in block[1]
-            )
-            lines += ["", f"{pad}{block[0]}:", *entries]
+            lines += ["", f"{pad}{block[0]}:", *(_entry(name, text, pad) for name, text in block[1])]
     text = "\n".join(lines)
     if "\n" in text:
         return f'{text}\n{pad}"""'
@@ -44,8 +44,14 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     return (f'{text[:-1]}\\"' if open_quote else text) + '"""'
 
 
+def _entry(name: str, text: str, pad: str) -> str:
+    """Return an entry of a block. Further lines of a named entry are indented."""
+    start = f"{pad}    {name}: " if name else f"{pad}    "
+    return wrapped(_in_docstring(text), WIDTH, f"{pad}        " if name else start, start)
+
+
 def _in_docstring_line(line: str) -> str:
-    """A line whose indentation stays."""
+    """Return a line with its indentation."""
     return line[: len(line) - len(line.lstrip())] + _in_docstring(line)
 
 

@@ -1,4 +1,4 @@
-"""What a frame or register is made of when it is encoded: the terms of its number, and what is refused."""
+"""Encoding of a frame or register: the terms of its number, and the checks of its values."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from .names import ClassNames
 
 
 class Maker:
-    """The expressions of ``encode``, over the attributes and locals of a class."""
+    """Expressions of ``encode``, over the attributes and local variables of a class."""
 
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
         self.scope, self.codec, self.names = scope, codec, names
-        # Nothing can disagree: no number is kept twice.
+        # Python objects keep every number once, so parts cannot disagree.
         self.refusals: list[Refusal] = [
             item for item in refusals(codec) if not isinstance(item, (DigitsDisagree, WholeDisagrees))
         ]
 
     @property
     def depends(self) -> bool:
-        """Whether anything of it differs with the order code."""
+        """True if anything depends on the order code."""
         crc = self.codec.crc
         return (
             self.codec.gray is not None
@@ -38,7 +38,7 @@ class Maker:
 
     @cached_property
     def terms(self) -> list[Expr]:
-        """The parts of the number; high byte first, a CRC that follows is no part of it."""
+        """Terms of the number. If the high byte is first, a CRC that follows is not part of it."""
         crc = self.codec.crc if self.codec.in_bytes else None
         cut = crc.crc.width if crc is not None and self.codec.layout.byte_order == "high_byte_first" else 0
         fixed = sum(
@@ -72,7 +72,7 @@ class Maker:
 
     @property
     def unused(self) -> Expr:
-        """Ones for all unused bits, at their places in one number."""
+        """Mask of all unused bits, at their places in ``unused``."""
         if self.codec.keeps_others:
             return others(self.scope, self.codec)
         reserved = self.codec.reserved
@@ -82,11 +82,11 @@ class Maker:
         return joined("|", [*([mask(fixed)] if fixed else []), *ones])
 
     def _given(self, field: Field) -> Expr:
-        """The bits of a field, checked."""
+        """Return the checked bits of a field."""
         return self._bits(field, Atom(self.names.local(field.name)))
 
     def _bits(self, field: Field, number: Expr) -> Expr:
-        """The bits of a field; ``number`` is its number, if it is one."""
+        """Return the bits of a field. ``number`` is its local variable."""
         own = Atom(f"self.{self.names.attribute(field.name)}")
         match field.kind:
             case Flag(active_low=active_low):
@@ -101,7 +101,7 @@ class Maker:
                 return number
 
     def digits(self, field: Field) -> Expr:
-        """The number that runs of decimal digits make."""
+        """Return the number that runs of decimal digits form."""
         return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
 
     # -- joins
@@ -117,7 +117,7 @@ class Maker:
         return Atom(f"(0 if self.{self.names.attribute(field.name)} == {zero_means} else {number})")
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
-        """The fields of a join, most significant first, and how the bits of each are taken out of its number."""
+        """Return the fields of a joined number, most significant first, with expressions for their bits."""
         name, found = Atom(self.names.attribute(whole.join.name)), []
         for field, low in whole.from_low:
             shifted = moved(name, ">>", self.scope.of(low))
@@ -127,7 +127,7 @@ class Maker:
 
     @staticmethod
     def whole_depends(whole: Whole) -> bool:
-        """Whether the number of a join is made in another way with another order code."""
+        """Return whether the expression of a joined number depends on the order code."""
         return whole.depends or not all(item.width.is_constant for item in whole.fields if item.number.signed)
 
     def _index(self, name: str) -> Expr:
@@ -135,11 +135,11 @@ class Maker:
 
 
 def digit(value: Expr, field: Field, run: Digits) -> Expr:
-    """A run of decimal digits out of the number of its field."""
+    """Return a run of decimal digits from the number of its field."""
     found = value if run.divisor == 1 else Operation(value, "//", number(run.divisor))
     return found if run is field.runs[0] else Operation(found, "%", number(run.modulus))
 
 
 def _is_absent(term: Term) -> bool:
-    """Whether it adds nothing of its own: it is 0, or among the constants that are one number."""
+    """Return whether a term is 0, or combined with other constants."""
     return isinstance(term.value, Fixed) and (term.bits.low.is_constant or not term.value.number)

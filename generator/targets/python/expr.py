@@ -1,4 +1,4 @@
-"""Expressions of Python as trees that print themselves, in parentheses where Python or a reader needs them."""
+"""Python expressions as trees, printed with parentheses where Python or a reader needs them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from functools import reduce
 
 from ...model.expressions import Expression, Factor, Term
 
-#: How tightly operators bind, the loosest first; arithmetic as an operand of an operator of bits is put in parentheses.
+#: Operators by precedence, the loosest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
 _LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
 _ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
 
 
 class Expr:
-    """An expression; ``str`` gives its text."""
+    """Expression. ``str`` returns its text."""
 
     __slots__ = ()
 
@@ -25,11 +25,11 @@ class Expr:
 
     @property
     def operand(self) -> str:
-        """Its text beside any operator."""
+        """Text next to any operator."""
         return str(self) if self.level == _ATOM else f"({self})"
 
     def beside(self, operator: str, after: bool = False) -> str:
-        """Its text as an operand of ``operator``."""
+        """Return the text as an operand of ``operator``."""
         outer = _LEVELS[operator]
         looser = self.level <= outer if after else self.level < outer
         return self.operand if looser or outer < _ARITHMETIC <= self.level else str(self)
@@ -37,7 +37,7 @@ class Expr:
 
 @dataclass(frozen=True, slots=True)
 class Atom(Expr):
-    """A name, a number, a call, or a part of something with a name."""
+    """Name, number, call, subscript or attribute."""
 
     text: str
 
@@ -71,7 +71,7 @@ class Not(Expr):
 
 @dataclass(frozen=True, slots=True)
 class Operation(Expr):
-    """Two operands and the operator between them."""
+    """Binary operation."""
 
     left: Expr
     operator: str
@@ -94,22 +94,22 @@ def number(value: int) -> Expr:
 
 
 def mask(value: int) -> Expr:
-    """A number in hexadecimal."""
+    """Return a hexadecimal number."""
     return Atom(f"0x{value:X}")
 
 
 def grouped(value: int) -> str:
-    """A decimal number, its digits in groups of three from five digits on."""
+    """Return a decimal number, with digits grouped by three if it has five or more."""
     return f"{value:_}" if abs(value) >= 10_000 else str(value)
 
 
 def coded(value: int) -> str:
-    """A number that stands for something: decimal below ten."""
+    """Return a coded value: decimal below ten, otherwise hexadecimal."""
     return str(value) if value < 10 else f"0x{value:X}"
 
 
 def joined(operator: str, operands: Iterable[Expr]) -> Expr:
-    """One operand or more, under an operator."""
+    """Return one or more operands, joined by an operator."""
     return reduce(lambda left, right: Operation(left, operator, right), operands)
 
 
@@ -118,13 +118,13 @@ def times(value: Expr, factor: int) -> Expr:
 
 
 def moved(value: Expr, operator: str, by: Expr) -> Expr:
-    """``value`` shifted, if at all."""
+    """Return ``value`` shifted, or unchanged if the distance is 0."""
     return value if by == Atom("0") else Operation(value, operator, by)
 
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """How parameters are written."""
+    """Expressions for parameters, by name."""
 
     names: Mapping[str, str]
 
@@ -135,7 +135,7 @@ class Scope:
         if value.constant:
             constant = Atom(str(abs(value.constant)))
             sign = 1 if value.constant > 0 else -1
-            # A sum begins with a number rather than with a sign.
+            # A sum should not start with a sign.
             terms.insert(0 if sign > terms[0][0] else len(terms), (sign, constant))
         (sign, first), *others = terms
         found: Expr = first if sign > 0 else Negative(first)
@@ -144,7 +144,7 @@ class Scope:
         return found
 
     def ones(self, width: Expression) -> Expr:
-        """The number of so many ones."""
+        """Return a mask of ``width`` ones."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
         return Operation(self.power(width), "-", number(1))

@@ -1,4 +1,4 @@
-"""The facts of a device as records: what a module states besides frames and registers."""
+"""Facts of a device as records: the tables of a module, other than frames and registers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from .literals import Call, Code, Hex, Literal, Member, call, quoted, record
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
 
 
-#: The members of records whose values are those of an enumeration, and its name.
+#: Members of records whose values are members of an enumeration, with its name.
 _MEMBERS: Mapping[tuple[str, str], str] = {
     ("Register", "access"): "Access",
     ("Register", "byte_order"): "ByteOrder",
@@ -55,7 +55,7 @@ _MEMBERS: Mapping[tuple[str, str], str] = {
 
 @dataclass(frozen=True)
 class Table:
-    """A table of a module: what it holds, its name, the class of its rows, and these."""
+    """Table of a module: comment, name, class of the rows, and rows."""
 
     comment: str
     name: str
@@ -64,9 +64,9 @@ class Table:
 
 
 def _row(function: str, item: object, needed: str, optional: str = "", **made: Literal) -> Call:
-    """A record of members of ``item``, by name: those that it needs, and those that it has if they say something.
+    """Return a record of members of ``item``, by name: the needed ones, and the optional ones that are not empty.
 
-    ``made`` has the values of those that are not as the member itself is; sources are cited.
+    ``made`` has values that replace those of ``item``. Sources become citations.
     """
 
     def value(name: str) -> Literal:
@@ -134,7 +134,7 @@ def order_code(code: OrderCode) -> Call:
 
 
 def _only(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
-    """Which values of other parts go with one."""
+    """Return the values of other parts that a part can be combined with."""
     items = ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items())
     return Call("ReadOnly", (("", Code(f"{{{items}}}")),)) if allowed else None
 
@@ -145,20 +145,20 @@ def _spelling(item: Spelling) -> Call:
 
 
 def tables(device: Device) -> list[Table]:
-    """The tables at the end of a module."""
+    """Return the tables at the end of a module."""
     lost = [call("LostFigure", item.content, source=cite(item.source)) for item in device.lost_figures]
     documents = [call("Document", item.key, item.title, url=item.url) for item in device.documents]
     inputs = "printed_name low high pulse_at_least_us inverts needs when_unused note names source"
     made = (
         Table(
-            "Errors and warnings: what they mean, whether they latch, how they are cleared.",
+            "Errors and warnings, with meaning, latching and the procedures that clear them.",
             "ALARMS",
             "Alarm",
             _alarms(device),
         ),
-        Table("Times that belong to the encoder as a whole.", "TIMINGS", "Timing", _timings(device)),
+        Table("Timings of the encoder as a whole.", "TIMINGS", "Timing", _timings(device)),
         Table("Connectors and cables, contact by contact.", "CONNECTORS", "Connector", [*_connectors(device)]),
-        Table("Lights and what their states mean.", "LEDS", "Led", [*_leds(device)]),
+        Table("LEDs and the meaning of their states.", "LEDS", "Led", [*_leds(device)]),
         Table("Hardware inputs.", "INPUTS", "Input", _rows("Input", device.inputs, "name meaning", inputs)),
         Table(
             "Tables of the manual.",
@@ -172,14 +172,14 @@ def tables(device: Device) -> list[Table]:
             "Characteristic",
             _rows("Characteristic", device.characteristics, "name value", "only source"),
         ),
-        Table("What only figures show that the text at hand does not contain.", "LOST_FIGURES", "LostFigure", lost),
+        Table("Content of figures that is not in the text of the manual.", "LOST_FIGURES", "LostFigure", lost),
         Table(
-            "Where the manual cannot be taken literally, and what is used instead.",
+            "Errors and ambiguities in the manual, with the text that is used instead.",
             "ERRATA",
             "Erratum",
             _rows("Erratum", device.errata, "name printed used why status severity", "affects source only"),
         ),
-        Table("Documents that sources cite by their key.", "DOCUMENTS", "Document", documents),
+        Table("Documents that sources cite by key.", "DOCUMENTS", "Document", documents),
     )
     return [item for item in made if item.rows or item.name in _ALWAYS]
 
@@ -190,7 +190,7 @@ def _alarms(device: Device) -> list[Call]:
 
 
 def _unless(holds: bool) -> bool | None:
-    """False where something does not hold; nothing where it does, as usual."""
+    """Return False if something does not hold, otherwise None, which is left out."""
     return None if holds else False
 
 
@@ -227,7 +227,7 @@ def crc(item: Crc) -> Call:
 
 
 def reports(device: Device) -> list[Call]:
-    """What the frames of the family report of the encoder."""
+    """Return the reports of the encoder in frames of the family."""
     return [_report(item.name, item.field, alarm_of(device, item.field)) for item in reports_of(device)]
 
 
@@ -351,7 +351,7 @@ def _field(item: Field) -> Call:
 
 
 def _fields(layout: Layout) -> tuple[Call, ...]:
-    """What the manual says of each field; nothing where a register is one number without a name of its own."""
+    """Return the facts of each field. Empty for a register that is a single number."""
     first = layout.fields[0]
     if len(layout.fields) == 1 and first.name == layout.name and isinstance(first.kind, Number):
         return ()
@@ -359,7 +359,7 @@ def _fields(layout: Layout) -> tuple[Call, ...]:
 
 
 def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
-    """What the fields of frames mean, by the name of the frame."""
+    """Return the facts of the fields of frames, by the name of the frame."""
     return {layout.name: tuple(map(_field, layout.fields)) for _, layout in device.layouts()}
 
 

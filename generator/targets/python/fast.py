@@ -1,4 +1,4 @@
-"""How a sound frame is decoded in the shortest time: what follows from the order code is worked out once."""
+"""Fast decoding of valid frames: values that follow from the order code are computed once."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .bits import Reader
 from .codec import Coder
 from .expr import Atom, Expr, Scope, coded, mask
 
-#: A CRC is looked up in tables of so many bits each.
+#: Number of bits per CRC table.
 TABLE_BITS = 16
 
 
 @dataclass(frozen=True)
 class Once(Scope):
-    """A scope that gives each value that follows from the order code a name, and remembers what it stands for."""
+    """Scope that names each value that follows from the order code, and records its expression."""
 
     named: dict[str, str] = field(default_factory=dict)
 
@@ -40,7 +40,7 @@ class Once(Scope):
 
 
 class Fast:
-    """The function that decodes sound frames of one kind, as its template asks for it."""
+    """Function that decodes valid frames of one kind, for its template."""
 
     def __init__(self, coder: Coder) -> None:
         self.coder, self.plan = coder, coder.plan
@@ -52,7 +52,7 @@ class Fast:
 
     @property
     def applies(self) -> bool:
-        """Whether its frames are of a kind that this is for; others are decoded as carefully as ever."""
+        """True if the frames have a fast decoder. Others use only the decoder with all checks."""
         plan = self.plan
         plain = not plan.alternatives and not any(isinstance(item.field.kind, (Decimal, Text)) for item in plan.parts)
         known = all(isinstance(item, (AlwaysIs, ZerosAbove)) for item in self._checked)
@@ -62,10 +62,10 @@ class Fast:
         fits = not plan.by_word and (plan.crc is None or self.coder.crc_is_unrolled)
         return plain and known and chosen and fits and bool(self.heads) and plan.length > 1
 
-    # -- the first byte of a frame that is made of bytes
+    # -- first byte of a frame of bytes
 
     def _in_head(self, item: Check) -> bool:
-        """Whether a check looks at nothing but the first byte."""
+        """Return whether a check depends only on the first byte."""
         if not self.plan.in_bytes or self.plan.by_word or not isinstance(item, (AlwaysIs, ParityIs, IsOneOf)):
             return False
         pieces = [*item.bits.pieces, *(piece for of in self._parity_of(item) for piece in of.pieces)]
@@ -73,7 +73,7 @@ class Fast:
 
     @cached_property
     def heads(self) -> list[tuple[int, int]]:
-        """Every first byte that such a frame can have, and the selector in it."""
+        """Valid first bytes of such a frame, with the selector in each."""
         checks = [item for item in self.plan.checks if self._in_head(item)]
         selector = next((item for item in checks if isinstance(item, IsOneOf) and self.coder.selects(item.field)), None)
         if selector is None:
@@ -103,7 +103,7 @@ class Fast:
 
     @property
     def members(self) -> list[tuple[int, str]]:
-        """What the selector stands for, by first byte, where the frame shows it; empty where it does not."""
+        """Values of the selector by first byte. Empty if the frame does not have it as an attribute."""
         shown = next((item for item in self.plan.parts if self.coder.selects(item.field)), None)
         if shown is None:
             return []
@@ -112,24 +112,24 @@ class Fast:
         names = {item.value: f"{self.coder.enum(shown.field)}.{item.name.upper()}" for item in shown.field.values}
         return [(byte, names[value]) for byte, value in self.heads if value in names]
 
-    # -- what is worked out once, and what is looked at in each frame
+    # -- values computed once, and checks of each frame
 
     @property
     def tables(self) -> int:
-        """In how many tables the CRC of a word is looked up; 0 where it has none."""
+        """Number of tables for the CRC of a word. 0 if it has no CRC."""
         has_crc = self.plan.crc is not None and not self.plan.in_bytes
         return -(-self.coder.layout.widest // TABLE_BITS) if has_crc else 0
 
     @property
     def lookups(self) -> list[str]:
-        """What is looked up in each of the tables: the word is halved first, for short numbers are quicker."""
+        """Index for each table. The word is halved first, because short numbers are faster."""
         shifts = [TABLE_BITS * place for place in range(self.tables - 1)]
         found = [f"high >> {shift}" if shift else "high" for shift in shifts]
         return ["low", *(f"{item} & {mask((1 << TABLE_BITS) - 1)}" for item in found[:-1]), *found[-1:]][: self.tables]
 
     @cached_property
     def conditions(self) -> list[str]:
-        """What is true of a frame that has to be looked at more carefully."""
+        """Conditions under which a frame needs the decoder with all checks."""
         return [*self._conditions()]
 
     def _conditions(self) -> Iterator[str]:
@@ -147,7 +147,7 @@ class Fast:
 
     @cached_property
     def values(self) -> list[str]:
-        """The attributes of the frame, in order."""
+        """Attributes of the frame, in order."""
         given = ["variant"] if self.coder.takes_variant else []
         reserved = [str(self.read.unused())] if self.plan.reserved else []
         return [*given, *(self._value(part) for part in self.plan.parts), *reserved]
@@ -156,7 +156,7 @@ class Fast:
         if self.coder.selects(part.field):
             return "heads[b0]"
         if isinstance(part.field.kind, Flag):
-            # The lowest bits have a number of their own, which is shorter.
+            # The lowest bits are also in a shorter number.
             low = part.bits.low
             is_low = self.tables and low.is_constant and low.constant < TABLE_BITS
             bit = self.read.bit(part.bits, "low" if is_low else "")
@@ -169,13 +169,13 @@ class Fast:
 
     @property
     def named(self) -> dict[str, str]:
-        """The values that follow from the order code, by name; known once all of the rest has been asked for."""
+        """Values that follow from the order code, by name. They are complete once all else has been evaluated."""
         _ = (self.conditions, self.values, self.bits)
         return self._once.named
 
     @staticmethod
     def listed(name: str, count: int) -> str:
-        """``count`` names beside each other, to be given values at once."""
+        """Return ``count`` numbered names for a tuple assignment."""
         return ", ".join(f"{name}{place}" for place in range(count)) + ("," if count == 1 else "")
 
     @staticmethod

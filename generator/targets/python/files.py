@@ -1,8 +1,8 @@
 """The Python target: one installable, typed package without dependencies for each manufacturer.
 
-A layout becomes a NamedTuple with ``decode`` and ``encode``, a register of one choice an IntEnum with the same two, a
-procedure a function that gives its steps. What each of them does comes from the plan; the statements stand in the
-templates, which get names and expressions from here.
+A layout becomes a NamedTuple with ``decode`` and ``encode``. A register of one choice becomes an IntEnum with the same
+methods. A procedure becomes a function that returns its steps. Their operations come from the plan, the statements from
+the templates, and names and expressions from this package.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from .module import Module
 from .names import BISS, FOLDERS, SHARED
 from .readme import Shown, start
 
-#: The files that a package has once: beside its folder, and in it.
+#: Files that a package has once: next to its folder, and in it.
 _BESIDE = ("README.md", "pyproject.toml")
 _INSIDE = ("__init__", *SHARED)
 
 
 class Package(TypedDict):
-    header: Annotated[str, "the comment at the top of each file: who made it, and its licence"]
+    header: Annotated[str, "the comment at the top of each file: its origin and licence"]
     package: Annotated[str, "the name to import"]
     distribution: Annotated[str, "the name to install"]
     title: Annotated[str, "the manufacturer's name on one line"]
     maker: Annotated[Manufacturer, "the manufacturer"]
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
-    start: Annotated[Shown, "the frame with which the README begins"]
+    start: Annotated[Shown, "the first example of the README"]
     families: Annotated[list[str], "the names of all modules of families"]
-    specials: Annotated[list[tuple[str, str]], "the modules of special models, and what their order codes end in"]
-    biss: Annotated[tuple[str, ...], "the name of the module of what all BiSS encoders share, if there is one"]
-    public: Annotated[list[str], "the names of all modules that users import"]
-    identified: Annotated[list[str], "the names of the modules whose families can be told by their registers"]
+    specials: Annotated[list[tuple[str, str]], "the modules of special models, and the endings of their order codes"]
+    biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
+    public: Annotated[list[str], "the names of all public modules"]
+    identified: Annotated[list[str], "the modules of the families that registers identify"]
 
 
 class Folder(Package):
@@ -48,14 +48,14 @@ class Folder(Package):
 
 
 class Family(Package):
-    module: Annotated[Module, "the family and the parts of its module, their names and expressions"]
-    imports: Annotated[list[list[tuple[str, list[str]]]], "the modules that it imports from, in groups, and the names"]
+    module: Annotated[Module, "the family, with the parts, names and expressions of its module"]
+    imports: Annotated[list[list[tuple[str, list[str]]]], "the modules to import from, in groups, and the names"]
     facts: Annotated[list[str], "the names of its tables of facts, in order"]
-    offers: Annotated[list[str], "the names that it offers, in order"]
+    offers: Annotated[list[str], "its public names, in order"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """The files of every manufacturer's package; of several, each has a folder of its own around it."""
+    """Return the files of every manufacturer's package. With several, each has its own folder."""
     files: dict[str, str] = {}
     makers = library.by_manufacturer()
     for maker, devices in makers:
@@ -90,7 +90,6 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
     own = library.own_templates
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
     files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
-    files[f"{package}/_helper.c"] = TEMPLATES.render("_helper.c.jinja", values, own)
     files[f"{package}/py.typed"] = ""
     for folder in FOLDERS:
         files[f"{package}/{folder}/__init__.py"] = TEMPLATES.render(
@@ -102,7 +101,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
 
 
 def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple[str, str]]:
-    """The modules of a family: its frames, its facts, and many frames at once."""
+    """Yield the modules of a family: its frames, its facts, and its shapes."""
     family: Family = {
         **values,
         "header": _header(f"the specification of {plain(module.device.title)}"),
@@ -118,24 +117,23 @@ def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple
 
 
 def _header(source: str) -> str:
-    licence = "# Licence 0BSD: this file is yours, to use, change and pass on without any condition."
+    licence = "# Licence 0BSD: you may use, change and distribute this file without any condition."
     return f"# Generated by codewheel from {source}.\n{licence}"
 
 
 def _toml(text: str) -> str:
-    """``text`` as a TOML string."""
+    """Return ``text`` as a TOML string."""
     return '"' + plain(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _markdown(text: str) -> str:
-    """Text of a spec as text in Markdown."""
+    """Return text of a spec, escaped for Markdown."""
     return "".join(f"\\{character}" if character in "\\`*_{}[]<>#|!&" else character for character in plain(text))
 
 
 TEMPLATES = Templates(
     our_templates("python"),
     values={
-        "_helper.c.jinja": Package,
         "device.py.jinja": Family,
         "facts.py.jinja": Family,
         "folder.py.jinja": Folder,

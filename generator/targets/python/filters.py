@@ -1,4 +1,4 @@
-"""What the templates can ask of operations and how they write numbers, expressions and text."""
+"""Tests, filters and functions of the templates."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from .text import of_answer, of_crc, of_value
 
 
 def operand(value: Expr) -> str:
-    """An expression beside an operator: in parentheses, unless it is a name, a number or a call."""
+    """Return an expression next to an operator: in parentheses unless it is a name, a number or a call."""
     return value.operand
 
 
 def beside(value: Expr, operator: str) -> str:
-    """An expression beside ``operator``: in parentheses only where Python or a reader needs them."""
+    """Return an expression next to ``operator``: in parentheses only if Python or a reader needs them."""
     return value.beside(operator)
 
 

@@ -1,4 +1,4 @@
-"""What a device module imports and what it offers, by what its parts do."""
+"""Imports of a device module and of its facts."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from .variants import Variants
 
 
 def imports(module: Module) -> list[list[tuple[str, list[str]]]]:
-    """The modules that a device module imports from, first those of Python, and the names."""
+    """Return the modules that a device module imports from, those of Python first, and the names."""
     used = {name for names in _used(module) for name in names.split()}
     used |= {name for item in (module.family, *(row for _, row in module.codes.held)) for name in functions(item)}
     return _groups(used, STANDARD, PACKAGE)
 
 
 def fact_imports(module: Module) -> list[list[tuple[str, list[str]]]]:
-    """The same of the module that holds its facts."""
+    """Return the same for the module of its facts."""
     used = {"Final", *(item.kind for item in module.tables)}
     used |= {name for item in _facts(module) for name in functions(item)}
     given = (
@@ -63,7 +63,7 @@ def _facts(module: Module) -> Iterator[Call]:
 
 
 def _named(given: Iterable[tuple[object, str]]) -> set[str]:
-    """The names that go with what there is."""
+    """Return the names of the parts that are not empty."""
     return {name for what, names in given if what for name in names.split()}
 
 
@@ -72,7 +72,7 @@ def _if(condition: object, names: str) -> str:
 
 
 def _used(module: Module) -> Iterator[str]:
-    """Names, some with blanks between them."""
+    """Yield the used names, some of them several in one text."""
     yield "ClassVar Encoder Final Interface Mapping MappingProxyType TYPE_CHECKING checked fact overload"
     yield _if(module.enums, "IntEnum")
     yield _if(module.alternatives, "Enum decided")

@@ -1,4 +1,4 @@
-"""Lines of code that are too long are broken at their brackets, as Black would break them."""
+"""Breaks long lines of code at their brackets, in the style of Black."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
 def broken(text: str) -> str:
-    """The same code; what stands in the first brackets of a line that is too long gets a line for each item."""
+    """Return the code with long lines broken: one line for each item in the first brackets."""
     return "\n".join(piece for line in text.split("\n") for piece in _broken(line))
 
 
@@ -32,7 +32,7 @@ def _broken(line: str) -> Iterator[str]:
 
 
 def _items(line: str) -> tuple[str, list[str], str]:
-    """The line up to its first bracket, what stands between its commas, and the rest from where it closes."""
+    """Return the line up to its first bracket, the items in it, and the rest from the closing bracket on."""
     place, depth, start = 0, 0, ""
     items = [""]
     for token in _TOKEN.findall(line):
@@ -50,7 +50,7 @@ def _items(line: str) -> tuple[str, list[str], str]:
 
 
 def _in_pieces(text: str, indent: int) -> str:
-    """A quoted text that is too long, cut after spaces into pieces that stand side by side in parentheses."""
+    """Return a long quoted text as several literals in parentheses, split after spaces."""
     pieces = [""]
     for word in text[1:-1].split(" "):
         if pieces[-1] and indent + 4 + len(f'"{pieces[-1]}{word}"') > WIDTH - 2:

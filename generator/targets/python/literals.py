@@ -1,4 +1,4 @@
-"""Data as literals of Python: strings, records and tables that text from a spec cannot break out of."""
+"""Data as Python literals: strings, records and tables, safe for any text from a spec."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .lines import broken
 
 
 def quoted(text: str | bytes) -> str:
-    """A literal of one line in double quotes; every byte in hexadecimal."""
+    """Return a literal on one line in double quotes, with bytes in hexadecimal."""
     if isinstance(text, bytes):
         return 'b"' + "".join(f"\\x{byte:02x}" for byte in text) + '"'
     if text.isprintable() and '"' not in text and "\\" not in text:
@@ -22,14 +22,14 @@ def quoted(text: str | bytes) -> str:
 
 @dataclass(frozen=True)
 class Code:
-    """Source that stands as it is."""
+    """Source code that is printed unchanged."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Member:
-    """A member of an enumeration, by its value in the spec."""
+    """Member of an enumeration, by its value in the spec."""
 
     kind: str
     value: str
@@ -37,28 +37,28 @@ class Member:
 
 @dataclass(frozen=True)
 class Hex:
-    """A number in hexadecimal, in at least two digits."""
+    """Hexadecimal number with at least two digits."""
 
     number: int
 
 
 @dataclass(frozen=True)
 class Call:
-    """A call; an argument without a name is positional, one without a value is left out."""
+    """Call. An argument without a name is positional."""
 
     function: str
     arguments: tuple[tuple[str, Literal], ...]
 
     @cached_property
     def flat(self) -> str:
-        """The call on one line."""
+        """Call on one line."""
         arguments = [f"{name}={literal(item)}" if name else literal(item) for name, item in self.arguments]
         return f"{self.function}({', '.join(arguments)})"
 
 
 @dataclass(frozen=True)
 class Sometimes:
-    """An item of a tuple that is there while the expression ``condition`` holds."""
+    """Item of a tuple that is present if the expression ``condition`` is true."""
 
     item: Call
     condition: str
@@ -70,12 +70,12 @@ Literal = (
 
 
 def call(function: str, *positional: Literal, **optional: Literal) -> Call:
-    """A call with positional arguments, and with those optional ones that differ from their default of nothing."""
+    """Return a call with positional arguments, and with the optional ones that are not empty."""
     return Call(function, (*(("", value) for value in positional), *_given(optional)))
 
 
 def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
-    """A call with named arguments only."""
+    """Return a call with only named arguments."""
     return Call(function, (*needed.items(), *_given(optional)))
 
 
@@ -88,7 +88,7 @@ def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
 
 
 def functions(value: Literal) -> Iterator[str]:
-    """The functions that a literal calls, and the enumerations that it names."""
+    """Yield the functions that a literal calls, and the enumerations that it names."""
     match value:
         case Member(kind):
             yield kind
@@ -106,18 +106,18 @@ def functions(value: Literal) -> Iterator[str]:
 
 
 def constant(name: str, value: Call) -> str:
-    """The statement that gives ``name`` its value."""
+    """Return the statement that assigns a value to ``name``."""
     return broken(f"{name}: Final = {value.flat}")
 
 
 def table(name: str, kind: str, rows: Sequence[Call]) -> str:
-    """The statement that gives ``name`` a tuple of records, one a line."""
+    """Return the statement that assigns a tuple of records to ``name``, one per line."""
     lines = [f"    {row.flat}," for row in rows]
     return f"{name}: Final[tuple[{kind}, ...]] = " + ("\n".join(["(", *map(broken, lines), ")"]) if lines else "()")
 
 
 def literal(value: Literal) -> str:
-    """``value`` as source, on one line."""
+    """Return ``value`` as source code on one line."""
     if isinstance(value, (str, bytes)):
         return quoted(value)
     if isinstance(value, Code):

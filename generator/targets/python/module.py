@@ -1,4 +1,4 @@
-"""A device module: every part of it, as its template asks for them."""
+"""A device module: all its parts, for its template."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .variants import FrameKind, Variants
 
 @dataclass(frozen=True)
 class Enumeration:
-    """A set of named values; that of a register codes itself."""
+    """Enumeration of named values. That of a register decodes and encodes itself."""
 
     name: str
     doc: str
@@ -37,7 +37,7 @@ class Enumeration:
 
 @dataclass(frozen=True)
 class Dispatcher:
-    """The function that tells apart what one side sends."""
+    """Function that decodes any frame of one sender."""
 
     plan: Dispatch
     name: str
@@ -61,28 +61,28 @@ class Dispatcher:
 
     @property
     def allowed(self) -> list[int]:
-        """Every value of the selector that tells a frame."""
+        """All values of the selector that identify a frame."""
         return sorted(value for branch in self.plan.branches for value in branch.values)
 
     @property
     def asked(self) -> list[Asked]:
-        """What the manual leaves open of any of them."""
+        """Questions that the manual leaves open about any of the frames."""
         return list({item.name: item for coder in self.members for item in coder.asked}.values())
 
     @property
     def listed(self) -> list[tuple[str, str]]:
-        """The arguments for that, each with what it is for."""
+        """Arguments for the answers, with their descriptions."""
         return [(item.name, item.about) for item in self.asked]
 
     @property
     def told_by(self) -> str:
-        """What the selector is called."""
+        """Printed name of the selector."""
         return plain(self.plan.selector.printed_name or words(self.plan.selector.name))
 
 
 @dataclass(frozen=True)
 class Section:
-    """One interface of a device."""
+    """Interface of a device."""
 
     interface: Interface
     facts: Call
@@ -92,7 +92,7 @@ class Section:
 
 
 class Module:
-    """Everything that a device module consists of."""
+    """All parts of a device module."""
 
     def __init__(self, device: Device) -> None:
         self.device, self.context = device, Context(device)
@@ -118,7 +118,7 @@ class Module:
         self.crcs = [facts.crc(item) for item in device.crcs]
         self.register_rows, self.frame_rows = facts.register_rows(device), facts.frame_rows(device)
 
-    # -- what it says of itself
+    # -- docstring and contents
 
     @property
     def doc(self) -> str:
@@ -126,7 +126,7 @@ class Module:
 
     @cached_property
     def contents(self) -> list[tuple[str, list[str]]]:
-        """All names that the module offers, in groups, for its first screen; each stands in one."""
+        """All public names of the module, in groups, for its docstring. Each name is in one group."""
         return [(name, names) for name, names in self._contents() if names]
 
     def _contents(self) -> Iterator[tuple[str, list[str]]]:
@@ -135,8 +135,8 @@ class Module:
         for section in self.sections:
             told = [name for item in section.dispatchers for name in (item.union, item.name)]
             yield section.interface.title, [*(item.name for item in section.coders), *told]
-        yield "Of all interfaces", ["Frame"] if self.codes.sent else []
-        yield "Values in them", [*(item.name for item in self.enums), *(item.kind for item, _ in self.alternatives)]
+        yield "All interfaces", ["Frame"] if self.codes.sent else []
+        yield "Values of fields", [*(item.name for item in self.enums), *(item.kind for item, _ in self.alternatives)]
         yield "Registers", [*(item.name for item in self.registers), *(["Address"] if self.registers else [])]
         yield "Procedures", [item.name for item in self.procedures]
         yield "CRCs", [*self.context.crc_functions]
@@ -147,16 +147,16 @@ class Module:
 
     @property
     def fact_names(self) -> list[str]:
-        """The names of the tables of facts, in order."""
+        """Names of the tables of facts, in order."""
         names = ["MANUAL", "ORDER_CODE", *(item.name for item in self.tables)]
         names += [section.interface.name.upper() for section in self.sections]
         told = {"CRCS": self.crcs, "FRAMES": self.frame_rows, "REGISTERS": self.registers, "REPORTS": self.reports}
         return sorted([*names, *(name for name, rows in told.items() if rows)])
 
     def _example(self) -> Iterable[Block]:
-        """A few lines that decode a frame and look at its verdict before they use it."""
+        """Yield an example that decodes a frame and checks its verdict."""
         for frame in self.readme.frames[:1]:
-            # The lookup() of the package leads to the family that this one was made of.
+            # The lookup() of the package finds the family that this one is derived from.
             name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
             names = ", ".join(filter(None, ("Verdict" if frame.judged else "", frame.module, name)))
             start = (
@@ -164,23 +164,23 @@ class Module:
                 f'encoder = {call}("{frame.code}")',
             )
             if frame.judged:
-                yield "A sound frame is not yet a usable position. Look at its verdict before you use the position:"
+                yield "A valid frame does not imply a usable position. Check the verdict before you use the position:"
             yield Lines((*start, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
 
     @property
     def alternatives(self) -> list[tuple[Asked, str]]:
-        """What the manual leaves open, each with its docstring."""
+        """Questions that the manual leaves open, with their docstrings."""
         asked = self.context.asked.values()
         return [(item, text.of_alternative(self.device, item.alternative)) for item in asked]
 
     @property
     def known_by(self) -> list[str]:
-        """The classes of the encoders whose registers tell which encoder it is."""
+        """Classes of the encoders whose registers identify the encoder."""
         return [encoder_name(item.interface) for item in self.identities]
 
     @cached_property
     def shapes(self) -> list[Shape]:
-        """How many frames are decoded at once, of each frame."""
+        """Descriptions of all frames for ``decode_many``."""
         frames = (item for section in self.sections for item in section.coders)
         told = self.context.reportings
         return [Shape(item, told.get(item.layout.name)) for item in frames]
@@ -196,12 +196,12 @@ class Module:
 
     @property
     def judged(self) -> bool:
-        """Whether any frame tells what its position is worth."""
+        """True if any frame has a verdict."""
         return any(item.otherwise for item in self.shapes)
 
     @property
     def shape_parts(self) -> list[str]:
-        """What the descriptions of frames for many at once are made of."""
+        """Names from ``_shape`` that the descriptions of frames use."""
         used = {name for item in self.shapes for _, rows in item.rows for row in rows for name in functions(row)}
         crcs = [item.plan.crc for item in self.shapes if item.plan.crc is not None]
         used |= {"CrcOf"} if crcs else set()
@@ -211,16 +211,16 @@ class Module:
 
     @property
     def shape_faults(self) -> bool:
-        """Whether any of them has to say which fault a check finds."""
+        """True if any of them has checks, which need ``Fault``."""
         return any(name == "checks" and rows for item in self.shapes for name, rows in item.rows)
 
     @property
     def shape_needs(self) -> list[str]:
-        """What they need of the module: classes of encoders and answers, and functions of CRCs."""
+        """Names of the module that they use: classes of encoders and answers, and functions of CRCs."""
         given = {kind for item in self.shapes for _, kind in item.coder.given}
         return sorted(given | {item.coder.crc_name for item in self.shapes if item.plan.crc is not None})
 
-    # -- its parts
+    # -- parts
 
     @cached_property
     def enums(self) -> list[Enumeration]:
@@ -231,7 +231,7 @@ class Module:
 
     @cached_property
     def folds(self) -> dict[str, Coder]:
-        """A frame for each way in which words are folded, by the name of the function."""
+        """A frame for each function that folds words, by the name of the function."""
         folded = (item for item in self.coders if item.plan.crc is not None and item.plan.crc.steps)
         return {item.fold_name: item for item in folded if not item.plan.in_bytes}
 

@@ -1,4 +1,4 @@
-"""Procedures in Python: functions that give the steps for an order code and arguments."""
+"""Procedures in Python: functions that return the steps for an order code and arguments."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, mea
 class Segment:
     """Steps, and the arguments that are checked before them.
 
-    ``taught`` is the last of them where its register holds what the limits of later steps follow from.
+    ``taught`` is the last step if the limits of later steps follow from its register.
     """
 
     arguments: Sequence[Given]
@@ -44,7 +44,7 @@ class Segment:
 
 
 class Steps:
-    """The function of one procedure; ``coders`` are the classes of registers that have one."""
+    """Function of one procedure. ``coders`` are the classes of registers that have one."""
 
     def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
         self.context, self.coders, self.procedure = context, coders, procedure
@@ -57,7 +57,7 @@ class Steps:
 
     @cached_property
     def takes_variant(self) -> bool:
-        """Whether the steps differ with the order code; if not, the encoder is only checked."""
+        """True if the steps depend on the order code. Otherwise the encoder is only checked."""
         classes = {item.argument.of for item in self.arguments} & self.coders.keys()
         touched = (item.field for item in self.steps if isinstance(item, (Writes, Polls)) and item.field is not None)
         refusals = (item for given in self.arguments for item in given.refusals)
@@ -79,7 +79,7 @@ class Steps:
 
     @property
     def segments(self) -> Iterator[Segment]:
-        """The steps up to each one that changes limits, and those that are left."""
+        """Steps up to and including each one that changes limits, and the remaining ones."""
         ends = [index + 1 for index, item in enumerate(self.steps) if isinstance(item, Writes) and item.teaches]
         for start, end in pairwise((0, *ends, len(self.steps))):
             last = self.steps[end - 1]
@@ -87,7 +87,7 @@ class Steps:
             yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
 
     def closes(self, op: Writes) -> bool:
-        """Whether a step writes something else into a register that opens others than what opens them."""
+        """Return whether a step closes registers: it writes another value than the opening one."""
         opened = {item.opened_by_value for item in self.context.device.registers if item.opened_by == op.register.name}
         return bool(opened) and isinstance(op.value, Stated) and getattr(op.step, "value_name", "") not in opened
 
@@ -95,7 +95,7 @@ class Steps:
 
     @property
     def can_be_odd(self) -> bool:
-        """Whether an argument may be a number that the decoder of its register refuses."""
+        """True if an argument can be a number that the decoder of its register rejects."""
         return any(isinstance(item, Undecodable) for given in self.arguments for item in given.refusals)
 
     @property
@@ -112,11 +112,11 @@ class Steps:
         return attribute(argument.name, PROCEDURE_NAMES)
 
     def type(self, given: Given) -> str:
-        """The type of an argument: a register of several fields is given as an object or as one number."""
+        """Return the type of an argument. A register of several fields is passed as an object or as one number."""
         return f"{self.context.registers[given.argument.of]} | int" if self.is_object(given) else "int"
 
     def is_object(self, given: Given) -> bool:
-        """Whether an object of the register's class is taken as well as a number."""
+        """Return whether an argument accepts an object of the register's class, in addition to a number."""
         taken = {item.register.name for item in given.written if isinstance(item.value, AsNumber)}
         return given.argument.of in taken
 
@@ -131,20 +131,20 @@ class Steps:
         return moved(self.scope.ones(field.width), "<<", self.scope.of(field.low))
 
     def verified(self, op: Verifies) -> Expr:
-        """The bits of a register that are read back, as a mask of its number."""
+        """Return the mask of the register bits that are read back."""
         if op.field is not None:
             return self.mask(op.field)
         digits = 2 * op.register.length
         return Atom(f"0x{sum(item.mask << item.left for item in op.pieces):0{digits}X}")
 
     def in_place(self, value: int | str, field: Field) -> Expr:
-        """A number or an argument where the field is."""
+        """Return a number or an argument at the place of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
         return moved(Atom(str(value)), "<<", self.scope.of(field.low))
 
     def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
-        """The attributes that an argument for one member of a register is, each with its value."""
+        """Return the attributes, with values, for an argument that is one member of a register."""
         coder, name = self.coders[register.name], Atom(self.argument(value.argument))
         field = next((item for item in register.layout.fields if item.name == value.member), None)
         if field is None or not isinstance(field.kind, Decimal):
@@ -155,7 +155,7 @@ class Steps:
         return any(item.name == value.member for item in register.layout.joins)
 
     def limits(self, refusal: Beyond) -> str:
-        """Between which values an argument has to lie: what a function of the register's class gives, if it has one."""
+        """Return the limits of an argument: a call of the register's class if it has one, or a tuple."""
         if refusal.register.name not in self.coders:
             return "({}, {})".format(*between(self.scope, refusal.limits))
         name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)

@@ -1,4 +1,4 @@
-"""Examples for the README of the package: made-up frames of each interface, and the worked examples of the manuals."""
+"""Examples for the README of the package: frames of each interface, and the worked examples of the manuals."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ from .expr import grouped
 from .procedures import Steps
 from .variants import FrameKind
 
-#: How many registers and how many procedures are shown.
+#: Number of registers and of procedures that are shown.
 _REGISTERS, _PROCEDURES = 3, 2
 
 
 @dataclass(frozen=True)
 class Shown:
-    """An example in the README: what is called, and what comes out.
+    """Example in the README: a call and its result.
 
-    ``judged`` is a frame that tells what its position is worth; ``spoilt`` is the same frame with a position that
-    is not usable, ``reported`` what it reports, and ``tried`` what is printed of both and of a damaged one.
-    ``kind`` is its class where the encoder sends several. Of a frame that is a string of bits there are their
-    number and ``digits``. ``looked_up`` says that the call needs the encoder. ``answers`` are the arguments that
-    decide what the manual leaves open, ``module`` where their classes are.
+    ``judged`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
+    ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
+    of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
+    ``looked_up`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
+    leaves open, ``module`` is the module of their classes.
     """
 
     code: str
@@ -65,21 +65,21 @@ class Shown:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """What shows the values of a frame: where one is the position, only after a look at what it is worth."""
+        """Lines that print the values of a frame, after a check of the verdict if there is one."""
         if not self.judged:
             return (f"print({self.shown})",)
         return "if frame.verdict is not Verdict.NOT_USABLE:", f"    print({self.shown})"
 
 
 def start(readmes: Sequence[Readme]) -> Shown:
-    """The example to begin with: of a frame that can report an error, and one in bits, where any family has such."""
+    """Return the first example, preferably of a frame of bits that can report an error."""
     frames = [frame for readme in readmes for frame in readme.frames]
     no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
     return max(frames, key=lambda item: (not item.answers, bool(item.spoilt), bool(item.bits)), default=no_frame)
 
 
 class Readme:
-    """What the README shows of one module."""
+    """Examples of one module in the README."""
 
     def __init__(
         self,
@@ -93,13 +93,13 @@ class Readme:
 
     @cached_property
     def frames(self) -> list[Shown]:
-        """One frame of each interface, its values made up, its bits from the model."""
+        """One frame of each interface, with invented values and bits from the model."""
         made = ((kind, self._frame(kind.coder, self._example_variant(kind.interface))) for kind in self._kinds)
         found = [
             replace(item, kind=kind.coder.name if kind.dispatch else "") if item is not None else None
             for kind, item in made
         ]
-        # The first example is the one that is copied: it shows a frame that can report an error, where there is one.
+        # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted((item for item in found if item is not None), key=lambda item: not item.spoilt)
 
     def _frame(self, coder: Coder, variant: Variant | None) -> Shown | None:
@@ -140,13 +140,13 @@ class Readme:
         if end is None or layout.in_bytes or coder.measured not in shown:
             return made
         received = (number ^ 1) & ((1 << end.widest) - 1)
-        damaged = f"the CRC is {received:#04x}; over these bits it has to be {received ^ 1:#04x}"
+        damaged = f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
         told = meaning(flag, alarm_of(self.device, flag))
-        tried = (str(shown[coder.measured]), told, f"no sound frame of {variant.code}: {damaged}")
+        tried = (str(shown[coder.measured]), told, f"invalid frame of {variant.code}: {damaged}")
         return replace(made, tried=tried)
 
     def _example_variant(self, kind: str) -> Variant | None:
-        """An order code of this interface: that of an example of the manual, else the one with the most bits."""
+        """Return an order code of this interface: that of an example in the manual, or the one with the most bits."""
         codes = [item.order_code for item in self.device.examples if not isinstance(item, CrcExample)]
         names = [item.name for item in self.device.set_parameters]
         candidates = [item for item in self.device.variants if item.interface == kind]
@@ -158,7 +158,7 @@ class Readme:
 
     @property
     def registers(self) -> list[Shown]:
-        """A worked example of each of the first registers that have one."""
+        """Worked examples of the first registers that have one."""
         found: dict[str, Shown] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
@@ -187,7 +187,7 @@ class Readme:
 
     @property
     def run_time(self) -> list[Shown]:
-        """What a register does to an encoder whose frame follows it."""
+        """Example of a register that changes the frame."""
         for item in self.device.run_time_parameters:
             register = self.device.register(item.register)
             field = register.layout.field(item.field)
@@ -201,7 +201,7 @@ class Readme:
 
     @property
     def positions(self) -> list[Shown]:
-        """What a position means, and how it goes on where the count starts again."""
+        """Conversion of a position, and its count after a wrap-around."""
         variant = self.device.variants[0]
         measurement = self.device.measurement_of(variant.interface)
         factors = [item.value(variant.parameters) for item in counts(measurement)] if measurement is not None else []
@@ -219,7 +219,7 @@ class Readme:
 
     @property
     def identified(self) -> list[Shown]:
-        """The worked examples of registers by which an encoder is known."""
+        """Worked examples of registers that identify an encoder."""
         known = {register.name for register, _ in self.device.identity}
         read: dict[str, RegisterExample] = {}
         for example in self.device.examples:
@@ -233,7 +233,7 @@ class Readme:
 
 
 def _text(placed: PlacedLayout, number: int) -> str:
-    """A frame as Python has it."""
+    """Return a frame as a Python literal."""
     if placed.layout.in_bytes:
         return _bytes(number_to_bytes(placed.layout, number, placed.bits))
     return f"{number:#x}"
@@ -257,7 +257,7 @@ def _register(example: RegisterExample, coder: Coder) -> Shown:
 
 
 def _made_up(item: Field, width: int, layout: Layout) -> int | str | bool:
-    """A value that shows something."""
+    """Return an invented value for a field."""
     if item.name == layout.selector:
         return layout.selects[0]
     if isinstance(item.kind, Flag):

@@ -1,4 +1,4 @@
-"""What the description of a frame for ``decode_many`` is made of: expressions and literals over the plan of columns."""
+"""Descriptions of frames for ``decode_many``: expressions and literals over the plan of columns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .reports import holding
 
 
 class Shape:
-    """The columns of one frame, as its template asks for them."""
+    """Description of one frame, for its template."""
 
     def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
         self.coder, self.plan, self._reporting = coder, coder.plan, reporting
@@ -24,7 +24,7 @@ class Shape:
 
     @cached_property
     def rows(self) -> list[tuple[str, list[Literal]]]:
-        """The members that are tuples, by name."""
+        """Members that are tuples, by name."""
         return [*self._rows()]
 
     def _rows(self) -> Iterator[tuple[str, list[Literal]]]:
@@ -102,7 +102,7 @@ class Shape:
             yield self._only(made, item.only)
 
     def _only(self, made: Call, only: Only | None) -> Call | Sometimes:
-        """What stands in the tuple, for those order codes that have it."""
+        """Return an item of a tuple, with a condition if only some order codes have it."""
         if only is None:
             return made
         member = holding(only, f"variant.{self.coder.context.parameters[only.parameter]}")
@@ -114,12 +114,12 @@ class Shape:
 
     @property
     def fixed(self) -> str:
-        """The bits that every such frame has, as one number."""
+        """Bits that are 1 in every such frame, as one number."""
         terms = [f"{value:#x} << {self._code(place.low).text}" for place, value in fixed(self.plan)]
         return " | ".join(f"({item})" if len(terms) > 1 else item for item in terms)
 
     @property
     def crc_low(self) -> int:
-        """Where the CRC begins."""
+        """Lowest bit of the CRC."""
         crc = self.plan.crc
         return crc_place(self.coder.layout, crc.crc.width) if crc is not None else 0

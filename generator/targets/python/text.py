@@ -1,4 +1,4 @@
-"""What the docstrings of a device module say of the device: of its order codes, frames, registers and fields."""
+"""Docstrings of a device module: order codes, frames, registers, fields and procedures."""
 
 from __future__ import annotations
 
@@ -35,19 +35,18 @@ from .docstrings import Block, docstring
 
 
 def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
-    """``contents`` are what the module holds, in a few groups; whoever opens it sees them first."""
+    """Return the docstring of the module. ``contents`` are its names, in groups."""
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
         sentence(f"{device.title}, by {device.manufacturer.title}"),
-        "Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for"
-        " itself ends in an underscore.",
-        ("In here", [item for item in contents if item[1]]),
+        "Start with lookup(), which knows every order code. Names follow the manual. Names that are reserved in Python"
+        " end in an underscore.",
+        ("Contents", [item for item in contents if item[1]]),
         *example,
-        f"Version {device.manufacturer.version}, made from the manual “{plain(manual.title)}”, {plain(revision)}."
-        " Sections and pages in this module are those"
-        " of that manual; a source that begins with a language code is another edition, one that begins with another"
-        " key stands in DOCUMENTS.",
+        f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
+        " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
+        " that language, and one that starts with another key to an entry of DOCUMENTS.",
         " ".join(paragraphs([*origin(device), *other_editions(device)])),
         *paragraphs(taken_away(device)),
         " ".join(device.manufacturer.trademarks),
@@ -55,7 +54,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
 
 
 def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[str]:
-    """The errata of these parts of the spec, as paragraphs; slips of wording are in the table alone."""
+    """Return the errata of these parts of the spec as paragraphs. Mistakes in wording are only in the table."""
     return paragraphs(map(erratum, errata(device, *paths, without=without)))
 
 
@@ -64,7 +63,7 @@ def paragraphs(statements: Iterable[Said]) -> list[str]:
 
 
 def notes(device: Device, interface: Interface) -> list[str]:
-    """Errata of an interface that are of none of its layouts alone."""
+    """Return the errata of an interface that do not belong to a single layout."""
     here = f"interfaces.{interface.name}"
     return of_errata(device, here, without=[f"{here}.{item.name}" for item in interface.layouts])
 
@@ -79,36 +78,36 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         if item.interface and len(device.interfaces) > 1:
             text += f" Over {device.interface(item.interface).title} only."
         if item.read_from:
-            text += " As delivered, unless with_registers() gives another."
+            text += " The factory default, unless set by with_registers()."
         set_here.append((names[item.name], text))
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
-        ("family", "The encoder's family."),
-        ("interface", "How the encoder is connected."),
+        ("family", "Family of the encoder."),
+        ("interface", "Interface of the encoder."),
         ("code", "Order code, without what may follow it on the label."),
-        ("parts", f"The parts of the order code: {parts}."),
+        ("parts", f"Parts of the order code: {parts}."),
         *set_here,
-        ("unlisted", "Parts of the order code that the manual leaves open."),
-        ("tail", "What followed the order code on the label."),
-        ("special_code", f"What the label ends in as /Sxxx. {sentence(device.order_code.special)}".strip()),
-        ("written_as_in", "Where codes are written like the label, if that is not as the order codes are listed."),
+        ("unlisted", "Names of the parts whose values the manual does not list."),
+        ("tail", "Text that followed the order code on the label."),
+        ("special_code", f"Ending /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
+        ("written_as_in", "Document that writes order codes like the label, if they are usually written differently."),
     ]
     return docstring(
-        "An encoder as its order code describes it; that of each interface has a class of its own.",
+        "Encoder as its order code describes it. Each interface has a subclass.",
         ("Attributes", attributes),
         indent=4,
     )
 
 
 def of_alternative(device: Device, item: Alternative) -> str:
-    """What the manual leaves open, and why it matters."""
+    """Return the docstring of a question that the manual leaves open."""
     head = S.sentence(said(item.meaning, source=item.source))
-    decide = "The manual leaves this open, or other evidence contradicts it: there is no default."
+    decide = "The manual leaves this open, or other evidence contradicts it. There is no default."
     return docstring(head, decide, *of_errata(device, f"alternatives.{item.name}"), indent=4)
 
 
 def of_answer(item: Answer) -> str:
-    """What an answer to what the manual leaves open means."""
+    """Return the meaning of an answer to such a question."""
     return S.sentence(said(item.meaning, source=item.source))
 
 
@@ -124,12 +123,12 @@ def of_layout(device: Device, interface: Interface, item: Layout) -> tuple[str, 
     groups = [f"field_groups.{name}" for name in dict.fromkeys(item.group for item in item.fields if item.group)]
     found = errata(device, f"interfaces.{interface.name}.{item.name}")
     shared = ", ".join(other.name for other in errata(device, *groups) if other not in found)
-    more = f"Of its parts, see ERRATA: {shared}." if shared else ""
+    more = f"See also in ERRATA: {shared}." if shared else ""
     return summary, [*paragraphs(layout.layout(device, interface, item)), more]
 
 
 def of_register(device: Device, item: Register) -> tuple[str, list[Block]]:
-    """What is said of a register; the rules for its use make one paragraph."""
+    """Return the docstring of a register, with the rules for its use in one paragraph."""
     facts = [*register.facts(device, item)]
     if is_one_choice(item):
         facts += field.rules(device, item.layout.fields[0])
@@ -141,16 +140,16 @@ def of_register(device: Device, item: Register) -> tuple[str, list[Block]]:
 def of_class(
     about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *others: Block
 ) -> str:
-    """The docstring of a class; ``of_variant`` is what belongs to the encoder, if it matters which one."""
-    variant = [("variant", f"The encoder that the {of_variant} belongs to.")] if of_variant else []
+    """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
+    variant = [("variant", f"Encoder of the {of_variant}.")] if of_variant else []
     summary, blocks = about
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
 
 
-def of_crc(device: Device, item: Crc, over: str) -> list[str]:
-    """What is said of a CRC that is computed ``over`` something, as paragraphs."""
+def of_crc(device: Device, item: Crc) -> list[Block]:
+    """Return the paragraphs of the function that computes a CRC."""
     head, *more = paragraphs(crc.crc(device, item))
-    return [head, f"Computed over {over}.", *more]
+    return [f"Compute the {head}", *more]
 
 
 def of_procedure(device: Device, item: Procedure) -> list[str]:
@@ -165,24 +164,24 @@ def of_argument(device: Device, item: Argument) -> str:
 
 
 def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
-    missing = [said("0 where the encoder has none")] if may_be_missing else []
+    missing = [said("0 if the encoder does not have it")] if may_be_missing else []
     about = [*field.meaning(item, item.meaning), *missing, *field.rules(device, item), *told(item.note)]
     return S.paragraph(about) or sentence(title(item))
 
 
-#: What is said of the member for unused bits.
-OF_UNUSED = "0 while all unused bits are as the manual has them; those that differ are 1."
-#: The same of a register, where the manual does not say what these bits are.
-OF_OTHERS = "Bits that the manual does not describe, at their places in the number that the bytes make."
+#: Description of the member for unused bits.
+OF_UNUSED = "Unused bits that differ from the manual, as 1. 0 if none differs."
+#: The same for a register whose other bits the manual does not describe.
+OF_OTHERS = "Bits that the manual does not describe, at their places in the number that the bytes form."
 
 
 def of_unused(item: Field, at: int) -> str:
-    """A field of unused bits, and where it stands in the number of all of them."""
+    """Return a field of unused bits, with its place in ``unused``."""
     return f"{place.bits(at + item.widest - 1, at)}, {item.name}"
 
 
 def of_value(item: Field | Value) -> str:
-    """What a named value, or a field with such values, means; empty where the manual does not say."""
+    """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
     return S.paragraph(field.meaning(item, item.meaning))
 
 

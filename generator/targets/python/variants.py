@@ -1,4 +1,4 @@
-"""Order codes in a device module: the table of parts, the variants, what registers hold, and what positions measure."""
+"""Order codes in a device module: the variants, parameters in registers, and units of positions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .names import FUNCTIONS, attribute, camel, encoder_name
 
 @dataclass(frozen=True)
 class FrameKind:
-    """What the encoder sends over an interface: frames that the function ``dispatch`` tells apart, or of one kind."""
+    """Frames that the encoder sends over an interface: of one kind, or of several that ``dispatch`` decodes."""
 
     interface: str
     coder: Coder
@@ -33,7 +33,7 @@ class FrameKind:
 
     @cached_property
     def fast(self) -> list[Fast]:
-        """What decodes sound frames in the shortest time, of each kind that has it."""
+        """Fast decoders, for the kinds of frames that have one."""
         return [item for item in map(Fast, self.members) if item.applies]
 
     @property
@@ -42,24 +42,38 @@ class FrameKind:
 
     @property
     def has_open_length(self) -> bool:
-        """Whether what the manual leaves open decides how long the frame is."""
+        """True if the length of the frame depends on a question that the manual leaves open."""
         answered = {name for item in self.asked for name, _ in item.members}
         return not answered.isdisjoint(self.coder.layout.bits.parameters)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
-        """The arguments for what the manual leaves open, each with what it is for."""
+        """Arguments for questions that the manual leaves open, with their descriptions."""
         return [(item.name, item.about) for item in self.asked]
 
     @property
+    def arguments(self) -> list[tuple[str, str]]:
+        """Arguments of ``decode``, with their descriptions."""
+        if self.in_bytes:
+            return [("frame", "Bytes of the frame, in the order of transmission."), *self.listed]
+        frame = "Frame as a number whose most significant bit was sent first, or as a text of 0 and 1."
+        bits = "Number of bits received, if known. A number alone does not show whether bits are missing."
+        return [("frame", frame), ("bits", bits), *self.listed]
+
+    @property
+    def returned(self) -> str:
+        """Description of the value that ``decode`` returns."""
+        return "The frame. Check its ``verdict`` before you use the position." if self.judged else "The frame."
+
+    @property
     def judged(self) -> bool:
-        """Whether any of its frames tells what its position is worth."""
+        """True if any of the frames has a verdict."""
         return self.coder.reports is not None and bool(self.coder.reports.otherwise)
 
 
 @dataclass(frozen=True)
 class Listed:
-    """The listed order codes of one interface: the name of their type, the class of the encoder, and the codes."""
+    """Listed order codes of one interface: the name of their type, the class of the encoder, and the codes."""
 
     literal: str
     encoder: str
@@ -67,13 +81,13 @@ class Listed:
 
 
 class Variants:
-    """What the template asks of the order codes of one module."""
+    """Order codes of one module, for the template."""
 
     def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
         self.context, self.device = context, context.device
         self.frame_kinds = frame_kinds
         self.sent = [item for item in coders if item.layout.sender == "encoder"]
-        #: Whether any of it has a position, and tells what that is worth.
+        #: True if any frame has a verdict.
         self.judged = any(item.reports is not None and item.reports.otherwise for item in coders)
         self._scope = context.scope_of("self")
         self.rows = [self._row(item) for item in self.device.variants]
@@ -90,7 +104,7 @@ class Variants:
 
     @property
     def names(self) -> list[str]:
-        """The parameters that each encoder has a value of its own for."""
+        """Parameters that each encoder has its own value for."""
         return [self.context.parameters[item.name] for item in self.device.set_parameters]
 
     @property
@@ -99,7 +113,7 @@ class Variants:
 
     @cached_property
     def listed_by_interface(self) -> list[Listed]:
-        """The listed order codes of each interface, for those who check types."""
+        """Listed order codes of each interface, for type checkers."""
         found = []
         for interface in self.device.interfaces:
             codes = tuple(item.code for item in self.device.variants if item.interface == interface.name)
@@ -114,18 +128,18 @@ class Variants:
 
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
-        """Parameters that follow from others, but for those that a measurement tells: name, meaning, value."""
+        """Parameters that follow from others, without those of measurements: name, meaning, value."""
         return [
             (self.context.parameters[item.name], text.of_parameter(self.device, item), self._scope.of(item.equals))
             for item in self.device.parameters
             if item.equals is not None and item.name not in also_measured(self.device)
         ]
 
-    # -- what positions measure
+    # -- units of positions
 
     @cached_property
     def measured(self) -> str:
-        """What the position is called whose counts are turned into turns or lengths."""
+        """Name of the position whose counts are converted to turns or lengths."""
         found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
         return attribute(found.of, (*FUNCTIONS, "previous", "self", "unwrap")) if found is not None else ""
 
@@ -152,7 +166,7 @@ class Variants:
 
     @cached_property
     def modulus(self) -> Cases[Expr]:
-        """The count at which the position starts again."""
+        """Number of counts after which the position wraps around."""
 
         def whole(item: Measurement) -> Expr | None:
             factors = [*map(self._scope.of, counts(item))]
@@ -162,30 +176,30 @@ class Variants:
 
     @cached_property
     def highest(self) -> Cases[Expr] | None:
-        """The highest number sent, where an offset can move the positions above ``modulus``."""
+        """Highest position, if an offset can move positions above ``modulus``."""
         usual = Operation(Atom("self.modulus"), "-", number(1))
         found = self._cases(lambda item: self._of(item.highest) or usual)
         return found if any(value != usual for value, _ in found.cases) else None
 
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
-        """How long the encoder's frame is, where that is a string of bits."""
+        """Number of bits in the encoder's frame, if it is a string of bits."""
         kinds = (item for item in self.frame_kinds if not item.in_bytes and not item.has_open_length)
         first = {item.interface: item.coder.layout.bits for item in kinds}
         return by_interface(self.device, lambda item: self._of(first.get(item.name)))
 
     @property
     def no_frame_bits(self) -> str:
-        """Why an interface is left out there."""
+        """Reason for the interfaces that have no ``frame_bits``."""
         of_bytes = ["frames are made of bytes"] if any(item.in_bytes for item in self.frame_kinds) else []
         is_open = ["the length depends on an answer"] if any(item.has_open_length for item in self.frame_kinds) else []
         return ", or ".join([*of_bytes, *is_open])
 
-    # -- what registers hold
+    # -- parameters in registers
 
     @cached_property
     def held(self) -> list[tuple[str, Call]]:
-        """The parameters that registers hold at run time: name and record."""
+        """Parameters that registers hold at run time: name and record."""
         return [
             (self.context.parameters[item.parameter.name], self._held(by.register, item))
             for by in held_parameters(self.device)
@@ -194,7 +208,7 @@ class Variants:
 
     @property
     def holding(self) -> str:
-        """The registers that hold them."""
+        """Registers that hold them."""
         registers = (item.register for item in held_parameters(self.device))
         return ", ".join(f"{item.name} at {item.address:02X}h" for item in registers)
 
