@@ -161,7 +161,7 @@ def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
-    assert "crc fault: the CRC is 0x7f; over these bits it has to be 0x7e" in seen["fault"]
+    assert "crc fault: expected CRC 0x7e, got 0x7f" in seen["fault"]
     assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
     early = seen["why"].index("read one bit early: a bit such as CDS is in front")
     assert 0 < seen["why"].index("one bit was disturbed on the way: the CRC fits with bit 0 inverted") < early

@@ -277,7 +277,7 @@ def _about_crc(interface: str, crc: Raw) -> Iterator[Asked]:
     answers = {
         "Polynomial": " + ".join(terms),
         "Start value": f"0x{int(crc['init'], 0):X}",
-        "XORed at the end": f"0x{int(crc['xorout'], 0):X}",
+        "Final XOR": f"0x{int(crc['xorout'], 0):X}",
         "Input, output reflected": ", ".join("yes" if crc[key] == "true" else "no" for key in ("refin", "refout")),
     }
     for label, answer in answers.items():

@@ -170,7 +170,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
     page = files["docs/sma21/rs485.md"]
     (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
     assert (
-        "<br>Sums up `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "
+        "<br>Combines `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "
         "with a warning. |"
     ) in alarm
     (speed,) = [line for line in page.splitlines() if line.startswith("| `overspeed`")]

@@ -281,7 +281,9 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     lines += [f"  {BY_NAME.sentence(item)}" for item in facts]
     lines += _one_profile(device, lengths)
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
-    lines += [f"  {BY_NAME.sentence(erratum(item))}" for item in errata(device, *paths)]
+    for found in errata(device, *paths):
+        head, *below = BY_NAME.lines(erratum(found))
+        lines += [f"  {head}", *(f"    {line}" for line in below)]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
 

@@ -36,7 +36,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
             entries = (
                 wrapped(_in_docstring(text), WIDTH, f"{pad}        ", f"{pad}    {name}: ") for name, text in block[1]
             )
-            lines += ["", f"{pad}{block[0]}:", *entries]
+            lines += ["", wrapped(_in_docstring(f"{block[0]}:"), WIDTH, pad), *entries]
     text = "\n".join(lines)
     if "\n" in text:
         return f'{text}\n{pad}"""'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from dataclasses import replace
 
 from ...model import (
     Alternative,
@@ -48,25 +49,32 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         " Sections and pages in this module are those"
         " of that manual; a source that begins with a language code is another edition, one that begins with another"
         " key stands in DOCUMENTS.",
-        " ".join(paragraphs([*origin(device), *other_editions(device)])),
+        S.paragraph([*origin(device), *other_editions(device)]),
         *paragraphs(taken_away(device)),
         " ".join(device.manufacturer.trademarks),
     )
 
 
-def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[str]:
-    """The errata of these parts of the spec, as paragraphs; slips of wording are in the table alone."""
+def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[Block]:
+    """Return the errata of these parts of the spec; errata of wording are only in the table."""
     return paragraphs(map(erratum, errata(device, *paths, without=without)))
 
 
-def paragraphs(statements: Iterable[Said]) -> list[str]:
-    return [S.sentence(item) for item in statements]
+def paragraphs(statements: Iterable[Said]) -> list[Block]:
+    """Return a paragraph for each statement, or its head with the labelled statements below it."""
+    return [
+        (S.head(item), [(part.label, S.sentence(replace(part, label=""))) for part in item.below])
+        if item.below
+        else S.sentence(item)
+        for item in statements
+    ]
 
 
-def notes(device: Device, interface: Interface) -> list[str]:
+def notes(device: Device, interface: Interface) -> list[list[str]]:
     """Errata of an interface that are of none of its layouts alone."""
     here = f"interfaces.{interface.name}"
-    return of_errata(device, here, without=[f"{here}.{item.name}" for item in interface.layouts])
+    found = errata(device, here, without=[f"{here}.{item.name}" for item in interface.layouts])
+    return [S.lines(erratum(item)) for item in found]
 
 
 # -- order codes
@@ -147,13 +155,13 @@ def of_class(
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
 
 
-def of_crc(device: Device, item: Crc, over: str) -> list[str]:
+def of_crc(device: Device, item: Crc, over: str) -> list[Block]:
     """What is said of a CRC that is computed ``over`` something, as paragraphs."""
     head, *more = paragraphs(crc.crc(device, item))
     return [head, f"Computed over {over}.", *more]
 
 
-def of_procedure(device: Device, item: Procedure) -> list[str]:
+def of_procedure(device: Device, item: Procedure) -> list[Block]:
     return paragraphs([said(item.title, source=item.source), *procedure.procedure(device, item)])
 
 
