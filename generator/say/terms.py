@@ -147,7 +147,9 @@ TERMS = (
         over=Biss,
         section="frames",
     ),
-    Term("Singleturn", "The position within one revolution, or an encoder without a revolution counter.", ("singleturn",)),
+    Term(
+        "Singleturn", "The position within one revolution, or an encoder without a revolution counter.", ("singleturn",)
+    ),
     Term(
         "Status field",
         "The byte of an RS-485 reply that summarizes errors and warnings.",

@@ -57,7 +57,12 @@ def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
             what = STYLE.sentence(read_back(device, operation.register, field))
-            yield "", what, "Not in the manual. Generated code does this because a disturbed write can look successful.", ""
+            yield (
+                "",
+                what,
+                "Not in the manual. Generated code does this because a disturbed write can look successful.",
+                "",
+            )
             continue
         index += 1
         source = cited(part.source) if part.source != item.source else ""

@@ -1,4 +1,4 @@
-"""The documentation: pages of a family, of its interfaces and of its order codes, pages across families, an index."""
+"""Documentation: pages of families, interfaces and order codes, pages across families, and an index."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from .sections import Rows, Section
 
 
 class Index(TypedDict):
-    rows: Annotated[Rows, "a row for each family"]
-    usable_page: Annotated[str, "the page that says whether a position is usable"]
+    rows: Annotated[Rows, "a row per family"]
+    usable_page: Annotated[str, "the page on verdicts"]
     order_codes: Annotated[list[Section], "for each interface of a family: interface, pages, counted, links"]
     trademarks: Annotated[list[str], "notices on trademarks"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``docs/README.md``, and pages across families: usable or not, which encoder, registers, alarms, errata, glossary.
+    """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
-    For each device ``docs/<device>.md`` with its master settings and its changes beside it, and in ``docs/<device>/``
-    a page for each interface and each order code, for hardware, errata and manual, and the pictures.
+    A family has ``docs/<device>.md`` with its master settings and changes next to it. ``docs/<device>/`` has a page for
+    each interface, each order code, the hardware, the errata and the manual, and the pictures.
     """
     try:
         masters = shipped_masters()
@@ -60,7 +60,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _of_family(
     codes: by_code.Codes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
-    """Each page with its template and values."""
+    """Yield each page with its template and values."""
     device, folder = codes.device, codes.device.name
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
     yield f"{folder}.md", ("device.md.jinja", family.index_values(codes, bool(taken)))
@@ -79,7 +79,7 @@ def _of_family(
 
 
 def _pictures(codes: by_code.Codes) -> Iterator[tuple[str, str]]:
-    """File name and picture."""
+    """Yield file name and picture."""
     for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
         yield from ((item.name, item.drawn) for item in group.values())
     for interface in codes.device.interfaces:
@@ -89,7 +89,7 @@ def _pictures(codes: by_code.Codes) -> Iterator[tuple[str, str]]:
 
 
 def _tidy(made: str) -> str:
-    """No line ends in spaces, no two empty lines follow each other, and one line end closes the file."""
+    """Remove trailing spaces and repeated empty lines, and end the file with one line end."""
     lines: list[str] = []
     for line in made.splitlines():
         if line.strip() or (lines and lines[-1]):
