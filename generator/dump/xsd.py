@@ -1,6 +1,6 @@
-"""The XML Schema of the device description, made from the JSON Schema of the same data.
+"""XML Schema of the device description, generated from the JSON Schema of the same data.
 
-``python -m codewheel.dump.xsd`` prints it; with a path it writes it there. It is kept as
+``python -m codewheel.dump.xsd`` prints it, or writes it to a given path. The repository has it as
 ``generator/spec/device-description.xsd``.
 """
 
@@ -18,26 +18,25 @@ from .xml import NAMESPACE, XSD_NAME
 
 _XS = "http://www.w3.org/2001/XMLSchema"
 _ABOUT = """Full description of an absolute encoder, version 1, by the project codewheel. \
-It is no format of iC-Haus or of any maker.
-The root is device_description. Elements and attributes have the names of what codewheel show --json prints.
-Numbers are decimal, but addresses, IDs, banks, polynomials and bytes, which are hexadecimal as in 0x11. \
+It is not a format of iC-Haus or of any manufacturer.
+The root is device_description. Elements and attributes have the same names as in the output of codewheel show --json.
+Numbers are decimal, except addresses, IDs, banks, polynomials and bytes, which are hexadecimal as in 0x11. \
 Bit 0 is the least significant.
-Where a position or a limit depends on the order code it is a sum of numbers, parameters, \
-powers of two and products of these,
-such as 48 - singleturn_bits; each order_code gives the value of every parameter.
-What is left out has the default of this schema, or else is not said by the manual or does not apply. \
-A source element cites the manual; what has none has those of the element around it.
-This file is made from show.schema.json by: python -m codewheel.dump.xsd generator/spec/device-description.xsd"""
+A position or limit that depends on the order code is a sum of numbers, parameters, powers of two and products of \
+these, such as 48 - singleturn_bits. Each order_code gives the value of every parameter.
+A missing value has the default of this schema, is not given in the manual, or does not apply. \
+A source element cites the manual. An element without one has the sources of its parent.
+This file is generated from show.schema.json by: python -m codewheel.dump.xsd generator/spec/device-description.xsd"""
 _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 
 def schema_text() -> str:
-    """The schema as ``spec/device-description.xsd`` holds it."""
+    """Return the schema from ``spec/device-description.xsd``."""
     return (resources.files("codewheel.spec") / XSD_NAME).read_text(encoding="utf-8")
 
 
 def make() -> str:
-    """The schema, made anew."""
+    """Generate the schema."""
     namespaces: Any = {"xs": _XS, None: NAMESPACE}
     root = etree.Element(f"{{{_XS}}}schema", nsmap=namespaces)
     root.set("targetNamespace", NAMESPACE)

@@ -33,7 +33,7 @@ def facts(device: Device, item: Alarm) -> Iterator[Said]:
     if item.below_mv is not None:
         yield said(f"Raised below {volts(item.below_mv)}")
     if item.latch is not None:
-        yield said("Stays until it is reset" if item.latch else "Goes away with its cause")
+        yield said("Stays active until it is reset" if item.latch else "Clears itself when its cause is gone")
     yield from remedied(item.remedy, item.by_hand)
     yield from only(item.only)
     if item.cleared_by:

@@ -46,7 +46,7 @@ def erratum(item: Erratum, *, whole: bool = False) -> Said:
         return _change(item)
     at_stake = item.severity == "wrong_data"
     with_reason = whole or at_stake or len(item.why) <= _SHORT
-    used = sentence(item.used) + (f" Only with {item.only}." if item.only else "")
+    used = sentence(item.used) + (f" {sentence(f'Only with {item.only}')}" if item.only else "")
     brief = f"Used: {used}" if at_stake and item.status == "open" else ""
     label = f"Erratum {item.name} ({item.status}, {item.severity.replace('_', ' ')})"
     parts = _labelled(("Printed", item.printed), ("Used", used), ("Why", item.why if with_reason else ""))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
@@ -45,7 +46,7 @@ class OnPage:
         if wording:
             links = ", ".join(self._link(item, code(item.name)) for item in wording)
             lines.append(f"- {'Mistake' if len(wording) == 1 else 'Mistakes'} of wording in the manual: {links}")
-        lines += [line for item in elsewhere for line in self._of_edition(item)]
+        lines += self._of_editions(elsewhere)
         return "\n".join(lines)
 
     def named(self, *paths: str) -> str:
@@ -67,11 +68,20 @@ class OnPage:
         head = f"{badge(item)} {self._link(item, code(item.name))} {STYLE.cited(item.source)}"
         return [f"- {anchor(f'erratum-{item.name}')}{head}", *(f"  - {text}" for text in texts)]
 
-    def _of_edition(self, item: Erratum) -> list[str]:
-        """Return what another edition has instead, without the reason, which is on the errata page."""
-        found = erratum(item)
-        texts = [STYLE.sentence(part) for part in found.below if part.label != "Why"]
-        return [f"- {self._link(item, text(found.label))}", *(f"  - {text}" for text in texts)]
+    def _of_editions(self, found: Sequence[Erratum]) -> Iterator[str]:
+        """Yield what other editions have instead, without the reasons, which are on the errata page."""
+        again = [item for item in found if item.name in self._told]
+        for item in found:
+            if item not in again:
+                self._told.add(item.name)
+                change = erratum(item)
+                first, *more = (part for part in change.below if part.label != "Why")
+                lead = f"{first.label[0].lower()}{first.label[1:]}"
+                texts = [STYLE.sentence(replace(first, label=lead)), *map(STYLE.sentence, more)]
+                yield f"- {self._link(item, text(change.label))}, {' '.join(texts)}"
+        if again:
+            links = (self._link(item, text(item.edition)) for item in again)
+            yield f"- Also different in editions, see above: {', '.join(links)}"
 
 
 def badge(item: Erratum) -> str:

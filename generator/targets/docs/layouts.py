@@ -13,7 +13,7 @@ from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.name import Named
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
-from ...say.text import Said, parted, said, told
+from ...say.text import Code, Said, listed, parted, said, told
 from .patterns import order_codes
 from .pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
 
@@ -95,7 +95,8 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
                 group = groups[field.group]
                 name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
                 where = frame_bytes(layout, layout.widest, low + group.bits - 1, low)
-                yield name, where, f"{group.bits}", "several fields, see there", ""
+                made_of = STYLE.sentence(said(*listed([Code(item.name) for item in parts]), label="Fields"))
+                yield name, where, f"{group.bits}", made_of, ""
             continue
         if field.padding_of in there:
             continue  # It is part of the row of the padded field.
