@@ -181,7 +181,7 @@ def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) ->
     # ASC85 with its 0 bit, as 6.2.1 prints it, and without it, as OnStepX reads it.
     codes = "ASC8525/SC1, ASC8525/SC2"
     assert f"{codes} with as_printed: position 25 + zero 1 = 26 bits, with status bits 28, with CRC 34" in plain
-    assert f"{codes} with left_out: position 25 = 25 bits; with status bits 27; with CRC 33" in plain
+    assert f"{codes} with left_out: position 25 = 25 bits, with status bits 27, with CRC 33" in plain
     assert "one device ID covers 7 data lengths. You choose zero_bit (" in plain
     assert f"281Ah, for all lengths. Its low byte, 26, is the data length of {codes} with as_printed only" in plain
     assert "profile ID, registers 42h and 43h: 0000h, which means no profile" in plain
@@ -192,7 +192,7 @@ def test_the_comment_tells_what_the_format_cannot(files: dict[str, str]) -> None
     assert "one device ID covers 6 data lengths" in text
     for code, length in (("AMM5A17/1SC1", 17), ("AMM5A21/65KSC1", 37), ("AMM5B23/65KSC1", 39)):
         assert re.search(rf"{code}[^:]*: [a-z0-9 +]*= {length} bits", text), code
-    assert "not validated against idbiss.dtd" in text
+    assert "Not validated against idbiss.dtd" in text
     assert "Inferred" in text
 
 

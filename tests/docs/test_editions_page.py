@@ -265,7 +265,7 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
     """The number of the manual, and the same in the order of the sister AMM36."""
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D3", "--edition", "registers", *held(serial)]) == 0
     said = capsys.readouterr().out
-    assert ("As edition" in said) == bool(revision)
+    assert ("Describes encoders of edition" in said) == bool(revision)
     assert f"Describes encoders of edition {revision}" in said or not revision
 
 
@@ -274,7 +274,7 @@ def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> N
     asked = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
     assert main(asked) == 0
     newest = capsys.readouterr().out
-    assert "As edition" not in newest
+    assert "Describes encoders of edition" not in newest
     assert re.search(r"Supply +10 V to 30 V", newest)
     for edition in ("1.1", "label"):
         assert main([*asked, "--edition", edition]) == 0
