@@ -58,6 +58,8 @@ _LISTS = {
     "documents": "document",
 }
 _PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
+#: Place of an item in a list without names, counted from 0.
+_INDEX = re.compile(r"\[([0-9]+)\]")
 _MORE = re.compile(r" and ([0-9]+ more)$")
 
 
@@ -71,6 +73,7 @@ def in_words(paths: str) -> str:
 def change_in_words(printed: str) -> str:
     """Return a part and its value, such as ``bank.default: 50``, in words; return text without a path unchanged."""
     paths, colon, value = printed.partition(": ")
+    paths = _INDEX.sub(lambda found: f".{int(found[1]) + 1}", paths)
     if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
         return printed
     return f"{in_words(paths)}{colon}{value}"
