@@ -174,7 +174,7 @@ def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
     devices, _ = load_library([specs(tmp_path / "specs")])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
     told = "No release is recorded yet. Version 1.4.2 has no known changes to this family.\n"
-    assert page.endswith(f"left out here.\n\n{told}")
+    assert page.endswith(f"family are not listed.\n\n{told}")
     assert "\n## " not in page
 
 
