@@ -73,7 +73,7 @@ def members(shape: Shape) -> Iterator[Member]:
 def resolved(shape: Shape) -> tuple[Shape, str]:
     """Return the shape with its reference followed, and the name of the reference.
 
-    The null of an optional object is dropped.
+    The null alternative of an optional object is dropped.
     """
     reference = shape.get("$ref") or next((item["$ref"] for item in shape.get("anyOf", ()) if "$ref" in item), "")
     name = reference.rpartition("/")[2]

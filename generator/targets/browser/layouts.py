@@ -185,7 +185,7 @@ def _check(layout: Layout, item: Condition) -> Data:
 def _speaks(judgement: Judgement) -> Iterator[list[Any]]:
     """Yield the fields that decide the verdict, worst first.
 
-    Verdict, field, the flags that silence it, and a parameter with whether it is other than 0 then.
+    Each item has the verdict, the field, the flags that override it, and a parameter with whether it must not be 0.
     """
     for verdict, items in judgement.worst_first:
         yield from ([verdict.value, *_speaking(item)] for item in items)
@@ -199,7 +199,7 @@ def _speaking(item: Speaks) -> list[Any]:
 def _told(field: Field, name: str, alarm: Alarm | None, only: Only | None = None) -> Data:
     """Return the report of the field ``name`` while it is active or differs from the manual.
 
-    It does for order codes in which the parameter ``only`` is not 0, or in which ``others`` is.
+    It applies to order codes in which the parameter ``only`` is not 0, or to the others.
     """
     return kept(
         field=name,

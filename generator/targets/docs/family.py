@@ -183,7 +183,8 @@ def _times_read(counts: TimesRead | None) -> str:
         return ""
     every = counts.twice + counts.explained + counts.once
     explained = f", {counts.explained} differ for reasons given in the errata" if counts.explained else ""
-    return f"Twice, with differences settled by the manual: {counts.twice} of {every} facts agree{explained}"
+    once = f", {counts.once} were read once" if counts.once else ""
+    return f"Twice. Of {every} facts, {counts.twice} agree in both readings{explained}{once}"
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
