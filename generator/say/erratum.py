@@ -58,7 +58,7 @@ def _labelled(*parts: tuple[str, str]) -> Iterator[Said]:
 
 
 def _change(item: Erratum) -> Said:
-    label = f"Overlay {item.overlay}" if item.overlay else f"Edition {item.edition}"
+    label = f"Overlay {item.overlay}" if item.overlay else f"In edition {item.edition}"
     if item.edition.startswith("before "):
         label = f"Before edition {item.edition.removeprefix('before ')}"
     # Beside code, a hint that another edition differs is enough: the code is right for this one.
@@ -73,7 +73,7 @@ def changed(item: Erratum) -> Iterator[tuple[str, str]]:
     if item.used == NOT_KNOWN:
         yield "Not known", what
     elif item.used == LEFT_OUT and item.edition:
-        yield "Does not exist", what
+        yield "Not present", what
     elif item.printed.endswith(".note") and item.edition:
         yield "Replaces", what
         yield "Text", f"{item.used}"

@@ -80,8 +80,8 @@ class OnPage:
                 texts = [STYLE.sentence(replace(first, label=lead)), *map(STYLE.sentence, more)]
                 yield f"- {self._link(item, text(change.label))}, {' '.join(texts)}"
         if again:
-            links = (self._link(item, text(item.edition)) for item in again)
-            yield f"- Also different in editions, see above: {', '.join(links)}"
+            links = (self._link(item, text(erratum(item).label.lower())) for item in again)
+            yield f"- Also different {', '.join(dict.fromkeys(links))}, see above"
 
 
 def badge(item: Erratum) -> str:
