@@ -177,7 +177,9 @@ def _errata(device: Device) -> list[str]:
     if not device.errata:
         return []
     lines = ["", "Errata of the manual"]
-    lines += [wrapped(BY_NAME.sentence(erratum(item)), WIDTH, "    ", "  ") for item in found]
+    for item in found:
+        head, *parts = BY_NAME.lines(erratum(item))
+        lines += [wrapped(head, WIDTH, "    ", "  "), *(wrapped(line, WIDTH, "      ", "    ") for line in parts)]
     more = len(device.errata) - len(found)
     return lines + (
         [wrapped(f"and {more} of wording only, which --json and the documentation list", WIDTH, "    ", "  ")]

@@ -1,10 +1,9 @@
-"""The model as plain data: what ``show --json`` prints and what the XML description carries.
+"""The model as plain data, for ``show --json`` and the XML description.
 
-Every dataclass of the model becomes a map with the same members, so that nothing can be forgotten; the few places where
-the outside has another word or shape are in the tables and functions below. Every member is always there: a number that
-the manual does not give or that the kind of thing does not have is null, such a text is empty. Numbers are integers. A
-position or a limit of a family that depends on the order code is its expression as text, such as
-``48 - singleturn_bits``; with an order code, everything is resolved.
+Every dataclass of the model becomes a map with the same members, so that none can be forgotten. The few members with
+another name or shape outside are in the tables and functions below. Every member is always present. A missing number
+is null, and a missing text is empty. Numbers are integers. A position or limit of a family that depends on the order
+code is its expression as text, such as ``48 - singleturn_bits``. With an order code, all expressions are resolved.
 
 The shape is described by ``language/show.schema.json``.
 """
@@ -50,11 +49,11 @@ VERSION = 1
 
 Item = dict[str, Any]
 
-#: Members that say how code computes something, not what the encoder does; the kind of a field has a function below.
+#: Members about computation rather than the encoder. The kind of a field has a function below.
 _LEFT_OUT = {"Field": {"kind", "pieces", "widest"}, "Layout": {"widest"}}
 #: Properties that are given like members.
 _DERIVED = {"Crc": ("polynomial",)}
-#: Members that the outside calls by another word.
+#: Members with another name outside.
 _RENAMED = {
     "Layout": {
         "sender": "from",
@@ -65,21 +64,21 @@ _RENAMED = {
         "joins": "join",
     },
     "FrameExample": {"sender": "from"},
-    # In C and in IP-XACT the word of the model says that a value may change by itself.
+    # In C and IP-XACT, "volatile" means that a value may change by itself.
     "Register": {"volatile": "lost_unless_saved"},
 }
-#: What has no source because it is one, or stands outside the manual.
+#: Types without a source, because they are one or are not part of the manual.
 _UNSOURCED = {"Overlay", "ManualEdition", "Manufacturer", "Manual", "Edition", "Revision", "Document"}
 _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
 
 def device_dump(device: Device) -> Item:
-    """A family as plain data."""
+    """Return a family as plain data."""
     return _Dump(device, None).whole(device.variants, _NO_PARAMETERS, None)
 
 
 def variant_dump(device: Device, match: Match) -> Item:
-    """One order code as plain data, everything resolved; what belongs to another interface is left out."""
+    """Return one order code as plain data with resolved expressions, without other interfaces."""
     variant = match.variant
     label = {
         "code": variant.code,
@@ -94,7 +93,7 @@ def variant_dump(device: Device, match: Match) -> Item:
 
 @dataclass(frozen=True)
 class _Dump:
-    """The walk over a device; with a variant, expressions become numbers."""
+    """Conversion of a device to plain data; with a variant, expressions become numbers."""
 
     device: Device
     variant: Variant | None
@@ -132,7 +131,7 @@ class _Dump:
         }
 
     def _talk(self) -> Item:
-        """What goes over the wire, and what it means."""
+        """Return the frames, registers and their meanings."""
         device = self.device
         return {
             "interfaces": {item.name: self._interface(item) for item in device.interfaces},
@@ -151,7 +150,7 @@ class _Dump:
         }
 
     def _surroundings(self) -> Item:
-        """The measurement, the hardware, and what the manual tells besides."""
+        """Return the measurement, the hardware and other facts of the manual."""
         device = self.device
         return {
             "measurement": self.plain(device.measurement, ()),
@@ -169,7 +168,7 @@ class _Dump:
         }
 
     def plain(self, value: Any, inherited: Sources) -> Any:
-        """Any part of the model as plain data; what has no source of its own has that of what it is part of."""
+        """Return any part of the model as plain data; a part without a source has that of its parent."""
         if isinstance(value, Expression):
             return self._number(value)
         if isinstance(value, bytes):
@@ -230,7 +229,7 @@ class _Dump:
         return filled(place | made | of_kind, "field")
 
     def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
-        """The word for a kind, and the members that are its own."""
+        """Return the name of a kind and its own members."""
         match kind:
             case Number(signed, zero_means, power_of_two):
                 return "number", {"signed": signed, "zero_means": zero_means, "power_of_two": power_of_two}
@@ -283,7 +282,7 @@ class _Dump:
         return filled(self.plain(step, inherited) | {"do": step.do}, "step")
 
     def _example(self, example: Example) -> Item:
-        # Whoever sends what is no frame: the outside has always had the encoder there.
+        # A layout that is not a frame has always had the encoder as its sender outside.
         return filled({"from": "encoder"} | self.plain(example, ()) | {"kind": example.kind}, "example")
 
     def _timings(self) -> list[Item]:
@@ -300,7 +299,7 @@ def _opened_by(register: Register) -> Item:
 
 
 def _cited(sources: Sources) -> Item:
-    """``source`` is the first; ``sources`` lists all where there are several."""
+    """Return ``source`` with the first source, and ``sources`` with all if there are several."""
     listed = [_source(item) for item in sources]
     if len(listed) < 2:
         return {"source": listed[0] if listed else None}

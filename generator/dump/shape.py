@@ -1,4 +1,4 @@
-"""The shape of the plain data by ``language/show.schema.json``: the members of an object, and how each is written."""
+"""Shape of the plain data from ``language/show.schema.json``: members of objects and how they are written."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Shape = Mapping[str, Any]
 
 
 def show_schema() -> Shape:
-    """The JSON Schema of what ``show --json`` prints."""
+    """Return the JSON Schema of the output of ``show --json``."""
     return load_schema("show")
 
 
 class Kind(Enum):
-    """How a member is written; LIST is an attribute too, KEYED are objects by one of their members."""
+    """Way of writing a member; LIST is an attribute too, KEYED are objects by one of their members."""
 
     ATTRIBUTE = auto()
     LIST = auto()
@@ -32,7 +32,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Member:
-    """A member of an object: how it is written, and the shape of what it holds."""
+    """Member of an object: how it is written, and the shape of its value."""
 
     name: str
     kind: Kind
@@ -46,7 +46,7 @@ class Member:
 
     @property
     def empty(self) -> Any:
-        """What stands where an object has nothing to say."""
+        """Value of a member that an object does not have."""
         if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
             return []
         if self.kind in (Kind.KEYED, Kind.MAP):
@@ -57,23 +57,23 @@ class Member:
 
 
 def filled(item: Mapping[str, Any], type_name: str) -> dict[str, Any]:
-    """An object with every member of its type, in the order of the schema; what it does not have is empty."""
+    """Return an object with every member of its type in schema order; missing members are empty."""
     shape = show_schema()["$defs"][type_name]
     made = {member.name: item.get(member.name, member.empty) for member in members(shape)}
     return made | {name: item[name] for name in ("source", "sources") if name in item}
 
 
 def members(shape: Shape) -> Iterator[Member]:
-    """The members of an object but for its sources, in the order of the schema."""
+    """Return the members of an object in schema order, without its sources."""
     for name, inner in shape["properties"].items():
         if name not in ("source", "sources"):
             yield _member(name, inner)
 
 
 def resolved(shape: Shape) -> tuple[Shape, str]:
-    """The shape with a reference followed, and the name of what it refers to.
+    """Return the shape with its reference followed, and the name of the reference.
 
-    The null of an optional object is dropped.
+    The null alternative of an optional object is dropped.
     """
     reference = shape.get("$ref") or next((item["$ref"] for item in shape.get("anyOf", ()) if "$ref" in item), "")
     name = reference.rpartition("/")[2]
@@ -99,11 +99,11 @@ def _member(name: str, shape: Shape) -> Member:
 
 
 def types_of(shape: Shape) -> tuple[str, ...]:
-    """JSON types of a value of this shape."""
+    """Return the JSON types of a value of this shape."""
     found = shape.get("type", "integer" if isinstance(shape.get("const"), int) else "string")
     return tuple(found) if isinstance(found, list) else (found,)
 
 
 def is_hexadecimal(shape: Shape) -> bool:
-    """Whether a number of this shape is written in hexadecimal."""
+    """Return whether a number of this shape is written in hexadecimal."""
     return shape.get("x-form") == "hexadecimal"

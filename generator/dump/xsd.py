@@ -12,15 +12,14 @@ from .xml import NAMESPACE
 
 _XS = "http://www.w3.org/2001/XMLSchema"
 _ABOUT = """Full description of an absolute encoder, version 1, by the project codewheel. \
-It is no format of iC-Haus or of any maker.
-The root is device_description. Elements and attributes have the names of what codewheel show --json prints.
-Numbers are decimal, but addresses, IDs, banks, polynomials and bytes, which are hexadecimal as in 0x11. \
+It is not a format of iC-Haus or of any manufacturer.
+The root is device_description. Elements and attributes have the same names as in the output of codewheel show --json.
+Numbers are decimal, except addresses, IDs, banks, polynomials and bytes, which are hexadecimal as in 0x11. \
 Bit 0 is the least significant.
-Where a position or a limit depends on the order code it is a sum of numbers, parameters, \
-powers of two and products of these,
-such as 48 - singleturn_bits; each order_code gives the value of every parameter.
-What is left out has the default of this schema, or else is not said by the manual or does not apply. \
-A source element cites the manual; what has none has those of the element around it."""
+A position or limit that depends on the order code is a sum of numbers, parameters, powers of two and products of \
+these, such as 48 - singleturn_bits. Each order_code gives the value of every parameter.
+A missing value has the default of this schema, is not given in the manual, or does not apply. \
+A source element cites the manual. An element without one has the sources of its parent."""
 _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 

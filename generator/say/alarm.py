@@ -1,4 +1,4 @@
-"""What is said of an error or a warning."""
+"""Statements about an error or a warning."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from .words import volts
 
 
 def alarm(device: Device, item: Alarm) -> Iterator[Said]:
-    """All that running text says below its name, in order."""
+    """Yield all statements that follow its name in running text."""
     yield from told(item.meaning, source=item.source)
     yield from facts(device, item)
     yield from map(erratum, errata(device, f"alarms.{item.name}"))
 
 
 def facts(device: Device, item: Alarm) -> Iterator[Said]:
-    """Where it shows, what raises it, and what clears it."""
+    """Yield the flag that shows it, its cause, and the procedures that clear it."""
     if item.group:
         group = next(one for one in device.field_groups if one.name == item.group)
         yield said(Code(item.field), " in ", Ref("group", group.name, title(group)), label="Flag")
@@ -33,7 +33,7 @@ def facts(device: Device, item: Alarm) -> Iterator[Said]:
     if item.below_mv is not None:
         yield said(f"Raised below {volts(item.below_mv)}")
     if item.latch is not None:
-        yield said("Stays until it is reset" if item.latch else "Goes away with its cause")
+        yield said("Stays active until it is reset" if item.latch else "Clears itself when its cause is gone")
     yield from remedied(item.remedy, item.by_hand)
     yield from only(item.only)
     if item.cleared_by:

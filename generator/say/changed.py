@@ -1,4 +1,4 @@
-"""What another edition or an overlay changes, in words: the path to a part of a spec, as a reader calls that part."""
+"""Paths to the parts of a spec that an edition or an overlay changes, in words for readers."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from collections.abc import Sequence
 from ..model import INTERFACES
 from .text import listed
 
-#: Parts at the top of a spec that are no list of named things.
+#: Parts at the top of a spec that are not lists of named things.
 _TOP = {
     "connectors": "the connectors",
     "inputs": "the hardware inputs",
     "supply": "the supply",
     "printed_defaults": "the printed table of defaults",
-    "measurement": "what the position counts",
+    "measurement": "the unit of the position",
     "movement": "the movement",
     "characteristics": "the characteristics",
     "leds": "the LEDs",
     "tables": "the tables",
     "alarms": "the alarms",
 }
-#: Keys of a part, as they are said before the part.
+#: Keys of a part, with the words that precede the part.
 _KEYS = {
-    "note": "what is said of {}",
+    "note": "the note on {}",
     "meaning": "the meaning of {}",
     "default": "the default of {}",
-    "min": "the least value of {}",
-    "max": "the greatest value of {}",
+    "min": "the minimum of {}",
+    "max": "the maximum of {}",
     "wait_at_least_ms": "the wait in ms after a write to {}",
-    "at_least_ms": "the least time in ms of {}",
-    "open": "values of {} that are not listed",
-    "open_only_with": "what values of {} that are not listed go with",
+    "at_least_ms": "the minimum time in ms of {}",
+    "open": "unlisted values of {}",
+    "open_only_with": "the values that may accompany unlisted values of {}",
 }
-#: Lists of named things, with the word for one of them.
+#: Lists of named things, with the word for one item.
 _LISTS = {
     "registers": "register",
     "fields": "field",
@@ -58,26 +58,29 @@ _LISTS = {
     "documents": "document",
 }
 _PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
+#: Place of an item in a list without names, counted from 0.
+_INDEX = re.compile(r"\[([0-9]+)\]")
 _MORE = re.compile(r" and ([0-9]+ more)$")
 
 
 def in_words(paths: str) -> str:
-    """One path or several, as ``registers.bank.default, supply and 2 more``, as a reader calls what they lead to."""
+    """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
     more = _MORE.search(paths)
     found = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
     return "".join(map(str, listed([*found, *([more[1]] if more is not None else [])])))
 
 
 def change_in_words(printed: str) -> str:
-    """A part and its value, as ``bank.default: 50``, in words; what is no path stays as it is."""
+    """Return a part and its value, such as ``bank.default: 50``, in words; return text without a path unchanged."""
     paths, colon, value = printed.partition(": ")
+    paths = _INDEX.sub(lambda found: f".{int(found[1]) + 1}", paths)
     if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
         return printed
     return f"{in_words(paths)}{colon}{value}"
 
 
 def _of(steps: Sequence[str]) -> str:
-    """From the outermost step in; a step that has no words stays as it is."""
+    """Return one path in words, from the outermost step inwards; a step without words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     said, index = "", 0

@@ -1,4 +1,4 @@
-"""What is said of a CRC."""
+"""Statements about a CRC."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from .words import counted
 
 
 def crc(device: Device, item: Crc) -> Iterator[Said]:
-    """All that running text says, in order."""
+    """Yield all statements of running text in order."""
     yield head(item)
     yield from told(item.note)
     yield from map(erratum, errata(device, f"crcs.{item.name}"))
 
 
 def head(item: Crc) -> Said:
-    """Its parameters in one sentence."""
+    """Return its parameters in one sentence."""
     return said(f"CRC {item.name} of {counted(item.width, 'bit')}: {parameters(item)}", source=item.source)
 
 
 def parameters(item: Crc) -> str:
-    """Polynomial, start value, reflection, and how it is sent."""
+    """Return polynomial, start value, reflection and final XOR."""
     start = f"start value {f'0x{item.init:X}' if item.init else 0}"
     turned = {
         (True, True): "input and output reflected",
@@ -34,7 +34,7 @@ def parameters(item: Crc) -> str:
 
 
 def sent(item: Crc) -> str:
-    """What is done to the remainder at the end."""
+    """Return the final treatment of the remainder."""
     if item.xorout == item.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent as it is"

@@ -1,23 +1,22 @@
-"""The errata of a manual: which of them concern a part of the spec, and what they say."""
+"""Errata of a manual: the selection for a part of the spec, and their texts."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import replace
+from collections.abc import Collection, Iterator
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .changed import change_in_words
 from .text import Ref, Said, said
 from .words import sentence
 
-#: The evidence of an erratum is told beside code up to so many characters, and at any length where data is at stake.
+#: Longest reason in characters that is given beside code. Reasons of errata with wrong data are always given.
 _SHORT = 100
 
 
 def errata(device: Device, *paths: str, without: Collection[str] = (), wording: bool = False) -> tuple[Erratum, ...]:
-    """The errata of these parts of the spec or of something inside them, but not of the parts ``without``.
+    """Return the errata of these parts of the spec or anything inside them, except the parts ``without``.
 
-    Those of wording alone are for pages that show a manual as it is.
+    Errata of wording are included only on request, for pages that show a manual as it is.
     """
 
     below, below_without = (tuple(f"{place}." for place in places) for places in (paths, without))
@@ -37,38 +36,47 @@ def reference(item: Erratum) -> Ref:
 
 
 def erratum(item: Erratum, *, whole: bool = False) -> Said:
-    """What is printed and what is used; and the evidence, where it is short, wrong bytes could be sent or it is told
-    as a whole.
+    """Return an erratum in labelled parts: printed, used, and why.
 
-    Of a change by an overlay or another edition: what the spec has, what is here, and always why.
-    In brief what is used stays where wrong bytes could be sent and nobody knows which they are.
+    The reason is left out if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
+    or another edition always has its reason. The short form keeps what is used if wrong bytes could be sent and the
+    erratum is open.
     """
     if item.overlay or item.edition:
         return _change(item)
     at_stake = item.severity == "wrong_data"
-    why = f" Why: {sentence(item.why)}" if item.why and (whole or at_stake or len(item.why) <= _SHORT) else ""
-    used = f"Used: {sentence(item.used)}"
-    used += f" Only with {item.only}." if item.only else ""
-    standing = f"{item.status}, {item.severity.replace('_', ' ')}"
-    brief = used if at_stake and item.status == "open" else ""
-    text = f"Printed: {sentence(item.printed)} {used}{why}"
-    return Said((text,), f"Erratum {item.name} ({standing})", item.source, brief)
+    with_reason = whole or at_stake or len(item.why) <= _SHORT
+    used = sentence(item.used) + (f" {sentence(f'Only with {item.only}')}" if item.only else "")
+    brief = f"Used: {used}" if at_stake and item.status == "open" else ""
+    label = f"Erratum {item.name} ({item.status}, {item.severity.replace('_', ' ')})"
+    parts = _labelled(("Printed", item.printed), ("Used", used), ("Why", item.why if with_reason else ""))
+    return Said((), label, item.source, brief, tuple(parts))
+
+
+def _labelled(*parts: tuple[str, str]) -> Iterator[Said]:
+    return (said(text, label=label) for label, text in parts if text)
 
 
 def _change(item: Erratum) -> Said:
-    label = f"Overlay {item.overlay}" if item.overlay else f"Edition {item.edition}"
+    label = f"Overlay {item.overlay}" if item.overlay else f"In edition {item.edition}"
     if item.edition.startswith("before "):
-        label = f"Editions {item.edition}"
-    what, value = change_in_words(item.printed), str(item.used)
-    if item.used == NOT_KNOWN:
-        changed = f"Not known {'there' if item.edition else 'here'}: {what}"
-    elif item.used == LEFT_OUT and item.edition:
-        changed = f"Not there: {what}"
-    elif item.printed.endswith(".note") and item.edition:
-        changed = f"Instead of {what}: {sentence(value)}"
-    else:
-        changed = f"The spec has {what}; {'there' if item.edition else 'here'} it is {value}"
-    # Beside code it is enough that another edition differs: what the code does is right for this one.
+        label = f"Before edition {item.edition.removeprefix('before ')}"
+    # Beside code, a hint that another edition differs is enough: the code is right for this one.
     differs = "may differ" if item.used == NOT_KNOWN else "differs"
-    brief = f"{differs}; the end of this file says how." if item.edition else None
-    return replace(said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source), brief=brief)
+    brief = f"{differs}, see the end of this file." if item.edition else None
+    return Said((), label, item.source, brief, tuple(_labelled(*changed(item), ("Why", item.why))))
+
+
+def changed(item: Erratum) -> Iterator[tuple[str, str]]:
+    """Yield a change by an overlay or another edition as labelled texts: the part, and its content there."""
+    what = change_in_words(item.printed)
+    if item.used == NOT_KNOWN:
+        yield "Not known", what
+    elif item.used == LEFT_OUT and item.edition:
+        yield "Not present", what
+    elif item.printed.endswith(".note") and item.edition:
+        yield "Replaces", what
+        yield "Text", f"{item.used}"
+    else:
+        yield "In the spec", what
+        yield "In that edition" if item.edition else "With the overlay", f"{item.used}"

@@ -1,57 +1,57 @@
-"""What is said of a frame that is not sound, and of a value that cannot be encoded; each number as it is shown."""
+"""Messages for an invalid frame and for a value that cannot be encoded; callers format the numbers."""
 
 from __future__ import annotations
 
 
 def length(frame: str, needed: str, found: str) -> str:
-    """A frame of another length; ``needed`` has its unit: ``45 bits``."""
-    return f"'{frame}' has {needed}; this has {found}"
+    """Return the message for a wrong length; ``needed`` includes its unit: ``45 bits``."""
+    return f"'{frame}' has {needed}, got {found}"
 
 
 def crc(received: str, computed: str) -> str:
-    return f"the CRC is {received}; over these bits it has to be {computed}"
+    return f"expected CRC {computed}, got {received}"
 
 
 def constant(name: str, found: str, always: str) -> str:
-    return f"{name} is {found}; it is always {always}"
+    return f"{name} is {found}, but it must be {always}"
 
 
 def parity(name: str, found: str, of: str, right: str) -> str:
-    return f"{name} is {found}; for this {of} it has to be {right}"
+    return f"{name} is {found}, but it must be {right} for this {of}"
 
 
 def no_value(name: str, found: str) -> str:
-    """A choice that has no such value."""
+    """Return the message for a value that a choice does not have."""
     return f"{name} has no value {found}"
 
 
 def digits(name: str, found: str, most: str) -> str:
-    return f"{name} is {found}, which has more than {most} digits"
+    return f"{name} is {found}, but it has at most {most} digits"
 
 
 def of_other_frame(name: str, found: str) -> str:
-    """A field that tells frames apart tells another one."""
+    """Return the message for a selector field that belongs to another frame."""
     return f"{name} {found} does not belong to this frame"
 
 
 def too_few_bytes(found: str) -> str:
-    """``found`` has its unit."""
-    return f"{found}: too few to tell the frame by"
+    """Return the message for a frame too short to identify; ``found`` includes its unit."""
+    return f"{found}: too short to identify the frame"
 
 
 def no_frame(selector: str, found: str, choices: str) -> str:
-    """No frame of the sender has this in the field that tells them apart."""
-    return f"{selector} is {found}; it can be {choices}"
+    """Return the message for a selector value that no frame of the sender has."""
+    return f"{selector} is {found}, but it must be {choices}"
 
 
 def other_value(name: str, found: str, documented: str) -> str:
-    """A frame with another value than the manual has."""
+    """Return the message for a frame whose value differs from the manual."""
     return f"{name} is {found}, the manual has {documented}"
 
 
 def other_content(name: str, found: str, code: str, documented: str) -> str:
-    """A register with another value than the order code has."""
-    return f"{name}: the register holds {found}, {code} has {documented}"
+    """Return the message for a register whose content differs from the order code."""
+    return f"{name}: the register holds {found}, but {code} has {documented}"
 
 
 def too_wide(name: str, value: str, bits: str) -> str:
@@ -59,7 +59,7 @@ def too_wide(name: str, value: str, bits: str) -> str:
 
 
 def no_power_of_two(name: str, value: str) -> str:
-    return f"{name} {value} is no power of two"
+    return f"{name} {value} is not a power of two"
 
 
 def outside(value: str, low: str, high: str) -> str:
@@ -67,8 +67,8 @@ def outside(value: str, low: str, high: str) -> str:
 
 
 def of_older_edition(run: str, found: str, bounds: str, revision: str, register: str, before: str) -> str:
-    """Digits of a register that cannot be what the edition of the manual says."""
+    """Return the message for register digits that this edition of the manual rules out."""
     return (
-        f"{run} is {found}, and can only be {bounds}. An encoder of before manual {revision} may hold "
-        f"this: what its {register.replace('_', ' ')} is, --edition {before} says"
+        f"{run} is {found}, but it must be {bounds}. An encoder older than manual {revision} may hold "
+        f"this value. Use --edition {before} to see its {register.replace('_', ' ')}"
     )

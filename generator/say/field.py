@@ -1,4 +1,4 @@
-"""What is said of a field of a frame or register."""
+"""Statements about a field of a frame or register."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ from .words import WORTH
 
 
 def field(device: Device, item: Field) -> Iterator[Said]:
-    """All that running text says, in order."""
+    """Yield all statements of running text in order."""
     yield from meaning(item, item.meaning)
     yield from rules(device, item)
     yield from told(item.note)
 
 
 def meaning(item: Named, text: str) -> Iterator[Said]:
-    """What something means, after what the manual calls it."""
+    """Yield the meaning, labelled with the manual's own name."""
     yield from told(text, label=printed(item)) if text else told(printed(item))
 
 
 def rules(device: Device, item: Field) -> Iterator[Said]:
-    """How its bits are to be understood, and what its use is subject to."""
+    """Yield how its bits are interpreted and the rules for its use."""
     yield from told(item.unit, label="Unit")
     yield from _kind(device, item)
     if item.container:
@@ -53,7 +53,7 @@ def rules(device: Device, item: Field) -> Iterator[Said]:
         yield reserved(item.reserved)
     if item.equals is not None:
         known = _known(item.equals, item.widest)
-        yield said("Holds ", known, ", which identifies the encoder; decoding accepts any value")
+        yield said("Holds ", known, ", which identifies the encoder. Decoding accepts other values too")
     if item.default is not None:
         yield said(Expression(item.default), label="Default")
     if item.explained_by:
@@ -68,14 +68,16 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
         case Flag() as kind:
             yield from _flag(kind, item.implemented)
         case Choice():
-            pass  # Each value is said on its own.
+            pass  # Each value has a statement of its own.
         case Constant(value):
             if "always" not in item.meaning.lower():
                 yield said(f"Always {short(value)}")
         case Unused(value, verdict):
             yield said(f"Unused, {short(value)} in the manual")
-            position = f", and {WORTH[verdict]}" if _comes_with_position(device, item) else ""
-            yield said(f"With other bits here the rest is decoded all the same{position}")
+            if _comes_with_position(device, item):
+                yield said("Other values: the frame is still decoded, with the verdict ", Code(verdict.value))
+            else:
+                yield said("Other values are still decoded")
         case CrcValue(crc):
             yield said("CRC ", Ref("crc", crc, crc), " over everything before it")
         case Parity(of, odd):
@@ -89,7 +91,7 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
 
 
 def _comes_with_position(device: Device, item: Field) -> bool:
-    """Whether a frame carries the position beside it."""
+    """Return whether a frame carries both the field and the position."""
     return any(item in layout.fields and device.tells_position(kind.name, layout) for kind, layout in device.layouts())
 
 
@@ -97,9 +99,9 @@ def _number(kind: Number) -> Iterator[Said]:
     if kind.signed:
         yield said("Signed, in two's complement")
     if kind.zero_means:
-        yield said("Bits of 0 stand for ", Expression(kind.zero_means))
+        yield said("A value of 0 means ", Expression(kind.zero_means))
     if kind.power_of_two:
-        yield said("Takes powers of two only")
+        yield said("Only powers of two are allowed")
 
 
 def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
@@ -109,13 +111,14 @@ def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
         if kind.when_inactive:
             yield said(Level.INACTIVE, f" at {other}: {kind.when_inactive}")
     if kind.sums_up:
-        yield said("Sums up ", *listed(list(map(Code, kind.sums_up))))
+        yield said("Combines ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position and implemented:
         yield said("While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}")
     if kind.only:
         elsewhere = kind.unexplained.makes_position
         worth = f", and {WORTH[elsewhere]}" if elsewhere is not None else ""
-        yield said("This holds with ", Code(kind.only), f"; the manual does not explain it for others{worth}")
+        others = f". For other order codes the manual does not explain the flag{worth}"
+        yield said("This applies only to ", Code(kind.only), others)
 
 
 def _run(run: Digits) -> tuple[Part, ...]:
@@ -129,17 +132,17 @@ def _known(value: Expression | int | str, bits: int) -> Part:
 
 
 def choices(values: tuple[Value, ...]) -> Said:
-    """The named values in a few words."""
+    """Return the named values in one statement."""
     return said(*parted((f"{short(item.value)} ", Code(item.name)) for item in values), label="Values")
 
 
 def value(item: Value, bits: int) -> Said:
-    """A named value of a field of so many bits."""
+    """Return a named value of a field of ``bits`` bits."""
     own = f" ({own_names(item)})" if own_names(item) else ""
     about = f": {item.meaning}" if item.meaning else ""
     return said(f"{hexadecimal(item.value, (bits + 3) // 4)} ", Code(item.name), own, about, source=item.source)
 
 
 def short(number: int) -> str:
-    """A number as it is, from ten on as manuals write it in hexadecimal."""
+    """Return a number below 10 in decimal, and any other in the hexadecimal notation of manuals."""
     return f"{number}" if number < 10 else f"{number:X}h"

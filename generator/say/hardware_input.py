@@ -1,4 +1,4 @@
-"""What is said of a hardware input."""
+"""Statements about a hardware input."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .words import microseconds
 
 
 def hardware_input(device: Device, item: Input) -> Iterator[Said]:
-    """All that running text says below its name, in order."""
+    """Yield all statements that follow its name in running text."""
     yield from told(item.meaning, source=item.source)
     yield from facts(device, item)
     yield from told(item.note)
@@ -20,7 +20,7 @@ def hardware_input(device: Device, item: Input) -> Iterator[Said]:
 
 
 def facts(device: Device, item: Input) -> Iterator[Said]:
-    """What its levels mean, what it acts on, and what its use is subject to."""
+    """Yield the meaning of its levels, its effect, and the rules for its use."""
     yield from told(item.low, label="Low level")
     yield from told(item.high, label="High level")
     if item.pulse_at_least_us is not None:

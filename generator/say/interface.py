@@ -1,4 +1,4 @@
-"""What is said of an interface beside its frames: clock, port, times, data IDs."""
+"""Statements about an interface apart from its frames: clock, port, times, data IDs."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, b
 
 
 def interface(device: Device, item: Interface) -> Iterator[Said]:
-    """All that running text says below its title but for the errata, in order."""
+    """Yield all statements that follow its title in running text, without the errata."""
     yield from told(item.note)
     yield from facts(device, item)
 
 
 def facts(device: Device, item: Interface) -> Iterator[Said]:
-    """What has to be set or built, its times, and what goes over it."""
+    """Yield its settings, its times, and the requests and control data that it carries."""
     yield from settings(device, item)
     yield from map(timing, item.timings)
     match item:
@@ -65,7 +65,7 @@ def facts(device: Device, item: Interface) -> Iterator[Said]:
 
 
 def settings(device: Device, item: Interface) -> Iterator[Said]:
-    """What has to be set or built."""
+    """Yield the settings and the electrical facts."""
     return (_fact(device, fact) for fact in item.facts())
 
 
@@ -103,9 +103,9 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
 
 
 def _timeout(timeout: Timeout) -> str:
-    """Its rule and bounds, and what the manual works out by the rule; without a rule those values are all there is."""
+    """Return the rule with its bounds, followed by the values that the manual calculates from it."""
     worked_out = timeout.printed if timeout.half_clock_periods is not None else ()
-    values = "; ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in worked_out)
+    values = ", ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in worked_out)
     return timeout_words(timeout) + (f" ({values})" if values else "")
 
 
@@ -127,7 +127,7 @@ def data_id(item: DataId) -> Said:
 
 
 def memory_access(item: MemoryAccess) -> Said:
-    text = f"{sentence(item.meaning)} Address: {item.address}; data: {item.data}"
+    text = f"{sentence(item.meaning)} Address: {item.address}. Data: {item.data}"
     return said(text, label=f"Memory {item.access}, busy {item.busy}", source=item.source)
 
 

@@ -1,4 +1,4 @@
-"""What is said of a frame: who sends it, what tells it from others, and which of its fields belong together."""
+"""Statements about a frame: its sender, its selector, and the fields that form one number."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .words import counted
 
 
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Said:
-    """Which frame it is, by the ``name`` that the reader knows it by.
+    """Return the frame's ``name``, sender, interface and length.
 
-    Where its length depends on nothing but ``alternatives``, each length has its answers.
+    If the length depends only on ``alternatives``, each possible length names its answers.
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sent = f", sent by the {layout.sender} over {interface.title}{channel}: "
@@ -22,7 +22,7 @@ def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequenc
 
 
 def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
-    """Its length, and in which order it is sent."""
+    """Return its length and transmission order."""
     if not layout.in_bytes:
         return *_bits(layout, alternatives), " bits, most significant first"
     order = f", {layout.byte_order.replace('_', ' ')}" if layout.widest > 8 else ""
@@ -40,7 +40,7 @@ def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]
 
 
 def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
-    """All that running text says below the head, in order."""
+    """Yield all statements that follow the head in running text."""
     yield from told(item.printed_name, label="In the manual")
     yield from facts(interface, item)
     yield from needs(device, item)
@@ -49,12 +49,12 @@ def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]
 
 
 def errata_of(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
-    """The errata of the frame as a whole."""
+    """Yield the errata of the whole frame."""
     yield from map(erratum, errata(device, f"interfaces.{interface.name}.{item.name}"))
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
-    """What tells it from others, its code, its gaps, and the numbers that several fields make."""
+    """Yield its selector, code, gaps and joined numbers."""
     yield from carries(interface, layout)
     if layout.gray_when:
         when = Code(layout.gray_when)
@@ -67,7 +67,7 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
 
 
 def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
-    """The values that tell it from other frames."""
+    """Yield the selector values that identify the frame."""
     if layout.selects:
         names = {item.id: item.name for item in interface.data_ids} if isinstance(interface, Rs485) else {}
         values = [f"{value:X}" + (f" ({names[value]})" if value in names else "") for value in layout.selects]
@@ -75,16 +75,16 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
 
 
 def joins(layout: Layout) -> Iterator[Said]:
-    """The numbers that several fields make."""
+    """Return the joined numbers."""
     return (join(item) for item in layout.joins if item.fields != (item.name,))
 
 
 def join(item: Join) -> Said:
-    """Which fields make a number."""
+    """Return the fields that form a number."""
     parts = listed([Code(name) for name in item.fields])
-    return said(Code(item.name), " is made of ", *parts, ", most significant first")
+    return said(Code(item.name), " consists of ", *parts, ", most significant first")
 
 
 def as_one_number(parts: str) -> str:
-    """What the number is that these fields make."""
+    """Return the description of a joined number."""
     return f"{parts} as one number"

@@ -1,4 +1,4 @@
-"""Markdown in which text from a spec stays text, on GitHub and in site builders alike."""
+"""Markdown that shows text from a spec literally, on code hosts and in site builders."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .lines import one_line, plain
 from .text import Ref, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
-#: An underscore inside a word means nothing; at the edge of one it would start emphasis.
+#: An underscore at the edge of a word starts emphasis; inside a word it does not.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
 _WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 
 def text(value: object) -> str:
-    """One line of running text with nothing in it that Markdown or HTML would take for its own."""
+    """Return one line of running text with all Markdown and HTML markup escaped."""
     return _escaped(plain(value))
 
 
@@ -30,7 +30,7 @@ def _escaped(value: str) -> str:
 
 
 def code(value: object) -> str:
-    """A code span; also inside a table, where a vertical bar would end the cell."""
+    """Return a code span that is safe inside a table, where a vertical bar would end the cell."""
     made = plain(value)
     fence = "`" * (max((len(run) for run in re.findall("`+", made)), default=0) + 1)
     pad = " " if made.startswith("`") or made.endswith("`") else ""
@@ -38,7 +38,7 @@ def code(value: object) -> str:
 
 
 def paragraph(value: str) -> str:
-    """Markdown without code spans as a paragraph of lines, none of which begins a list, a heading or a rule."""
+    """Wrap Markdown without code spans so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(
         _BLOCK_START.sub(lambda found: f"{found[1]}\\{found[2]}" if found[1] else f"\\{found[3]}", line)
@@ -47,23 +47,23 @@ def paragraph(value: str) -> str:
 
 
 def cited(sources: Sources) -> str:
-    """The sources as ``§6.4 p.35; it: §6.4 p.36``."""
+    """Return the sources as ``§6.4 p.35; it: §6.4 p.36``."""
     numbered = (replace(it, section=f"§{it.section}") if it.section[:1].isdigit() else it for it in sources)
     return "; ".join(text(str(item)) for item in numbered)
 
 
 def link(label: str, target: str) -> str:
-    """A link; ``label`` is Markdown already."""
+    """Return a link; ``label`` is already Markdown."""
     return f"[{label}]({target})"
 
 
 def anchor(name: str) -> str:
-    """A place that links can lead to."""
+    """Return an anchor for links."""
     return f'<a id="{name}"></a>'
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of cells that are Markdown already, without empty columns; nothing if all are empty."""
+    """Return a table of Markdown cells without empty columns, or an empty text if all are empty."""
     listed = [list(row) for row in rows]
     kept = [index for index in range(len(head)) if any(row[index] for row in listed)]
     if not kept:
@@ -73,17 +73,18 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def joined(parts: Iterable[str], between: str = "<br>") -> str:
+    """Join the parts that are not empty."""
     return between.join(part for part in parts if part)
 
 
 def reference(ref: Ref) -> str:
-    """The name of something, as a link to where the page describes it; steps by hand are on the hardware page."""
+    """Return a name that links to its description; steps by hand are on the hardware page."""
     if ref.kind == "by-hand":
         return link(text(ref.title), f"hardware.md#{ref.anchor}")
     return link(code(ref.name), f"#{ref.anchor}")
 
 
-#: How a page writes statements.
+#: Style of statements on a page.
 STYLE = Style(
     text=lambda part: _escaped(one_line(part)),
     code=code,

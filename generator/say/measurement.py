@@ -1,4 +1,4 @@
-"""What is said of a position: what it counts."""
+"""Statement about what a position counts."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from .text import Said, parted, said
 
 
 def measurement(item: Measurement) -> Said:
+    """Return counts, revolutions, step and range."""
     revolutions = " revolution" if item.turns == Expression(1) else " revolutions"
     members = (
-        (item.counts_per_turn, " counts in a revolution"),
+        (item.counts_per_turn, " counts per revolution"),
         (item.turns, revolutions),
-        (item.step_um, " µm to a count"),
-        (item.modulus, " counts in all"),
+        (item.step_um, " µm per count"),
+        (item.modulus, " counts in total"),
     )
     known = [(value, words) for value, words in members if value is not None]
-    highest = [("the highest ", item.highest)] if item.highest is not None else []
+    highest = [("maximum ", item.highest)] if item.highest is not None else []
     return said(*parted([*known, *highest]), source=item.source)

@@ -1,4 +1,4 @@
-"""What things are called in running text."""
+"""Names of things in running text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ACRONYMS = {"id": "ID", "ssi": "SSI", "biss": "BiSS", "crc": "CRC", "eeprom": "
 
 
 class Titled(Protocol):
-    """Something of the spec with a name of its own, and what the manual calls it."""
+    """Item of the spec with our name and the manual's name."""
 
     @property
     def name(self) -> str: ...
@@ -21,40 +21,40 @@ class Titled(Protocol):
 
 
 class Named(Titled, Protocol):
-    """The same, where other editions of the manual have names for it too."""
+    """Titled item that may have other names in other editions of the manual."""
 
     @property
     def names(self) -> Mapping[str, str]: ...
 
 
 def words(name: str) -> str:
-    """A name as running text: ``encoder_id`` as ``encoder ID``."""
+    """Return a name as running text: ``encoder_id`` as ``encoder ID``."""
     return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
 
 
 def heading(name: str) -> str:
-    """A name as a heading: ``Encoder ID``."""
+    """Return a name as a heading: ``Encoder ID``."""
     text = words(name)
     return text[0].upper() + text[1:]
 
 
 def title(item: Titled) -> str:
-    """What to call it: the manual's own name, else ours."""
+    """Return the manual's own name, or else ours."""
     return item.printed_name or heading(item.name)
 
 
 def printed(item: Named) -> str:
-    """The manual's own name, in whatever language; empty where the manual has none."""
+    """Return the manual's own name in any language, or an empty text."""
     return item.printed_name or ", ".join(item.names.values())
 
 
 def own_names(item: Named) -> str:
-    """The manual's own name and those of its other editions: ``Command, it: Comando``."""
+    """Return the names in the manual and its other editions: ``Command, it: Comando``."""
     return ", ".join(filter(None, (item.printed_name, *(f"{key}: {name}" for key, name in item.names.items()))))
 
 
 def full_title(item: Named) -> str:
-    """What to call it, and in parentheses what other editions of the manual do: ``Command (it: Comando)``."""
+    """Return the title, followed by the names in other editions: ``Command (it: Comando)``."""
     others = "; ".join(f"{key}: {name}" for key, name in item.names.items() if name != title(item))
     return title(item) + (f" ({others})" if others else "")
 
@@ -64,7 +64,7 @@ def register(device: Device, name: str) -> Ref:
 
 
 def register_field(device: Device, path: str) -> Ref:
-    """A field of a register, written as ``register.field``; without a field the register."""
+    """Return a reference to ``register.field``, or to the register if no field is given."""
     name, _, field = path.partition(".")
     if not field:
         return register(device, name)

@@ -1,4 +1,4 @@
-"""What is said of things that hold for some order codes alone."""
+"""Statement about things that apply to some order codes only."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ from .text import Code, Said, said
 
 
 def only(codes: str) -> Iterator[Said]:
-    """The order codes, unless it holds for all."""
+    """Yield the order codes unless it applies to all."""
     if codes:
         yield said("Only with ", Code(codes))

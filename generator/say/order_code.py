@@ -1,4 +1,4 @@
-"""What is said of an order code: its parts, and what else a label may show."""
+"""Statements about an order code: its parts and other spellings on labels."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .text import Code, Part, Said, parted, said, told
 
 
 def order_code(device: Device) -> Iterator[Said]:
-    """All that running text says, in order."""
+    """Yield all statements of running text in order."""
     code = device.order_code
     yield said(Code(code.pattern), label="Order codes", source=code.source)
     for item in code.parts:
@@ -23,6 +23,7 @@ def order_code(device: Device) -> Iterator[Said]:
 
 
 def part(item: CodePart) -> Said:
+    """Return the meaning and the values of a part."""
     values: list[tuple[Part, ...]] = [
         (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),) for value in item.values
     ]
@@ -30,11 +31,11 @@ def part(item: CodePart) -> Said:
 
 
 def open_values(item: CodePart) -> Iterator[Said]:
-    """The values that no manual lists."""
+    """Yield the rule for values that no manual lists."""
     if item.open:
         yield said("Other values that match ", Code(item.open), " are accepted and shown as unlisted")
 
 
 def spelling(item: Spelling) -> Said:
-    """Another way in which a label may be written."""
+    """Return another spelling found on labels."""
     return said(Code(item.pattern), f", as in {item.where}", label="Also written", source=item.source)

@@ -1,4 +1,4 @@
-"""What a family is made of beside its manual: overlays, and what they or another edition take away."""
+"""Statements about the origin of a family: its overlays, its edition, and the parts that these remove."""
 
 from __future__ import annotations
 
@@ -12,40 +12,42 @@ from .words import sentence
 
 
 def origin(device: Device) -> Iterator[Said]:
-    """Whether it is the family of the manual; nothing where it is, as the manual has it."""
+    """Yield how the family differs from its manual; empty if it does not."""
     special = next((item.special for item in device.overlays if item.special), "")
     if special:
         yield said(
-            "Only for encoders whose order code ends in ", Code(f"/{special}"), "; all others are ", Code(device.base)
+            "Only for encoders whose order code ends in ",
+            Code(f"/{special}"),
+            ". For all others use ",
+            Code(device.base),
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield said(
-            f"As edition {device.edition} of the manual{date} had it, as far as that is known; "
-            "the one that the spec transcribes is ",
+            f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
+            "The edition that the spec transcribes is ",
             Code(device.base),
-            ". What was otherwise is told with its source, and what is not known is left out",
+            ". Each difference is given with its source. Unknown parts are left out",
         )
     for item in device.overlays:
         yield said(
-            f"Over what the manual says lies the overlay {item.name}, “{item.title}”. "
-            "Each of its changes is told where it is, with its reason and its source"
+            f"Includes the overlay {item.name}, “{item.title}”. "
+            "Each of its changes is noted inline, with its reason and its source"
         )
 
 
 def other_editions(device: Device) -> Iterator[Said]:
-    """That encoders of other editions may differ, and how files for them are made."""
+    """Yield a hint at other editions of the manual and the command that generates files for one."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield said(
-            "Where encoders of other editions of the manual may differ, it is said at the place; ",
+            "Differences from other editions of the manual are noted inline. Generate files for one with ",
             Code(example),
-            " makes files for such encoders",
         )
 
 
 def taken_away(device: Device) -> Iterator[Said]:
-    """The changes by overlays and editions that have left nothing at which they could be told."""
+    """Yield the changes by overlays and editions that removed the part where they would be noted."""
     for item in device.errata:
         nowhere = device.base or item.overlay or not item.affects
         if (
@@ -58,11 +60,11 @@ def taken_away(device: Device) -> Iterator[Said]:
 
 
 def edition_test(revision: str, test: EditionTest) -> Said:
-    """What tells an encoder of before an edition."""
+    """Return the register test for an encoder older than an edition."""
     register = Ref("register", test.register, words(test.register))
     return said(
         register,
-        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Another value tells an encoder of before "
-        f"edition {revision}; one of these tells nothing for sure",
+        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "
+        f"older than edition {revision}. A value in this range proves nothing",
         source=test.source,
     )

@@ -1,4 +1,4 @@
-"""What is said of a parameter."""
+"""Statements about a parameter."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from .words import number
 
 
 def parameter(device: Device, item: Parameter) -> Iterator[Said]:
-    """All that running text says, in order."""
+    """Yield all statements of running text in order."""
     yield from told(item.meaning, source=item.source)
     yield from told(item.unit, label="Unit")
     yield from origin(device, item)
 
 
 def origin(device: Device, item: Parameter) -> Iterator[Said]:
-    """Where it comes from, if no order code sets it."""
+    """Yield its origin if no order code sets it."""
     if item.equals is not None:
         yield said("Equals ", item.equals)
     if item.alternative:
-        yield said("For you to decide: ", Ref("alternative", item.alternative, item.alternative))
+        yield said("Set by your choice of ", Ref("alternative", item.alternative, item.alternative))
     if item.read_from:
         span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
         between = (", ", *span) if span else ()
@@ -34,5 +34,5 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
 
 
 def value(item: Parameter, count: int) -> str:
-    """What it is for an order code: one that is a code, such as an ID, as manuals write it."""
+    """Return its value for an order code; codes such as IDs are in the hexadecimal notation of manuals."""
     return hexadecimal(count) if item.hexadecimal else number(count)

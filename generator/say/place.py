@@ -1,4 +1,4 @@
-"""Where things are: bits of a word, bytes of a frame, addresses of registers."""
+"""Places: bits of a word, bytes of a frame, addresses of registers."""
 
 from __future__ import annotations
 
@@ -11,38 +11,38 @@ from .text import Part
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:
-    """As manuals write it: ``3Fh``."""
+    """Return a number in the notation of manuals: ``3Fh``."""
     return f"{value:0{digits}X}h"
 
 
 def addresses(register: Register) -> str:
-    """``49h``, or ``11h to 17h``."""
+    """Return ``49h`` or ``11h to 17h``."""
     first = hexadecimal(register.address)
     return f"{first} to {hexadecimal(register.last_address)}" if register.length > 1 else first
 
 
 def register_at(register: Register) -> str:
-    """``register 49h``, or ``registers 11h to 17h``."""
+    """Return ``register 49h`` or ``registers 11h to 17h``."""
     return f"register{'s' * (register.length > 1)} {addresses(register)}"
 
 
 def field_at(device: Device, path: str) -> str:
-    """A field of a register by its path, after the address: ``register 49h (configuration.code)``."""
+    """Return the address and path of a field: ``register 49h (configuration.code)``."""
     return f"{register_at(device.register(path.partition('.')[0]))} ({path})"
 
 
 def bit_range(high: int, low: int) -> str:
-    """``5``, or ``5:3``."""
+    """Return ``5`` or ``5:3``."""
     return f"{high}" if high == low else f"{high}:{low}"
 
 
 def bits(high: int, low: int) -> str:
-    """``bit 5``, or ``bits 5:3``."""
+    """Return ``bit 5`` or ``bits 5:3``."""
     return f"bit{'s' * (high > low)} {bit_range(high, low)}"
 
 
 def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
-    """Where bits of a frame of ``length`` bits stand in its bytes: ``byte 1, bits 7:1`` or ``bytes 2 to 4``."""
+    """Return the bytes of a ``length``-bit frame that contain these bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``."""
     last = length // 8 - 1
     first_byte, last_byte = low // 8, high // 8
     if layout.byte_order != "low_byte_first":
@@ -55,9 +55,9 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
 
 
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
-    """Where a field stands, with the zeros that fill it up: by bytes in a frame of bytes, else by bits.
+    """Yield the place of a field with its padding: in bytes for a frame of bytes, otherwise in bits.
 
-    Where ``alternatives`` decide it, each place has the answer behind it.
+    If ``alternatives`` decide the place, each place is followed by its answer.
     """
     size = Expression(field.container) if field.container else field.width
     high = field.low + size - Expression(1)
@@ -70,7 +70,7 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
         first, last = field.low.value(sets), high.value(sets)
         yield " or " if index else ""
         if last < first:
-            yield "nowhere"
+            yield "absent"
         elif layout.in_bytes and layout.sender:
             yield frame_bytes(layout, layout.widest, last, first)
         else:

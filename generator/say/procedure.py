@@ -1,4 +1,4 @@
-"""What is said of a procedure, its arguments and its steps."""
+"""Statements about a procedure, its arguments and its steps."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ from .name import register as named
 from .name import register_field
 from .place import register_at
 from .text import Code, Part, Said, said, told
-from .words import microseconds
+from .words import microseconds, sentence
 
 
 def procedure(device: Device, item: Procedure) -> Iterator[Said]:
-    """All that running text says below its title, in order; arguments and steps stand apart."""
+    """Yield all statements that follow its title, without arguments and steps."""
     yield from about(item)
     yield from told(item.note)
     yield from map(erratum, errata(device, f"procedures.{item.name}"))
 
 
 def about(item: Procedure) -> Iterator[Said]:
-    """What has to be so before it, and what is so after it."""
+    """Yield its precondition and its result."""
     yield from told(item.precondition, label="Before")
     yield from told(item.result, label="Result")
 
 
 def argument(device: Device, item: Argument) -> Said:
-    """What the caller gives, and the register that takes it."""
+    """Return the meaning of an argument and the register that it is written to."""
     as_ = (" as its ", Code(item.meant_as)) if item.meant_as else ()
-    meaning = f"{item.meaning.rstrip('.')}; written to " if item.meaning else "Written to "
+    meaning = f"{sentence(item.meaning)} Written to " if item.meaning else "Written to "
     return said(meaning, named(device, item.of), *as_)
 
 
 def step(device: Device, item: Step) -> Said:
-    """What a person does."""
+    """Return a step as an instruction."""
     match item:
         case WaitStep():
             return said(f"Wait at least {microseconds(item.microseconds)}")
@@ -62,9 +62,9 @@ def step(device: Device, item: Step) -> Said:
 
 
 def read_back(device: Device, register: Register, field: str = "") -> Said:
-    """What generated code does before a command acts on what was written."""
+    """Return the check that generated code makes before a command acts on a written value."""
     at = f", {register_at(register)}"
-    return said("Read ", _where(device, register.name, field), f"{at}, and stop unless it holds what was written")
+    return said("Read back ", _where(device, register.name, field), f"{at}, and stop unless it holds the written value")
 
 
 def _access(device: Device, item: RegisterStep) -> Iterator[Part]:
@@ -80,13 +80,13 @@ def _access(device: Device, item: RegisterStep) -> Iterator[Part]:
             yield from (": ", Code(register.bytes_of(value).hex(" ").upper())) if value is not None else ()
         case ModifyStep(field=field, value_name=name, value=value):
             yield from ("Write ", *_value(name, value), " to ", _where(device, register.name, field), at)
-            yield ", and leave the register's other fields as read"
+            yield ", and keep the other fields of the register as read"
         case _:
             assert_never(item)
 
 
 def _value(name: str, value: int | None) -> tuple[Part, ...]:
-    """A value by its name, or what the caller gives."""
+    """Return a value by its name, or the argument of the caller."""
     return ("the argument ", Code(name)) if value is None else (Code(name),)
 
 

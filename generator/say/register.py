@@ -1,4 +1,4 @@
-"""What is said of a register: where it is, what it holds, and the rules for reading and writing it."""
+"""Statements about a register: its address, its content, and the rules for reading and writing it."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .place import hexadecimal, register_at
 from .text import Code, Part, Said, listed, said, told
 
 _ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
-#: Who alone may use a register or a field.
+#: Words for the only permitted user of a register or field.
 USERS = {"maker": "manufacturer"}
 _ABOVE_MAX = {
-    "default": "The encoder takes the default in place of a value above the limit",
-    "refused": "The encoder refuses a value above the limit",
+    "default": "The encoder replaces a value above the limit with the default",
+    "refused": "The encoder rejects a value above the limit",
 }
 
 
@@ -27,13 +27,13 @@ def access(register: Register) -> str:
 
 
 def head(device: Device, register: Register, name: Part) -> Said:
-    """Which register it is, by the ``name`` that the reader knows it by."""
+    """Return the register's ``name``, address, access and interface."""
     over = device.interface(register.interface).title
     return said(name, f", {register_at(register)}, {access(register)}, over {over}", source=register.source)
 
 
 def register(device: Device, item: Register) -> Iterator[Said]:
-    """All that running text says below the head, in order."""
+    """Yield all statements that follow the head in running text."""
     yield from told(item.meaning)
     yield from facts(device, item)
     yield from told(item.note)
@@ -41,7 +41,7 @@ def register(device: Device, item: Register) -> Iterator[Said]:
 
 
 def facts(device: Device, register: Register) -> Iterator[Said]:
-    """What it holds, and the rules for reading and writing it."""
+    """Yield its content and the rules for reading and writing it."""
     yield from _holds(register)
     yield from needs(device, register.layout)
     yield from _rules(device, register)
@@ -61,7 +61,7 @@ def _holds(register: Register) -> Iterator[Said]:
 
 
 def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
-    """Between which values something lies; empty without limits."""
+    """Return a range, or an empty tuple without limits."""
     if low is not None and high is not None:
         return low, " to ", high
     if low is not None:
@@ -82,7 +82,7 @@ def _rules(device: Device, register: Register) -> Iterator[Said]:
     if register.wait_at_least_ms is not None:
         yield said(f"Wait at least {register.wait_at_least_ms} ms after a write, before the next command")
     if register.clears_itself:
-        yield said("Goes back to its default by itself after a write")
+        yield said("Returns to its default by itself after a write")
     if register.volatile:
         yield said("Save the parameters after a write, or the encoder loses the value at power-off")
     if register.above_max:
@@ -96,26 +96,26 @@ def reserved(user: str) -> Said:
 
 
 def _shared(device: Device, register: Register) -> Iterator[Said]:
-    """The other register at the same address, which the direction of the access tells from this one."""
+    """Yield the other register at the same address, which only the direction of the access distinguishes."""
     for other in device.registers:
         if other is not register and (other.address, other.bank) == (register.address, register.bank):
-            act = "write to" if other.access == "write_only" else "read of"
-            yield said(f"A {act} the same address reaches ", named(device, other.name), " instead")
+            act = "Writing to" if other.access == "write_only" else "Reading"
+            yield said(f"{act} the same address accesses ", named(device, other.name), " instead")
 
 
 def _opened_by(device: Device, register: Register) -> Said:
-    """What another register has to hold before this one can be written."""
+    """Return the value that another register must hold before this one can be written."""
     opener = device.register(register.opened_by)
     path = ".".join(filter(None, (register.opened_by, register.opened_by_field)))
     field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
     value = next(item.value for item in field.values if item.name == register.opened_by_value)
     written = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
     where = register_field(device, path)
-    return said("Write it only while ", where, f" holds {written} (", Code(register.opened_by_value), ")")
+    return said("Can be written only while ", where, f" holds {written} (", Code(register.opened_by_value), ")")
 
 
 def _meaning(device: Device, item: RegisterMeaning) -> Said:
-    """One of the things that a register can mean, and the bit elsewhere that says so."""
+    """Return one meaning of a register and the field value that selects it."""
     path, _, field = item.when.partition(".")
     bit = device.register(path).layout.field(field)
     value = next(one.value for one in bit.values if one.name == item.value)

@@ -1,4 +1,4 @@
-"""What an encoder reports of itself with a flag: the texts for a terminal, a table in C, and objects in Python."""
+"""Texts of what an encoder reports with a flag, for a terminal, a table in C, and objects in Python."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .words import sentence
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
-    """What the manual says of a flag of a frame, or of a register, among its alarms."""
+    """Return the alarm of a flag in a frame or register, if the manual has one."""
     for item in device.alarms:
         here = item.register == register if register else bool(item.group) and item.group == field.group
         if here and item.field == field.name:
@@ -18,9 +18,9 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
 
 
 def meaning(field: Field, alarm: Alarm | None) -> str:
-    """What it means that the flag is active, or that unused bits are not as the manual has them."""
+    """Return the meaning of an active flag, or of unused bits that differ from the manual."""
     if isinstance(field.kind, Unused):
-        wrong = f"differs from the manual, which has {short(field.kind.value)} in these unused bits"
+        wrong = f"unused bits differ from the manual, which has {short(field.kind.value)} there"
         return f"{wrong}. {sentence(field.meaning)}" if field.meaning else wrong
     active = field.kind.when_active if isinstance(field.kind, Flag) else ""
     if not field.implemented:
@@ -32,20 +32,20 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
-    """What the manual advises, with the title of the steps by hand; empty where it does not advise anything."""
+    """Return the manual's remedy with the title of the steps by hand, or an empty text."""
     return with_steps(advice(field, alarm), by_hand(field, alarm))
 
 
 def advice(field: Field, alarm: Alarm | None) -> str:
-    """What the manual advises, without the steps by hand."""
+    """Return the manual's remedy without the steps by hand."""
     return field.remedy or (alarm.remedy if alarm is not None else "")
 
 
 def by_hand(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
-    """The names of the steps by hand that the manual advises."""
+    """Return the names of the steps by hand that the manual recommends."""
     return field.by_hand or (alarm.by_hand if alarm is not None else ())
 
 
 def source(field: Field, alarm: Alarm | None) -> Sources:
-    """Where the manual says so: beside the alarm, or else beside the flag."""
+    """Return the source of the alarm, or else of the flag."""
     return alarm.source if alarm is not None and alarm.source else field.source

@@ -1,4 +1,4 @@
-"""What is said of a remedy, and of the steps that a person carries out by hand for it."""
+"""Statements about a remedy and the steps by hand that it needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .words import sentence
 
 
 def remedied(text: str, names: Sequence[str]) -> Iterator[Said]:
-    """The remedy, with a reference to the steps by hand of these names."""
+    """Yield the remedy with references to its steps by hand."""
     if names:
         steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
         yield said(*([f"{sentence(text)} "] if text else []), "Steps: ", *steps, label="Remedy")
@@ -19,6 +19,6 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Said]:
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:
-    """The same as plain text: the steps by their titles on the page of the hardware."""
+    """Return the remedy as plain text with the titles of its steps on the hardware page."""
     titles = " or ".join(map(heading, names))
     return f"{sentence(text)} Steps on the hardware page: {titles}".strip() if titles else text

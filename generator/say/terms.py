@@ -1,4 +1,4 @@
-"""The words of manuals and interfaces, each explained in a sentence or two."""
+"""Terms of manuals and interfaces, each explained in a sentence or two."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..model import Biss, Interface, Rs485
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """A word: what it means, and by which words of a spec its places are found.
+    """Term with its meaning and the words of a spec that lead to it.
 
-    ``over`` says that it belongs to an interface, whose section ``section`` is about it; else ``spelled`` has the names
-    of fields, registers and times that are about it.
+    A term of an interface has ``over`` and the ``section`` that covers it. Any other term has ``spelled``, the names
+    of the fields, registers and times that it is about.
     """
 
     name: str
@@ -25,20 +25,20 @@ class Term:
 TERMS = (
     Term(
         "ALMC",
-        "The byte of a reply over RS-485 that has a bit for each alarm. Status bits that sum alarms up do not say "
-        "which one it is; ALMC does.",
+        "The byte of an RS-485 reply that has a bit for each alarm. It identifies the alarm when a status bit only "
+        "says that there is one.",
         ("almc",),
     ),
     Term(
         "Acknowledge, start bit",
-        "In a BiSS frame SLO stays low until the data of the encoder are ready; the start bit, high, says that they "
-        "follow.",
+        "In a BiSS frame, SLO stays low until the data of the encoder is ready. The start bit (high) announces the "
+        "data.",
         over=Biss,
         section="timings",
     ),
     Term(
         "Bank",
-        "Registers that share addresses: a register of its own selects which of them answer.",
+        "One of several sets of registers at the same addresses. A separate register selects the bank that answers.",
         ("bank", "bank select"),
     ),
     Term(
@@ -50,80 +50,80 @@ TERMS = (
     ),
     Term(
         "CDS",
-        "Control data, slave: the bit of control data with which the encoder answers; it stands right after the start "
-        "bit of a BiSS frame.",
+        "Control data, slave: the bit of control data that the encoder sends. It directly follows the start bit of a "
+        "BiSS frame.",
         over=Biss,
         section="timings",
     ),
     Term(
         "Control data",
-        "How registers are read and written over BiSS while positions go on: one bit each way with every frame, CDM "
-        "and CDS, until address, direction, data and a CRC of their own are complete.",
+        "Access to registers over BiSS without interrupting the positions. Each frame carries one bit in each "
+        "direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
         over=Biss,
         section="control-data",
     ),
     Term(
         "Control field, data ID",
-        "The first byte of a request over RS-485, and of its reply. The data ID in it says what is asked for.",
+        "The first byte of an RS-485 request and of its reply. The data ID in it selects the requested data.",
         ("control field", "data id"),
     ),
     Term(
         "CRC",
-        "The remainder of a division of the bits before it: a frame in which bits were disturbed has another one. It "
-        "is known by its polynomial, start value, order of bits, and by what is XORed to it at the end.",
+        "Checksum that detects disturbed bits: the remainder of a division of the preceding bits. It is defined by "
+        "its polynomial, start value, bit order and final XOR.",
         ("crc",),
     ),
     Term(
         "CRC polynomial",
-        "The divisor of a CRC. Masters ask for it with its top bit, without it, or without its last 1: three numbers "
-        "for one polynomial.",
+        "The divisor of a CRC. Masters expect it with its top bit, without its top bit, or without its last 1: three "
+        "numbers for the same polynomial.",
         ("crc",),
     ),
     Term(
         "CRC sent inverted",
-        "Each bit of the CRC is sent as its inverse; a tool calls that XORed at the end with all ones.",
+        "Each bit of the CRC is sent inverted. Tools call this a final XOR with all ones.",
         ("crc",),
     ),
     Term(
         "CRC reflected",
-        "Bits go into the division, or come out of it, the least significant one first, as a serial port sends them.",
+        "The input or the result of the division is processed least significant bit first, as a serial port sends it.",
         ("crc",),
     ),
     Term(
         "Counts",
-        "The steps into which a revolution, or a length, is divided: the unit of a position.",
+        "The steps into which a revolution or a length is divided, used as the unit of a position.",
         ("position", "singleturn"),
     ),
     Term(
         "Device ID, manufacturer ID, profile ID",
-        "Registers that hold the same in each encoder of a kind, by which a master knows what it talks to.",
+        "Registers with the same content in all encoders of a type, from which a master identifies the encoder.",
         ("device id", "manufacturer id", "profile id"),
     ),
     Term(
         "Error bit, warning bit",
-        "The two bits after the position of a BiSS frame, called nE and nW as they are 0 when active: not to be used, "
-        "and to be used with care.",
+        "Two active-low bits after the position in a BiSS frame: nE (0 = error, do not use the position) and nW "
+        "(0 = warning).",
         over=Biss,
         section="frames",
     ),
     Term(
         "Gray code",
-        "A code in which one bit alone changes from each number to the next. It has to be turned into binary before "
-        "one calculates with it.",
+        "A code in which only one bit changes between consecutive numbers. It must be converted to binary before "
+        "calculating with it.",
         ("gray",),
     ),
     Term(
         "MA, SLO",
-        "The lines of BiSS: the clock from the master, and the data from the encoder.",
+        "The two lines of BiSS: clock from the master (MA) and data from the encoder (SLO).",
         over=Biss,
         section="wiring",
     ),
     Term(
         "MEM BUSY",
-        "A bit of replies about the EEPROM: while it is set the memory is at work, and the request is not carried out.",
+        "A bit of replies about the EEPROM. While it is set, the memory is busy and the request is not carried out.",
         ("mem busy",),
     ),
-    Term("Multiturn", "The number of whole revolutions, or the encoder that counts them.", ("multiturn",)),
+    Term("Multiturn", "The number of whole revolutions, or an encoder that counts them.", ("multiturn",)),
     Term(
         "Offset",
         "A number that the encoder adds to each position.",
@@ -131,44 +131,46 @@ TERMS = (
     ),
     Term(
         "Preset",
-        "The number that the encoder is to show at the place where its shaft stands when the preset is activated; all "
-        "other positions follow from it.",
+        "Value that the encoder reports at the current shaft position once the preset is activated. All other "
+        "positions shift accordingly.",
         ("preset",),
     ),
     Term(
         "Profile",
-        "Which fields single cycle data have, and in which order, as BiSS documents agree on.",
+        "Standardized selection and order of the fields of single cycle data.",
         over=Biss,
         section="frames",
     ),
     Term(
         "Single cycle data, SCD",
-        "What a BiSS encoder sends with each frame: the position, error bit, warning bit, and a CRC over them.",
+        "The data in each frame of a BiSS encoder: position, error bit, warning bit, and a CRC over them.",
         over=Biss,
         section="frames",
     ),
-    Term("Singleturn", "The position within one revolution, or the encoder that knows no other.", ("singleturn",)),
+    Term(
+        "Singleturn", "The position within one revolution, or an encoder without a revolution counter.", ("singleturn",)
+    ),
     Term(
         "Status field",
-        "The byte of a reply over RS-485 that sums up errors and warnings.",
+        "The byte of an RS-485 reply that summarizes errors and warnings.",
         ("status field",),
     ),
     Term(
         "Time-out",
-        "The rest of a BiSS frame: how long MA stands still before the encoder is ready for the next one.",
+        "The pause at the end of a BiSS frame, without clocks on MA, before the encoder is ready for the next frame.",
         over=Biss,
         section="timings",
     ),
     Term(
         "Tm, monoflop time",
-        "Over SSI: how long the data line stays low after the last clock.",
+        "SSI: the time for which the data line stays low after the last clock.",
         ("tm",),
     ),
-    Term("Tp, pause", "Over SSI: the least time between two words.", ("tp",)),
+    Term("Tp, pause", "SSI: the minimum time between two words.", ("tp",)),
     Term(
         "Repeated request",
-        "Over RS-485 a reset is a request that is sent several times in a row, with a pause between them and no other "
-        "request.",
+        "RS-485: a reset is a request that is sent several times in succession, with a pause after each and no other "
+        "request in between.",
         over=Rs485,
         section="procedures",
     ),

@@ -1,4 +1,4 @@
-"""Statements about a device as parts, in no markup; each output has a style that writes the parts in its own way."""
+"""Statements about a device as parts without markup, and the styles in which outputs write them."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from .words import number, sentence
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """A name or bytes, as they stand in code or on a label."""
+    """Name or bytes, as written in code or on a label."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """Another thing of the device: a register, CRC, procedure, erratum.
+    """Reference to another item of the device: a register, CRC, procedure or erratum.
 
-    ``name`` is what the spec calls it, such as ``configuration.enable_preset`` for a field of a register; ``title`` is
-    what a person calls it.
+    ``name`` is the name in the spec, such as ``configuration.enable_preset`` for a field of a register. ``title`` is
+    the name for people.
     """
 
     kind: str
@@ -32,55 +32,60 @@ class Ref:
 
     @property
     def anchor(self) -> str:
-        """What a page calls the place where the thing is described."""
+        """Anchor of the item's description on a page."""
         return f"{self.kind}-{self.name.partition('.')[0]}"
 
 
 @dataclass(frozen=True, slots=True)
 class Hex:
-    """A number that manuals print in hexadecimal, in at least so many digits: ``3Fh``."""
+    """Number that manuals print in hexadecimal, with at least ``digits`` digits: ``3Fh``."""
 
     number: Expression
     digits: int = 2
 
 
 class Level(Enum):
-    """What a flag is; an output that gives it as a truth value says so."""
+    """State of a flag, which some outputs write as a truth value."""
 
     ACTIVE = "Active"
     INACTIVE = "Inactive"
-    #: The first within a sentence.
+    #: ``ACTIVE`` within a sentence.
     WHILE_ACTIVE = "active"
 
 
-#: An expression over parameters is a part: some outputs know what the parameters are.
+#: An expression over parameters is a part, because some outputs know the values of the parameters.
 Part = str | Code | Ref | Expression | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """A sentence without its full stop; with a label, the value of a fact: ``Clock``, 100 kHz to 4 MHz."""
+    """Sentence without its full stop, or a labelled fact: ``Clock``, 100 kHz to 4 MHz.
+
+    A statement with ``below`` is a head with labelled statements, which an output writes on lines of their own if it
+    can.
+    """
 
     parts: tuple[Part, ...]
     label: str = ""
     source: Sources = ()
-    #: What of it stays here where an output tells the whole elsewhere; None for what is told where it is.
+    #: Short form for an output that has the whole statement elsewhere. None if there is no short form.
     brief: str | None = None
+    below: tuple[Said, ...] = ()
 
 
 def said(*parts: Part, label: str = "", source: Sources = ()) -> Said:
-    """The statement that these parts make."""
+    """Return the statement that these parts form."""
     return Said(parts, label, source)
 
 
 def told(text: str, label: str = "", source: Sources = ()) -> Iterator[Said]:
-    """What the spec itself says in words, if it does."""
+    """Yield a text of the spec unless it is empty."""
     if text:
         yield said(text, label=label, source=source)
 
 
 def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
-    """The items as parts: ``a, b and c``."""
+    """Yield the items as parts: ``a, b and c``."""
     for index, item in enumerate(items):
         if index:
             yield last if index == len(items) - 1 else ", "
@@ -88,7 +93,7 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
 
 
 def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
-    """The groups of parts one after the other, the empty ones left out."""
+    """Yield the parts of all groups that are not empty, with a separator between the groups."""
     for index, group in enumerate([group for group in groups if group]):
         if index:
             yield between
@@ -101,34 +106,44 @@ def _bracketed(sources: Sources) -> str:
 
 @dataclass(frozen=True)
 class Style:
-    """How an output writes each kind of part; a style escapes what its language would take for its own."""
+    """Functions with which an output writes each kind of part, and escapes the syntax of its language."""
 
     text: Callable[[str], str]
     code: Callable[[str], str]
     ref: Callable[[Ref], str]
     cited: Callable[[Sources], str] = _bracketed
-    #: What an expression comes to, in an output about one order code.
+    #: Value of an expression in an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
     def phrase(self, item: Said) -> str:
-        """The parts alone, without label, source and full stop."""
+        """Return the parts without label, source and full stop."""
         return "".join(map(self._part, item.parts))
 
     def sentence(self, item: Said) -> str:
-        """The statement in running text: ``Clock: 100 kHz to 4 MHz [5.3].``"""
+        """Return the statement in running text: ``Clock: 100 kHz to 4 MHz [5.3].``"""
+        if item.below:
+            return " ".join((f"{self.head(item)}:", *map(self.sentence, item.below)))
         label = f"{self.text(item.label)}: " if item.label else ""
         phrase, source = self.phrase(item), self.cited(item.source)
         if not source:
             return label + sentence(phrase)
         return f"{label}{phrase} {source}" if sentence(phrase) == phrase else f"{label}{phrase} {source}."
 
+    def head(self, item: Said) -> str:
+        """Return the label and source of a statement with others below it: ``Erratum start (open) [5.3]``."""
+        return " ".join(filter(None, (self.text(item.label), self.cited(item.source))))
+
+    def lines(self, item: Said) -> list[str]:
+        """Return the statement, or its head and a line for each statement below it."""
+        return [f"{self.head(item)}:", *map(self.sentence, item.below)] if item.below else [self.sentence(item)]
+
     def paragraph(self, items: Iterable[Said]) -> str:
-        """Several statements one after the other."""
+        """Return several statements as one paragraph."""
         return " ".join(filter(None, map(self.sentence, items)))
 
     def number(self, expression: Expression) -> str:
-        """A number, or an expression as code."""
+        """Return a number, or an expression as code."""
         found = self.resolve(expression)
         return number(found.constant) if found.is_constant else self.code(found.render())
 
@@ -149,11 +164,11 @@ class Style:
                 return self.level(part)
 
 
-#: For a reader who knows things by their names in the spec, such as on a terminal.
+#: For readers who know things by their names in the spec, such as on a terminal.
 BY_NAME = Style(text=str, code=str, ref=lambda ref: ref.name)
-#: For a reader who knows things by what the manual calls them, such as in a comment.
+#: For readers who know things by their names in the manual, such as in a comment.
 BY_TITLE = Style(text=str, code=str, ref=lambda ref: ref.title)
-#: For docstrings, where names stand as code, and where a flag is a truth value.
+#: For docstrings, where names are code and a flag is a truth value.
 AS_LITERAL = Style(
     text=str,
     code=lambda text: f"``{text}``",

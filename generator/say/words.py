@@ -1,11 +1,11 @@
-"""Numbers with units, and other facts, in the words that every text output has for them."""
+"""Words for numbers with units and other facts, shared by all text outputs."""
 
 from __future__ import annotations
 
 from ..model import Timeout, Verdict
 
 _RULE = {"follows_clock": "follows the clock", "fixed": "fixed"}
-#: What the position is worth.
+#: Verdicts on the position, as clauses.
 WORTH = {
     Verdict.NOT_USABLE: "the position is not usable",
     Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
@@ -24,17 +24,17 @@ _LANGUAGES = {
 
 
 def number(value: int) -> str:
-    """A number in groups of three digits."""
+    """Return a number in groups of three digits."""
     return f"{value:,}"
 
 
 def counted(count: int | str, thing: str) -> str:
-    """``1 bit``, ``8 bits``, ``position_bits bits``."""
+    """Return ``1 bit``, ``8 bits`` or ``position_bits bits``."""
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def hertz(value: int) -> str:
-    """A frequency in the unit in which it is shortest."""
+    """Return a frequency in its shortest unit."""
     for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
         if value >= factor:
             return f"{value / factor:g} {unit}"
@@ -46,7 +46,7 @@ def volts(millivolts: int) -> str:
 
 
 def microseconds(value: int) -> str:
-    """A time in the unit in which it is a whole number."""
+    """Return a time in the largest unit that gives a whole number."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
         if value >= factor and value % factor == 0:
             return f"{value // factor} {unit}"
@@ -60,7 +60,7 @@ def nanoseconds(value: int) -> str:
 
 
 def timeout_words(timeout: Timeout) -> str:
-    """The rule of a time-out and its bounds."""
+    """Return the rule and bounds of a time-out."""
     half = timeout.half_clock_periods
     parts = [f"{half / 2:g} clock periods" if half is not None else _RULE.get(timeout.rule, timeout.rule)]
     parts += [
@@ -69,16 +69,16 @@ def timeout_words(timeout: Timeout) -> str:
         if value is not None
     ]
     if half is None:
-        # Without a rule the printed values are all that is known.
+        # Without a rule, only the printed values are known.
         parts += [f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed]
     return ", ".join(parts)
 
 
 def language(key: str) -> str:
-    """The name of a language, or its code where that is not known here."""
+    """Return the name of a language, or its code if the name is unknown."""
     return _LANGUAGES.get(key, key)
 
 
 def sentence(text: str) -> str:
-    """The text with a full stop, unless it ends in a mark of its own."""
+    """Return the text with a full stop, unless it already ends with punctuation."""
     return text if not text or text.endswith((".", "!", "?", ":")) else f"{text}."

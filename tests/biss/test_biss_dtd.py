@@ -54,7 +54,7 @@ def test_another_wrapper_is_seen(document: str, ours: bytes) -> None:
 
 @pytest.mark.parametrize("target", ["file:///etc/passwd", "http://127.0.0.1:9/x.dtd", "other.dtd"])
 def test_nothing_else_is_read(document: str, ours: bytes, target: str) -> None:
-    with pytest.raises(DtdError, match="other files and the network are not read"):
+    with pytest.raises(DtdError, match="Other files and the network are not read"):
         check(document, f'<!ENTITY % more SYSTEM "{target}">\n%more;\n'.encode() + ours)
 
 
@@ -101,4 +101,4 @@ def test_the_command(tmp_path: Path, ours: bytes, capsys: pytest.CaptureFixture[
     assert main(["generate", "-o", str(tmp_path / "out"), "--target", "docs", "--biss-dtd", str(good)]) == 2
     (tmp_path / "large.dtd").write_bytes(b" " * 1_000_001)
     assert main([*out, str(tmp_path / "large.dtd")]) == 2
-    assert "is this the right file" in capsys.readouterr().err
+    assert "Is this the right file" in capsys.readouterr().err

@@ -110,11 +110,11 @@ def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> Non
     def comments(element: Any) -> str:
         return " ".join(" ".join(str(item.text).split()) for item in element if item.tag is etree.Comment)
 
-    assert "Inferred: Profile is the only parent of Device that is publicly known" in comments(root)
+    assert "Inferred: Profile is the only publicly known parent of Device" in comments(root)
     for words in (
         "Inferred: Range counts the bits of the 64-bit identity",
         "Inferred: a Device inside a Device refines it",
-        "Inferred: Label of a Device names maker",
+        "Inferred: Label of a Device names the manufacturer",
     ):
         assert words in comments(maker)
     one_length = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
@@ -123,8 +123,8 @@ def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> Non
         .getparent()
         .getparent()
     )
-    assert "Inferred: Length counts all bits of data on the line" in comments(first)
-    assert "Inferred: the Label beside it" in comments(first)
+    assert "Inferred: Length counts all data bits on the line" in comments(first)
+    assert "Inferred: the Label next to it" in comments(first)
 
 
 def known(root: Any, name: str) -> Any:
@@ -174,25 +174,25 @@ def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) ->
         assert list(known(root, name).iter("Length")) == []
     plain = " ".join(text.split())
     assert (
-        "it follows what register 56h (singleturn_bits_used.bits) and register 57h (multiturn_bits_used.bits) "
-        "hold at the moment"
+        "it depends on the current content of register 56h (singleturn_bits_used.bits) and register 57h "
+        "(multiturn_bits_used.bits)"
     ) in plain
-    assert "multiturn 16 + singleturn 20 = 36 bits; with status bits 38; with CRC 44" in plain
+    assert "multiturn 16 + singleturn 20 = 36 bits, with status bits 38, with CRC 44" in plain
     # ASC85 with its 0 bit, as 6.2.1 prints it, and without it, as OnStepX reads it.
     codes = "ASC8525/SC1, ASC8525/SC2"
-    assert f"{codes} with as_printed: position 25 + zero 1 = 26 bits; with status bits 28; with CRC 34" in plain
-    assert f"{codes} with left_out: position 25 = 25 bits; with status bits 27; with CRC 33" in plain
-    assert "one device ID stands for 7 data lengths; zero_bit (" in plain
-    assert f"281Ah, whatever the length; its low byte, 26, is the data length of {codes} with as_printed only" in plain
-    assert "profile ID, registers 42h and 43h: 0000h, which is no profile" in plain
+    assert f"{codes} with as_printed: position 25 + zero 1 = 26 bits, with status bits 28, with CRC 34" in plain
+    assert f"{codes} with left_out: position 25 = 25 bits, with status bits 27, with CRC 33" in plain
+    assert "one device ID covers 7 data lengths. You choose zero_bit (" in plain
+    assert f"281Ah, for all lengths. Its low byte, 26, is the data length of {codes} with as_printed only" in plain
+    assert "profile ID, registers 42h and 43h: 0000h, which means no profile" in plain
 
 
 def test_the_comment_tells_what_the_format_cannot(files: dict[str, str]) -> None:
     text = " ".join(files[NAME].split())
-    assert "one device ID stands for 6 data lengths" in text
+    assert "one device ID covers 6 data lengths" in text
     for code, length in (("AMM5A17/1SC1", 17), ("AMM5A21/65KSC1", 37), ("AMM5B23/65KSC1", 39)):
         assert re.search(rf"{code}[^:]*: [a-z0-9 +]*= {length} bits", text), code
-    assert "not validated against idbiss.dtd" in text
+    assert "Not validated against idbiss.dtd" in text
     assert "Inferred" in text
 
 

@@ -155,27 +155,27 @@ def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
     assert "not_usable: the position is not usable." in seen["reports"]
     assert "status_other_error: BUSY flag, PS error, battery alarm or MT error" in seen["reports"]
     assert "7000519 counts" in seen["reports"]
-    assert "The label goes on with -XYZ." in seen["reports"]
+    assert "The label continues with -XYZ." in seen["reports"]
     assert "°" not in seen["reports"]
 
 
 @pytest.mark.slow
 def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
-    assert "crc fault: the CRC is 0x7f; over these bits it has to be 0x7e" in seen["fault"]
+    assert "crc error: expected CRC 0x7e, got 0x7f" in seen["fault"]
     assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
     early = seen["why"].index("read one bit early: a bit such as CDS is in front")
-    assert 0 < seen["why"].index("one bit was disturbed on the way: the CRC fits with bit 0 inverted") < early
-    assert "Every bit is 0: the line does not move." in seen["low"]
-    assert "Every bit is 1: the line does not move." in seen["high"]
-    assert "Every bit is 0: a line that does not move looks the same" in seen["ssi"]
+    assert 0 < seen["why"].index("one bit was disturbed on the line: the CRC matches with bit 0 inverted") < early
+    assert "Every bit is 0: the line is dead." in seen["low"]
+    assert "Every bit is 1: the line is dead." in seen["high"]
+    assert "Every bit is 0. A dead line looks the same" in seen["ssi"]
 
 
 @pytest.mark.slow
 def test_an_order_code_that_is_left_out(seen: dict[str, str]) -> None:
     assert "AMM5A23/65KJP1" in seen["inferred"]
-    assert "with a right CRC" in seen["inferred"]
+    assert "with a correct CRC" in seen["inferred"]
     assert seen["code"] == "AMM5A23/1JP1"
-    assert "usable: no fault; the position is usable." in seen["picked"].lower()
+    assert "usable: no error. the position is usable." in seen["picked"].lower()
     assert "NOTHING/1" in seen["unknown"].upper()
 
 
@@ -192,7 +192,7 @@ def test_registers_both_ways(seen: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, str]) -> None:
-    assert "The manual leaves open" in seen["open"]
+    assert "The manual is ambiguous here" in seen["open"]
     assert "address" not in seen["open"]
     assert seen["chosen"] is False
     assert "address" in seen["decided"]
@@ -237,13 +237,13 @@ def with_flags(devices: Iterable[Device]) -> Iterator[tuple[str, str]]:
 def test_the_colour_of_the_box_is_that_of_the_verdict(chromium: str, page: Path, library: Library) -> None:
     wrong = ("AMM5A23/65KJP1", "02 00 C7 D1 6A 7F")
     frames = json.dumps([wrong, *with_flags(library.devices)])
-    colours = {"usable": "green", "usable_with_warning": "amber", "not_usable": "red", "crc fault": "red"}
+    colours = {"usable": "green", "usable_with_warning": "amber", "not_usable": "red", "crc error": "red"}
     seen = set()
     for said, line in shown(chromium, page, COLOURS.replace("FRAMES", frames)):
         verdict = said.partition(":")[0]
         seen.add(verdict)
         # A question to the reader has the colour of a warning: nothing is decoded until it is answered.
-        asked = said.startswith("The manual leaves open")
+        asked = said.startswith("The manual is ambiguous here")
         assert colour(*line) == ("amber" if asked else colours.get(verdict, "grey")), said
     assert seen > set(colours)
 

@@ -165,7 +165,7 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     devices, _ = load_library([new])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
     assert page.endswith(
-        "\n## 2.0.0\n\nFrom 1.4.2, by the manual's revision 1.0.\n\n**Behaviour**\n\n"
+        "\n## 2.0.0\n\nChanges since 1.4.2, with revision 1.0 of the manual.\n\n**Behaviour**\n\n"
         "- BiSS: highest clock 10 MHz → 5 MHz (`clock-narrower`): all 4 BiSS order codes; C, Python, XML\n"
     )
 
@@ -173,8 +173,8 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
     devices, _ = load_library([specs(tmp_path / "specs")])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
-    told = "No release is recorded yet: up to version 1.4.2, none is known to have changed anything of this family.\n"
-    assert page.endswith(f"left out here.\n\n{told}")
+    told = "No release is recorded yet. Version 1.4.2 has no known changes to this family.\n"
+    assert page.endswith(f"family are not listed.\n\n{told}")
     assert "\n## " not in page
 
 

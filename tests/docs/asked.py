@@ -243,7 +243,7 @@ def _in_bits(reading: Reading, layout: Raw, field: Raw) -> Callable[[Numbers], s
         """Where the manual leaves it open, each place with what the user has to decide for it."""
         places = {name: at({**known, **sets}) for name, sets in reading.decisions.items()}
         several = len(set(places.values())) > 1
-        return " or ".join(f"{where or 'nowhere'} ({name})" for name, where in places.items()) if several else at(known)
+        return " or ".join(f"{where or 'absent'} ({name})" for name, where in places.items()) if several else at(known)
 
     return answer
 
@@ -277,7 +277,7 @@ def _about_crc(interface: str, crc: Raw) -> Iterator[Asked]:
     answers = {
         "Polynomial": " + ".join(terms),
         "Start value": f"0x{int(crc['init'], 0):X}",
-        "XORed at the end": f"0x{int(crc['xorout'], 0):X}",
+        "Final XOR": f"0x{int(crc['xorout'], 0):X}",
         "Input, output reflected": ", ".join("yes" if crc[key] == "true" else "no" for key in ("refin", "refout")),
     }
     for label, answer in answers.items():
@@ -349,7 +349,7 @@ def _about_alarm(reading: Reading, alarm: Raw) -> Iterator[Asked]:
         yield Asked(interface, "remedy", where, ("Cleared by",), name, only=only)
     if "latch" in alarm:
         stays = alarm["latch"] == "true"
-        label, answer = ("Stays", "until it is reset") if stays else ("Goes away", "with its cause")
+        label, answer = ("Stays", "active until it is reset") if stays else ("Clears", "itself when its cause is gone")
         yield Asked(interface, "remedy", where, (label,), answer, only=only)
     if "below_mv" in alarm:
         yield Asked(interface, "remedy", where, ("Raised",), f"below {int(alarm['below_mv']) / 1000:g} V", only=only)

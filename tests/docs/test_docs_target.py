@@ -170,7 +170,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
     page = files["docs/sma21/rs485.md"]
     (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
     assert (
-        "<br>Sums up `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "
+        "<br>Combines `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "
         "with a warning. |"
     ) in alarm
     (speed,) = [line for line in page.splitlines() if line.startswith("| `overspeed`")]
@@ -349,15 +349,15 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
 def test_a_printed_time_out_stands_there_once(files: Files) -> None:
     """ASC85 6.5 p.32: 0.35 µs at 10 MHz without a rule; AMM5 6.5 p.40: 1.5 clock periods, worked out for three."""
     assert "| Time-out | follows the clock, 350 ns at 10 MHz |" in files["docs/asc85/biss.md"]
-    assert "1.5 clock periods (30 µs at 50 kHz; 7.5 µs at 200 kHz; 150 ns at 10 MHz)" in files["docs/amm5/biss.md"]
+    assert "1.5 clock periods (30 µs at 50 kHz, 7.5 µs at 200 kHz, 150 ns at 10 MHz)" in files["docs/amm5/biss.md"]
 
 
 def test_labels_of_another_edition_are_on_the_page(files: Files) -> None:
     page = files["docs/am36.md"]
-    assert "Labels that are written otherwise" in page
+    assert "These other spellings on labels are accepted" in page
     assert "`{model}{singleturn}/{turns}{output}`" in page
     assert "`SC` is `I7`; `[0-9]?` may follow" in page.replace("<br>", "; ")
-    assert "Labels that are written otherwise" not in files["docs/amm5.md"]
+    assert "These other spellings on labels are accepted" not in files["docs/amm5.md"]
 
 
 def test_files_end_with_a_line_and_have_no_gaps(files: Files) -> None:
@@ -395,8 +395,8 @@ def test_no_table_is_empty(files: Files, tmp_path: Path) -> None:
             ),
         ),
     )
-    assert "The quantities that follow from what registers hold" in held
-    assert "The quantities that follow from an order code" not in held
+    assert "Quantities held in registers at run time" in held
+    assert "Quantities set by the order code" not in held
     for page in (held, *(made for name, made in files.items() if name.endswith(".md"))):
         assert not re.search(r"(?m)^\|(  \|)*\n\|( --- \|)*\n(?!\|)", page)
 

@@ -173,7 +173,8 @@ def test_each_edition_is_in_each_output(generated: Path) -> None:
         for path in (f"c/include/lika/{stem}.h", f"python/lika_encoders/{stem}.py", f"docs/{stem}.md"):
             flat = " ".join((generated / path).read_text(encoding="utf-8").replace("\n *", "\n").split())
             date = f" of {device.manual.date}" if device.manual.date else ""
-            assert f"As edition {revision} of the manual{date} had it, as far as that is known" in flat, path
+            about = f"Describes encoders of edition {revision} of the manual{date}, as far as they are known"
+            assert about in flat, path
     identity = (generated / "biss" / "idbiss4C69.xml").read_text(encoding="utf-8")
     shipped = (ROOT / "generated" / "biss" / "idbiss4C69.xml").read_text(encoding="utf-8")
     assert identity == shipped
@@ -242,8 +243,8 @@ def test_am36_1_1_is_what_six_pages_say() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--edition", "2020-04-30"], "As edition 1.6 of the manual"),
-        (["--edition", "2018-08-10"], "As edition 1.0 of the manual"),
+        (["--edition", "2020-04-30"], "Describes encoders of edition 1.6 of the manual"),
+        (["--edition", "2018-08-10"], "Describes encoders of edition 1.0 of the manual"),
         (["--edition", "1.9"], "manual AMM5A AMM5B, revision 1.9"),
         (["--edition", "2026-01-01"], "manual AMM5A AMM5B, revision 1.9"),
     ],
@@ -265,8 +266,8 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
     """The number of the manual, and the same in the order of the sister AMM36."""
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D3", "--edition", "registers", *held(serial)]) == 0
     said = capsys.readouterr().out
-    assert ("As edition" in said) == bool(revision)
-    assert f"As edition {revision}" in said or not revision
+    assert ("Describes encoders of edition" in said) == bool(revision)
+    assert f"Describes encoders of edition {revision}" in said or not revision
 
 
 def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> None:
@@ -274,19 +275,19 @@ def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> N
     asked = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
     assert main(asked) == 0
     newest = capsys.readouterr().out
-    assert "As edition" not in newest
+    assert "Describes encoders of edition" not in newest
     assert re.search(r"Supply +10 V to 30 V", newest)
     for edition in ("1.1", "label"):
         assert main([*asked, "--edition", edition]) == 0
         said = capsys.readouterr().out
-        assert "As edition 1.1 of the manual had it" in said, edition
+        assert "Describes encoders of edition 1.1 of the manual" in said, edition
         assert re.search(r"Supply +the manual does not say", said), edition
         assert main([*asked, "--edition", edition, "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["family"] == "am36_1_1"
     # The serial number as an AMM5 of before 1.7 may hold it: these registers tell the edition, and nothing else.
     told = ["master", "AMM5A21/65KSC1", "--edition", "registers"]
     assert main([*told, *held("EE 69 E8 0A")]) == 0
-    assert "As edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
+    assert "Describes encoders of edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("edition", ["2.0", "2018-01-01", "label", "registers", "1.0", "nonsense"])

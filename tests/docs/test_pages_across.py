@@ -79,7 +79,7 @@ def holds(shown: str, value: object) -> bool:
 
 def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mapping[str, Device], pages: Files) -> None:
     page = pages["docs/which-encoder.md"]
-    found = cells(page, "where no label is left:")
+    found = cells(page, "Without a label, identify the encoder by the content of its registers:")
     assert len(found) == sum(len(list(device.identity)) for device in devices.values()) > 10
     for _, where, name, held, _ in found:
         ((shown, device, register_name),) = LINK.findall(where)
@@ -95,7 +95,7 @@ def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mappi
 
 def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], pages: Files) -> None:
     page = pages["docs/which-encoder.md"]
-    for _, _, frame, bits, order, _ in cells(page, "## Frames that carry"):
+    for _, _, frame, bits, order, _ in cells(page, "## Frames with a position"):
         ((_, name, layout_name),) = LINK.findall(frame)
         ((interface, layout),) = (pair for pair in devices[name].layouts() if pair[1].name == layout_name)
         variants = [item for item in devices[name].variants if item.interface == interface.name]

@@ -137,5 +137,7 @@ def test_a_wire_of_two_colours_has_both(pages: Files) -> None:
 
 
 def test_nobody_takes_the_order_of_pins_for_a_face(pages: Files) -> None:
-    assert "Where they lie on the face is not known." in " ".join(texts(pages, "am36/connector-m12_connector"))
+    assert "Their arrangement on the connector face is not known." in " ".join(
+        texts(pages, "am36/connector-m12_connector")
+    )
     assert "face" not in " ".join(texts(pages, "am36/connector-m8_type_cable"))

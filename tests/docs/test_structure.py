@@ -48,9 +48,9 @@ def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(p
     page = pages["docs/amm5/rs485.md"]
     told = [line for line in page.splitlines() if "`mem_busy_position`" in line]
     assert told[0].startswith(
-        '- <a id="erratum-mem_busy_position"></a>⚠ **open** `mem_busy_position`: Printed: MEM BUSY'
+        '- <a id="erratum-mem_busy_position"></a>⚠ **open** [`mem_busy_position`](errata.md#erratum-mem_busy_position) '
     )
-    assert set(told[1:]) == {"- ⚠ **open** [`mem_busy_position`](#erratum-mem_busy_position), told above"}
+    assert set(told[1:]) == {"- ⚠ **open** [`mem_busy_position`](#erratum-mem_busy_position), see above"}
     frame = page.partition('<a id="layout-eeprom_write_request"></a>')[2].partition('<a id="layout-')[0]
     assert told[0] in frame
 

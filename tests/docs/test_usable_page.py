@@ -77,7 +77,7 @@ def by_family(library: Library, page: str, heading: str) -> Iterator[tuple[Devic
 
 def test_the_table_is_what_the_reference_codec_decides(library: Library, page: str) -> None:
     seen: dict[tuple[str, str], set[str]] = {}
-    for device, (title, cell, name, when, verdict, *_) in by_family(library, page, "What decides"):
+    for device, (title, cell, name, when, verdict, *_) in by_family(library, page, "Deciding bits"):
         for layout in frames(device, cell):
             assert title in {kind.title for kind, item in device.layouts() if item is layout}
             speaks = plain(name).strip("`")
@@ -94,7 +94,7 @@ def test_the_table_is_what_the_reference_codec_decides(library: Library, page: s
         if device.tells_position(kind.name, layout)
     }
     assert {key: names & told[key] for key, names in seen.items()} == told
-    assert all(names & {"none of these", "nothing"} for names in seen.values())
+    assert all(names & {"none of these", "no field decides"} for names in seen.values())
 
 
 def level(layout: Layout, name: str) -> str:
@@ -129,7 +129,7 @@ def level(layout: Layout, name: str) -> str:
         ("amm5", "complete_reply", "busy", "1", "not_usable"),
         ("amm5", "complete_reply", "battery_alarm", "1", "usable_with_warning"),
         ("amm5", "complete_reply", "alarm_zero_3_4", "not 0", "usable_with_warning"),
-        ("amm5", "ssi_word", "nothing", "", "unknown"),
+        ("amm5", "ssi_word", "no field decides", "", "unknown"),
         # 5.4 p.22: the error bit of SSI is 0 while there is an error.
         ("sma21", "ssi_word", "error", "0", "not_usable"),
         ("sma21", "wide_position_reply", "status_alarm", "1", "usable_with_warning"),
@@ -140,7 +140,7 @@ def test_as_the_manuals_have_it(
 ) -> None:
     found = [
         row[3:5]
-        for device, row in by_family(library, page, "What decides")
+        for device, row in by_family(library, page, "Deciding bits")
         if device.name == family
         and frame in [item.name for item in frames(device, row[1])]
         and plain(row[2]).strip("`") == name
@@ -152,7 +152,7 @@ def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: s
     """AMM5, 6.2.1 p.33 and 7.4.1 p.44: multiturn models alone have a battery (4.3 p.23)."""
     found = {
         (plain(row[2]).strip("`"), row[3].partition(", ")[0], row[4])
-        for device, row in by_family(library, page, "What decides")
+        for device, row in by_family(library, page, "Deciding bits")
         if device.name == "amm5"
     }
     for name, level in (("warning", "0"), ("mt_error", "1")):
@@ -162,23 +162,23 @@ def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: s
 
 def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page: str) -> None:
     silent = {"amm5", "asc85", "sma21"}
-    for device, row in by_family(library, page, "What decides"):
+    for device, row in by_family(library, page, "Deciding bits"):
         name = plain(row[2]).strip("`")
         flags = {
             item.name for layout in frames(device, row[1]) for item in layout.fields if isinstance(item.kind, Flag)
         }
         assert ("position_under_error" in row[6]) == (name in flags and device.name in silent), (device.name, name)
-        assert (row[5] != "") == (name not in ("nothing", "none of these"))
+        assert (row[5] != "") == (name not in ("no field decides", "none of these"))
 
 
 def test_every_report_is_there_and_each_frame_says_which(library: Library, page: str) -> None:
     listed: dict[str, list[str]] = {}
-    for device, row in by_family(library, page, "What each report means"):
+    for device, row in by_family(library, page, "Meaning of each report"):
         listed.setdefault(device.name, []).append(plain(row[0]).strip("`"))
         assert row[1]
     assert listed == {device.name: [item.name for item in reports_of(device)] for device in library.devices}
     told: dict[str, set[str]] = {}
-    for device, row in by_family(library, page, "What each frame can report"):
+    for device, row in by_family(library, page, "Reports of each frame"):
         told.setdefault(device.name, set()).update(re.findall("`([a-z0-9_]+)`", row[2]))
         for layout in frames(device, row[1]):
             assert layout.sender == "encoder"

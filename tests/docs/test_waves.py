@@ -22,7 +22,7 @@ SVG = "{http://www.w3.org/2000/svg}"
         # AM36 5.1 and 5.3; AMM5 5.3 and 7.4.2 p.45; SMA21 6.5 p.34.
         ("am36", "ssi", ["Tm, typically 12 µs", "Tp, at least 12 µs"]),
         ("amm5", "ssi", ["Tm, typically 12 µs", "Tp, at least 20 µs"]),
-        ("amm5", "rs485", ["between requests that are repeated: at least 40 µs"]),
+        ("amm5", "rs485", ["between repeated requests: at least 40 µs"]),
         ("sma21", "biss", ["time-out: follows the clock, at most 16 µs"]),
     ],
 )
@@ -68,7 +68,7 @@ def family(name: str) -> Device:
 def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str, str]) -> None:
     """AMM5 7.4.2 p.45: ten requests, 40 µs apart. Without such procedures nothing is drawn of it."""
     amm5 = family("amm5")
-    assert "Between requests that are repeated: at least 40 µs." in pages["docs/amm5/AMM5A17-1JP1.md"]
+    assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/AMM5A17-1JP1.md"]
     shown = wave(replace(amm5, procedures=()), amm5.interface("rs485"))
     assert shown is not None
     assert "repeated" not in shown.told + drawn(shown)
@@ -77,15 +77,15 @@ def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str,
 def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str]) -> None:
     """AMM5 7.2 p.41: requests of 1, 3 and 4 bytes, replies up to 11; SMA21 7.2 p.37: each request is one byte."""
     amm5, sma21 = (pages[f"docs/{name}/timing-rs485.svg"] for name in ("amm5", "sma21"))
-    assert "a request of at least 1 byte; the encoder answers with up to 11 bytes" in amm5
-    assert "a request of 1 byte; the encoder" in sma21
+    assert "a request of at least 1 byte. The encoder answers with up to 11 bytes" in amm5
+    assert "a request of 1 byte. The encoder" in sma21
 
 
 def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
     """The figures of the manuals are lost; of BiSS their words do not say where acknowledge and start bit stand."""
     biss, ssi = pages["docs/amm5/AMM5A17-1SC1.md"], pages["docs/amm5/AMM5A17-1BG1.md"]
-    assert "Drawn from the words of the manual and the public protocol description of BiSS C-mode, not to scale" in biss
-    assert "Drawn from the words of the manual, not to scale" in ssi
+    assert "Drawn from the text of the manual and the public protocol description of BiSS C-mode, not to scale" in biss
+    assert "Drawn from the text of the manual, not to scale" in ssi
 
 
 def test_the_words_have_each_field_and_time(library: Library) -> None:

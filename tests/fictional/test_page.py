@@ -23,7 +23,7 @@ SLIPS = {
     "padding": (
         "padded_to: 31",
         "padded_to: 32",
-        "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits; this has 32",
+        "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits, got 32",
     ),
     "length": (
         "    length: 4\n    byte_order: high_byte_first\n    access: read_write",
@@ -53,7 +53,7 @@ SLIPS = {
     "start": (
         "init: 0x5A3C",
         "init: 0",
-        "example 'position_channel' does not hold: the CRC is 0x4587; over these bits it has to be 0x5e9a",
+        "example 'position_channel' does not hold: expected CRC 0x5e9a, got 0x4587",
     ),
     "bank": (
         "      - {do: write, register: bank, value: position}\n",

@@ -82,14 +82,14 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
 
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown(capsys, "SMA21-SC4-0050")
-    assert "50 µm to a count, 1,048,576 counts in all, the highest 1,048,575; 52,428.800 mm in all" in sma21
+    assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575; 52,428.800 mm in all" in sma21
     assert "configuration.select_preset_offset holds 0 (preset), it holds preset, 0 to 1,048,575:" in sma21
     assert "Time-out follows the clock, at most 16 µs" in sma21
     ssi = shown(capsys, "AMC3616/4096-GG")
     assert "below 400 kHz with a cable shorter than 50 m" in ssi
     assert "position is in Gray code" in ssi
     assert "Zero" not in ssi.partition("Inputs")[0]
-    assert "65,536 counts in a revolution, 4,096 revolutions" in ssi
+    assert "65,536 counts per revolution, 4,096 revolutions" in ssi
     asc85 = shown(capsys, "ASC8525/SC2")
     assert "Time-out follows the clock, 350 ns at 10 MHz" in asc85
     assert "1 revolution " in asc85
@@ -280,7 +280,7 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
         assert "decode takes the answer as: --choose eeprom_address=as_printed" in out
-        assert "Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format." in out
+        assert "The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format." in out
     assert "The picture has as_printed." in out
     assert "For you to decide" not in run(capsys, "show", "AMM5A17/1SC1")[1]
     assert data(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []

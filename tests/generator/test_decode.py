@@ -230,7 +230,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
     values = {item["name"]: item["value"] for item in data["fields"]}
     assert (values["status_info"], values["position"], values["unused"]) == (2, 0x25430004DA, 2)
     assert (
-        "status_info (dd0 ... dd3): differs from the manual, which has 0 in these unused bits. Information, not used "
+        "status_info (dd0 ... dd3): unused bits differ from the manual, which has 0 there. Information, not used "
         "in this encoder. so the position is usable, with a warning"
     ) in text(capsys, *printed)[1]
 
@@ -384,10 +384,10 @@ def test_a_guess_at_a_mistake_reads_nothing_undecided(capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--as", "profile_id", "28 14"), "profile_id: the register holds 0x2814, SMA21-SC1-0010 has 0x2816"),
-        (("--as", "manufacturer_id", "4C 6A"), 'name: the register holds "Lj", SMA21-SC1-0010 has "Li"'),
-        (("--as", "device_id", "48 4D 32 31 00 01"), 'name: the register holds "HM21", SMA21-SC1-0010 has "SM21"'),
-        (("--as", "device_type", "09"), "the register holds 0x09, SMA21-SC1-0010 has 0x08"),
+        (("--as", "profile_id", "28 14"), "profile_id: the register holds 0x2814, but SMA21-SC1-0010 has 0x2816"),
+        (("--as", "manufacturer_id", "4C 6A"), 'name: the register holds "Lj", but SMA21-SC1-0010 has "Li"'),
+        (("--as", "device_id", "48 4D 32 31 00 01"), 'name: the register holds "HM21", but SMA21-SC1-0010 has "SM21"'),
+        (("--as", "device_type", "09"), "the register holds 0x09, but SMA21-SC1-0010 has 0x08"),
     ],
 )
 def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, ...], message: str) -> None:
@@ -410,7 +410,7 @@ def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
     assert code == 1
     assert data["verdict"] == "usable"
     assert [item["message"] for item in data["differences"]] == [
-        "profile_id: the register holds 0x2814, SMA21-SC1-0010 has 0x2816"
+        "profile_id: the register holds 0x2814, but SMA21-SC1-0010 has 0x2816"
     ]
     _, data = decode(capsys, "SMA21-SC1-0010", *right[2:], frame)
     assert [item["message"] for item in data["differences"]] == [

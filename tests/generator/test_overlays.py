@@ -276,5 +276,5 @@ def test_an_overlay_alone_lies_over_what_ships(tmp_path: Path, capsys: pytest.Ca
     assert main(["show", "amm5", "--specs", str(path)]) == 0
     out = capsys.readouterr().out
     assert "Slow here." in out
-    assert "Over what the manual says lies the overlay mine, “Measured here”." in out
+    assert "Includes the overlay mine, “Measured here”." in out
     assert "Why: Measured. [6.4]" in " ".join(out.split())

@@ -178,9 +178,9 @@ def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     ic_mb = page.split("### iC-Haus")[1].split("###")[0]
     assert re.search(r"\| .*`SMA21-SC1-0050`.*`SMA21-SC1-0002`.* \| `25` \|\n\| .*`SMA21-SC1-0001`.* \| `26` \|", ic_mb)
     assert "SENSCRCPOLY (address 193, bits 6:0) | `0x21`" in ic_mb
-    assert "Cannot take" in page.split("### KEB Combivert F5")[1].split("###")[0]
+    assert "Not supported" in page.split("### KEB Combivert F5")[1].split("###")[0]
     assert "### Galil" in page
-    assert "Not described for SSI" in page
+    assert "Without a description for SSI" in page
 
 
 @pytest.mark.slow

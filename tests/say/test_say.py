@@ -53,27 +53,27 @@ REGISTERS = [
     ("bounded", "Limits: 3 to 200."),
     ("least", "Limits: at least 3."),
     ("greatest", "Limits: at most 200."),
-    ("greatest", "The encoder takes the default in place of a value above the limit."),
-    ("refusing", "The encoder refuses a value above the limit."),
+    ("greatest", "The encoder replaces a value above the limit with the default."),
+    ("refusing", "The encoder rejects a value above the limit."),
     ("clearing", "A write sets bounded and least to zero."),
     ("kept", "Reserved for the manufacturer."),
     ("lost", "Save the parameters after a write, or the encoder loses the value at power-off."),
     ("slow", "Wait at least 15 ms after a write, before the next command."),
-    ("key", "Goes back to its default by itself after a write."),
-    ("locked", "Write it only while key holds C0h (unlock)."),
-    ("opened", "Write it only while settings.mode holds 0 (open)."),
+    ("key", "Returns to its default by itself after a write."),
+    ("locked", "Can be written only while key holds C0h (unlock)."),
+    ("opened", "Can be written only while settings.mode holds 0 (open)."),
     ("either", "While settings.mode holds 0 (open), it holds preset, at most 100: A place [8.1]."),
     ("either", "While settings.mode holds 1 (shut), it holds offset: A distance [8.2]."),
-    ("command", "A read of the same address reaches status instead."),
-    ("status", "A write to the same address reaches command instead."),
+    ("command", "Reading the same address accesses status instead."),
+    ("status", "Writing to the same address accesses command instead."),
 ]
 #: The same of the fields of registers.
 FIELDS = [
     ("settings.mode", "Default: 1."),
     ("fields.counted", "Unit: counts."),
     ("fields.below_zero", "Signed, in two's complement."),
-    ("fields.no_zero", "Bits of 0 stand for 256."),
-    ("fields.doubling", "Takes powers of two only."),
+    ("fields.no_zero", "A value of 0 means 256."),
+    ("fields.doubling", "Only powers of two are allowed."),
     ("fields.fault", "Active at 1: broken."),
     ("fields.fault", "Inactive at 0: whole."),
     ("fields.fault", "For the reason, see settings.mode."),
@@ -82,8 +82,8 @@ FIELDS = [
     ("fields.fixed", "Always 2."),
     ("fields.digits", "Decimal digits, most significant first: tens 1, ones 1."),
     ("maker.letters", "ASCII text."),
-    ("maker.letters", "Holds Ac, which identifies the encoder; decoding accepts any value."),
-    ("kind_of.kind", "Holds 20h, which identifies the encoder; decoding accepts any value."),
+    ("maker.letters", "Holds Ac, which identifies the encoder. Decoding accepts other values too."),
+    ("kind_of.kind", "Holds 20h, which identifies the encoder. Decoding accepts other values too."),
 ]
 INTERFACES = [
     ("ssi", "Clock: 100 kHz to 4 MHz [5.1]."),
@@ -100,7 +100,7 @@ INTERFACES = [
 ]
 LAYOUTS = [
     ("word", "position is in Gray code while gray is 1, and in binary while it is 0."),
-    ("word", "position is made of turns and steps, most significant first."),
+    ("word", "position consists of turns and steps, most significant first."),
     ("reply", "Carries data_id 1 (place)."),
 ]
 

@@ -1,5 +1,7 @@
-"""Validation of idbiss files against a document type that the user has: the real one is not public, and is not part of
-this project."""
+"""Validation of idbiss files against a document type that the user provides.
+
+The real document type is not public and not part of this project.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +10,16 @@ from typing import Any
 
 from lxml import etree
 
-#: Far above any document type of this kind; it keeps a wrong file from being read at all.
+#: Size limit in bytes, far above any document type of this kind, that keeps a wrong file from being read.
 _LARGEST = 1_000_000
 
 
 class DtdError(ValueError):
-    """The document type cannot be used; the message says why."""
+    """Document type that cannot be used; the message gives the reason."""
 
 
 class _OneFile(etree.Resolver):
-    """Answers the DOCTYPE of our file with one text; refuses whatever else is asked for: other files, the network."""
+    """Resolver that answers the DOCTYPE of our file with one text and refuses other files and the network."""
 
     def __init__(self, path: str, text: bytes) -> None:
         super().__init__()
@@ -25,9 +27,9 @@ class _OneFile(etree.Resolver):
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
-        """Called with the address, the public ID, and a context that the answer needs.
+        """Answer a request of address, public ID and context.
 
-        The published types know of no context.
+        The published type stubs do not declare the context.
         """
         address, public_id, context = request
         answer: Any = self.resolve_string
@@ -39,10 +41,10 @@ class _OneFile(etree.Resolver):
 
 
 def read_dtd(path: Path) -> bytes:
-    """The text of a document type.
+    """Return the text of a document type.
 
     Raises:
-        DtdError: It cannot be read, or is far too large.
+        DtdError: It cannot be read or is far too large.
     """
     try:
         with path.open("rb") as file:
@@ -50,17 +52,17 @@ def read_dtd(path: Path) -> bytes:
     except OSError as error:
         raise DtdError(f"{path}: {error.strerror}") from None
     if len(text) > _LARGEST:
-        raise DtdError(f"{path}: larger than any document type; is this the right file?")
+        raise DtdError(f"{path}: too large for a document type. Is this the right file?")
     return text
 
 
 def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
-    """What the document type ``dtd`` finds wrong with ``document``, each as ``file:line: message``.
+    """Return the validation errors of ``document`` against ``dtd``, each as ``file:line: message``.
 
     Entities are not expanded into the document.
 
     Raises:
-        DtdError: The document type itself is broken, or wants other files.
+        DtdError: The document type itself is broken or refers to other files.
     """
     resolver = _OneFile(dtd_name, dtd)
     parser = etree.XMLParser(
@@ -74,7 +76,7 @@ def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
         broken = str(error.msg)
     if resolver.refused:
         raise DtdError(
-            f"{dtd_name}: refers to {resolver.refused}; other files and the network are not read, so put all"
+            f"{dtd_name}: refers to {resolver.refused}. Other files and the network are not read. Put everything"
             " into one file"
         )
     found = []

@@ -1,7 +1,7 @@
-"""The BiSS files: ``idbissXXXX.xml`` of each manufacturer, and a full description of each device.
+"""BiSS files: ``idbissXXXX.xml`` of each manufacturer, and a full description of each device.
 
-Of the idbiss format only the opening passage of one file is public. Our file has nothing that is not seen there; every
-reading beyond it is named as inferred in a comment. All that the format has no publicly known place for is in the full
+Only the opening passage of one idbiss file is public. Our file uses only elements and attributes from there. Comments
+mark every further interpretation as inferred. Everything without a publicly known place in the format is in the full
 description, which has a schema of our own.
 """
 
@@ -68,13 +68,13 @@ _ASCII = str.maketrans(
 
 _EACH = "each"
 _BY_CODE = Option(
-    "order-codes", "each: a file for each order code too, with numbers in place of sums", "none", ("none", _EACH)
+    "order-codes", "each: also a file per order code, with numbers in place of sums", "none", ("none", _EACH)
 )
 
 
 @dataclass(frozen=True)
 class Node:
-    """A ``Device`` element: the identity that it stands for, its name, and what is known of its data."""
+    """``Device`` element: its identity, its name, and the known facts about its data."""
 
     ids: tuple[IdBits, ...]
     label: str = ""
@@ -88,15 +88,15 @@ class Node:
 
 
 class Identifier(TypedDict):
-    notes: Annotated[list[str], "what the first comment says"]
-    root: Annotated[Node, "the element of the manufacturer, with those of its encoders inside"]
+    notes: Annotated[list[str], "text of the first comment"]
+    root: Annotated[Node, "element of the manufacturer, which contains those of its encoders"]
     left_out: Annotated[str, "a sentence on encoders that are not listed, or empty"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``biss/idbissXXXX.xml`` of each manufacturer with a BiSS ID, ``biss/<maker>-<device>.xml`` and its schema.
+    """Return ``biss/idbissXXXX.xml`` of manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
 
-    With the option for it also ``biss/<maker>-<device>/<order code>.xml``, with numbers in place of sums.
+    With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers for sums.
     """
     files = {}
     for maker, devices in library.by_manufacturer():
@@ -111,14 +111,14 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
-    """A description of each listed order code, with numbers in place of sums."""
+    """Yield a description of each listed order code, with numbers in place of sums."""
     names = names_of_codes(item.code for item in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
         yield f"{folder}/{name}.xml", to_xml(variant_dump(device, Match(variant, (), "", special=False)))
 
 
 def ascii_only(text: object) -> str:
-    """``text`` in ASCII, for comments, where XML knows no character references."""
+    """Return ``text`` in ASCII for comments, in which XML has no character references."""
     decomposed = unicodedata.normalize("NFKD", plain(text).translate(_ASCII))
     return (
         "".join(character for character in decomposed if not unicodedata.combining(character))
@@ -128,7 +128,7 @@ def ascii_only(text: object) -> str:
 
 
 def comment_text(text: object) -> Markup:
-    """``text`` for inside a comment, which two hyphens would end."""
+    """Return ``text`` for a comment, which two hyphens would end."""
     made = ascii_only(text)
     while "--" in made:
         made = made.replace("--", "- -")
@@ -136,7 +136,7 @@ def comment_text(text: object) -> Markup:
 
 
 def comment(text: object, indent: str) -> Markup:
-    """A whole comment; on several lines where one is too short. A text with line ends keeps them."""
+    """Return a complete comment, wrapped if needed; line ends in the text are kept."""
     lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
     if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
         return Markup(f"{indent}<!-- {lines[0][1]} -->")
@@ -152,12 +152,12 @@ def comment(text: object, indent: str) -> Markup:
 
 
 def ascii_text(text: object) -> Markup:
-    """``text`` for an element, in ASCII with character references."""
+    """Return ``text`` for an element, in ASCII with character references."""
     return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
 def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], library: Library) -> str:
-    # A master cannot tell a special model or another edition from the family that it was made of.
+    # A master cannot distinguish a special model or another edition from its family.
     own = [device for device in devices if device.over(Biss) is not None and not device.base]
     listed = [(device, device_bits(device)) for device in own]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
@@ -166,7 +166,7 @@ def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], li
     values: Identifier = {
         "notes": [_about(maker), *(f"Trademarks: {text}" for text in maker.trademarks)],
         "root": root,
-        "left_out": f"Not listed, for want of a device ID in the spec: {', '.join(left_out)}" if left_out else "",
+        "left_out": f"Not listed, because the spec has no device ID: {', '.join(left_out)}" if left_out else "",
     }
     return TEMPLATES.render("idbiss.xml.jinja", values, library.own_templates)
 
@@ -174,21 +174,23 @@ def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], li
 _MANUFACTURER_NOTE = (
     "Inferred: Range counts the bits of the 64-bit identity that device ID (78h to 7Dh) and manufacturer ID (7Eh, 7Fh) "
     "form, high byte first: "
-    "bit 63 is the highest of 78h, bit 0 the lowest of 7Fh. Publicly it is seen with the 16-bit profile ID only.\n"
-    "Inferred: a Device inside a Device refines it, so that all Id on the way down have to hold, and the SCDS on the "
-    "way describe one data channel.\n"
-    "Inferred: Label of a Device names maker and device, the second beginning with a comma. Publicly it is seen with "
-    "names of profiles only."
+    "bit 63 is the highest of 78h, bit 0 the lowest of 7Fh. The public example has Range only for the 16-bit profile "
+    "ID.\n"
+    "Inferred: a Device inside a Device refines it, so that all Id on the way down must match, and the SCDS on the way "
+    "describe one data channel.\n"
+    "Inferred: Label of a Device names the manufacturer, and inside it the device after a comma. The public example "
+    "has Label only for profiles."
 )
 
 
 def _about(maker: Manufacturer) -> str:
     return (
         f"{maker.title}: encoders with a BiSS C interface.\n"
-        "Structure inferred from the public opening of profilebiss.xml; not validated against idbiss.dtd, which is not "
-        "public, and not tried with any master. Only elements and attributes that are seen there are used; each "
-        "reading beyond it is marked as inferred.\n"
-        "What the format has no publicly known place for is in the full description of each device, beside this file."
+        "Structure inferred from the public opening of profilebiss.xml. Not validated against idbiss.dtd, which is not "
+        "public, and not yet tested with a master. Only elements and attributes from that opening are used. Each "
+        "further interpretation is marked as inferred.\n"
+        "Everything without a publicly known place in the format is in the full description of each device, next to "
+        "this file."
     )
 
 
@@ -210,10 +212,10 @@ def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
 def _by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """The one length that a device ID stands for."""
+    """Return the element with the data length, if the device ID implies a single one."""
     if len({item.data_bits for item in lengths}) != 1:
         return ()
-    notes = ("The same identity again: CrcPoly and Length are not seen in one SCDS.",)
+    notes = ("The same identity again, because the public example does not have CrcPoly and Length in one SCDS.",)
     return (
         Node(
             ids,
@@ -226,7 +228,7 @@ def _by_length(
 
 
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
-    """The length of the data for each profile ID, where the profile ID tells the models apart; else nothing."""
+    """Return the data length for each profile ID, if the profile ID distinguishes the models."""
     sizes = {
         number: {item.data_bits for item in lengths if not set(codes).isdisjoint(item.codes)}
         for number, codes in profile_ids(device).items()
@@ -239,30 +241,30 @@ def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[in
 
 
 def _data_label(device: Device, layout: Layout) -> str:
-    """What the data channel carries; without the comma with which labels of devices begin."""
+    """Return the content of the data channel, without the comma that starts the labels of devices."""
     measurement = device.measurement_of(Biss.name)
     return f"{measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
 
 
 _LENGTH_NOTE = (
-    "Inferred: Length counts all bits of data on the line, zeros beside the position included, without error, warning "
-    "and CRC bits; profile IDs that tell a data length leave those out, too.\n"
-    "Inferred: the Label beside it, which is seen in this place, names what the data channel carries."
+    "Inferred: Length counts all data bits on the line, including zeros next to the position, but not error, warning "
+    "and CRC bits. Profile IDs that encode the data length omit those too.\n"
+    "Inferred: the Label next to it, which the public example has in this place, names the content of the data channel."
 )
 _PROFILE_NOTE = (
-    "Not listed as inner Devices: an Id for the profile ID would have Range 15:0 as in profilebiss.xml, which counts "
-    "the manufacturer ID further up; both could not hold."
+    "Not listed as inner Devices: an Id for the profile ID would have Range 15:0 as in profilebiss.xml, but the "
+    "manufacturer ID further up uses the same Range. Both cannot match."
 )
 
 
 def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLength], ids: Sequence[IdBits]) -> str:
-    """What the master has to be told besides, as the lines of a comment."""
+    """Return the other settings of the master, as the lines of a comment."""
     lines = [_about_length(device, layout, lengths), *_lengths_by_profile(device, lengths)]
     for item in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
         lines.append(
-            f"  {', '.join(item.codes)}{_with(item)}: {parts} = {item.data_bits} bits; "
-            f"with status bits {item.with_status}; with CRC {item.total}"
+            f"  {', '.join(item.codes)}{_with(item)}: {parts} = {item.data_bits} bits, "
+            f"with status bits {item.with_status}, with CRC {item.total}"
         )
     status = layout.status_fields
     order = [
@@ -272,29 +274,31 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     ]
     lines.append(
         f"  sent in this order, most significant bit first: {', '.join(order)}, CRC"
-        + ("" if status else "; no status bits")
+        + ("" if status else ", no status bits")
     )
     lines.append(f"  code: {_code(device, layout)}")
-    lines.append(f"  CRC: {_crc_words(crc)}; CrcPoly is the polynomial with its top bit")
+    lines.append(f"  CRC: {_crc_words(crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     facts = say_interface.settings(device, device.interface("biss"))
     lines += [f"  {BY_NAME.sentence(item)}" for item in facts]
     lines += _one_profile(device, lengths)
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
-    lines += [f"  {BY_NAME.sentence(erratum(item))}" for item in errata(device, *paths)]
-    lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
+    for found in errata(device, *paths):
+        head, *below = BY_NAME.lines(erratum(found))
+        lines += [f"  {head}", *(f"    {line}" for line in below)]
+    lines.append(f"  registers, procedures and everything else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
 
 
 def _with(item: DataLength) -> str:
-    """The decisions that a length depends on."""
+    """Return the answers that a length depends on."""
     return f" with {' and '.join(item.answers)}" if item.answers else ""
 
 
 def _active(status: Field) -> str:
     if not isinstance(status.kind, Flag):
         return "not used, always 1"
-    return "low active" if status.kind.active_low else "high active"
+    return "active low" if status.kind.active_low else "active high"
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
@@ -307,18 +311,18 @@ def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[s
 
 
 def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
-    """The profile ID that all models share, and for which of them its low byte is the length of the data."""
+    """Return the profile ID shared by all models, and the models whose data length is its low byte."""
     profiles = profile_ids(device)
     if len(profiles) != 1:
         return []
     number = min(profiles)
     if number == 0:
-        return ["  profile ID, registers 42h and 43h: 0000h, which is no profile"]
+        return ["  profile ID, registers 42h and 43h: 0000h, which means no profile"]
     line = f"  profile ID, registers 42h and 43h: {number:04X}h"
     if len({item.data_bits for item in lengths}) > 1:
         fitting = [f"{', '.join(item.codes)}{_with(item)}" for item in lengths if item.data_bits == number & 0xFF]
-        only = f"; its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
-        line += f", whatever the length{only}"
+        only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
+        line += f", for all lengths{only}"
     return [line]
 
 
@@ -327,7 +331,7 @@ def _crc_words(crc: Crc) -> str:
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:
-    """The data channels besides that of the position, for which the format has no publicly known place."""
+    """Return the data channels other than that of the position, for which the format has no publicly known place."""
     lines = []
     for other in device.interface(Biss.name).layouts:
         crc = device.crc_of(other)
@@ -335,8 +339,8 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
             continue
         fields = (field for field in other.fields if not isinstance(field.kind, CrcValue))
         parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
-        channel = f"  data channel {other.channel} besides, {other.name}"
-        lines.append(f"{channel}: {parts} bits; CRC of {_crc_words(crc)}")
+        channel = f"  other data channel {other.channel}, {other.name}"
+        lines.append(f"{channel}: {parts} bits, CRC of {_crc_words(crc)}")
     return lines
 
 
@@ -344,15 +348,15 @@ def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength])
     sizes = {item.data_bits for item in lengths}
     held = [field_at(device, path) for path in run_time_widths(device, layout)]
     if held:
-        now = f"it follows what {' and '.join(held)} hold at the moment"
-        return f"No Length: {now}, and the master must be told. As delivered it is:"
+        now = f"it depends on the current content of {' and '.join(held)}"
+        return f"No Length: {now}. Set it in the master. Factory defaults:"
     if len(sizes) == 1:
-        return "Besides what stands here the master must be told, by order code:"
-    told = "; the profile ID tells which" if _length_by_profile(device, lengths) else ""
+        return "Further settings of the master, by order code:"
+    told = ". The profile ID distinguishes them" if _length_by_profile(device, lengths) else ""
     for item in device.alternatives_of(layout):
-        told += f"; {item.name} ({item.meaning}) is for you to decide"
-    several = f"one device ID stands for {len(sizes)} data lengths{told}"
-    return f"No Length: {several}. The master must be told the one of the order code:"
+        told += f". You choose {item.name} ({item.meaning})"
+    several = f"one device ID covers {len(sizes)} data lengths{told}"
+    return f"No Length: {several}. Set the length of the order code in the master:"
 
 
 def _code(device: Device, layout: Layout) -> str:
@@ -366,9 +370,9 @@ def _code(device: Device, layout: Layout) -> str:
     if not layout.gray_when:
         return f"{layout.gray_of} in Gray code"
     delivered = {bool(variant.parameters[layout.gray_when]) for variant in biss_variants(device)}
-    word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "as the order code says")
+    word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "by order code")
     return (
-        f"{layout.gray_of} in Gray code or binary as {', '.join(held)} says; {word} as delivered"
+        f"{layout.gray_of} in Gray code or binary, selected by {', '.join(held)}, factory default {word}"
         if held
         else f"{layout.gray_of} {word}"
     )

@@ -1,9 +1,9 @@
-"""What a BiSS master can know a device by.
+"""Data by which a BiSS master identifies a device.
 
-It is the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
+These are the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
 
-Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) are taken as one number of 64 bits, high byte first,
-as the BiSS C protocol description orders registers: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
+Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) form one number of 64 bits, high byte first, in the
+register order of the BiSS C protocol description: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ _MANUFACTURER_BITS = 16
 
 @dataclass(frozen=True, slots=True)
 class IdBits:
-    """Bits ``high`` to ``low`` of an identity and what they hold.
+    """Bits ``high`` to ``low`` of an identity and their content.
 
-    ``what`` says of which and where they are read, ``text`` what they spell.
+    ``what`` names the identity and its registers, and ``text`` is the content as characters.
     """
 
     high: int
@@ -36,7 +36,7 @@ class IdBits:
 
     @property
     def digits(self) -> str:
-        """Every bit as a binary literal, ``0b`` first."""
+        """All bits as a binary literal with the prefix ``0b``."""
         return f"0b{self.number:0{self.high - self.low + 1}b}"
 
     @property
@@ -48,7 +48,7 @@ class IdBits:
 class DataLength:
     """Lengths of the single cycle data of some order codes.
 
-    ``parts`` are the widths of the data fields in sending order. ``answers`` are the decisions that they depend on.
+    ``parts`` are the widths of the data fields in order of transmission, and ``answers`` the choices that they need.
     """
 
     codes: tuple[str, ...]
@@ -79,7 +79,7 @@ def manufacturer_bits(biss_id: int) -> IdBits:
 
 
 def device_bits(device: Device) -> tuple[IdBits, ...]:
-    """The fixed bits of the device ID, from the highest down."""
+    """Return the fixed bits of the device ID, highest first."""
     found = [bits for register in device.registers if _holds_identity(register) for bits in _register_bits(register)]
     return tuple(sorted((item for item in found if item.low >= _MANUFACTURER_BITS), key=lambda item: -item.low))
 
@@ -110,7 +110,7 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
 
 
 def _fixed(field: Field) -> int | None:
-    """The value that the field holds in every device of the family, where it has one."""
+    """Return the value of the field in every device of the family, or None if there is none."""
     if isinstance(field.kind, Constant):
         return field.kind.value
     if isinstance(field.equals, str):
@@ -121,7 +121,7 @@ def _fixed(field: Field) -> int | None:
 
 
 def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
-    """The frame that a BiSS master receives in every cycle, and its CRC."""
+    """Return the frame that a BiSS master receives in every cycle, and its CRC."""
     for interface, layout in device.layouts():
         if isinstance(interface, Biss) and layout.sender == "encoder" and not layout.in_bytes:
             crc = device.crc_of(layout)
@@ -133,7 +133,7 @@ def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
 def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     """Return the lengths of the single cycle data with the order codes that have them, in order of length.
 
-    Each is there once, or once for each way to decide what the manual leaves open.
+    Each length is listed once, or once for each choice that the manual leaves open.
     """
     found: list[DataLength] = []
     for answers, sets in choices(device.alternatives_of(layout)):
@@ -148,9 +148,9 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
 
 
 def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
-    """The profile IDs in registers 42h and 43h with the order codes that have them.
+    """Return the profile IDs in registers 42h and 43h with their order codes.
 
-    Empty where the spec states none.
+    The result is empty if the spec does not state any.
     """
     register = next(
         (
@@ -163,7 +163,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     if register is None or register.byte_order != "high_byte_first":
         return {}
     if any(not _is_stated(field) for field in register.layout.fields):
-        # What is printed as the register's value, though not as what tells the models.
+        # The printed value of the register, which does not distinguish the models.
         return (
             {}
             if register.default is None

@@ -1,4 +1,4 @@
-"""A family as the script knows it: its order codes, CRCs, frames and registers."""
+"""Data of a family for the script: order codes, CRCs, frames and registers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .plain import Data, Pool, bound, expression, kept, number
 
 
 def family(device: Device) -> Data:
-    """All that the script knows of a family."""
+    """Return all data of a family for the script."""
     given = [item.name for item in device.parameters if item.equals is None]
     names, shared = [item.name for item in device.interfaces], Pool()
     return kept(
@@ -41,7 +41,7 @@ def family(device: Device) -> Data:
 
 
 def _held(device: Device, item: Held) -> Data:
-    """A parameter that a register holds, and between which values."""
+    """Return a parameter that a register holds, with its limits."""
     parameter = item.parameter
     at = field_at(device, parameter.read_from)
     return kept(name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max)
@@ -55,7 +55,7 @@ def _alternative(item: Alternative) -> Data:
 
 
 def _crc(device: Device, item: Crc) -> Data:
-    """Its parameters, and those that it may have had by mistake."""
+    """Return its parameters and those of similar CRCs that may be used by mistake."""
     others = in_bytes.other_crcs(item) if Carrier.BYTES in carriers(device, item) else in_bits.other_crcs(item)
     return _parameters(item) | {
         "text": item.polynomial,
@@ -87,7 +87,7 @@ def _interface(device: Device, item: Interface, shared: Pool) -> Data:
 
 
 def _measure(device: Device, interface: Interface) -> Data:
-    """What the position counts; ``part`` is the field that has the angle where the position as a whole is not sent."""
+    """Return the unit of the position; ``part`` has the angle if the position is not sent as a whole."""
     found = device.measurement_of(interface.name)
     if found is None:
         return {}
@@ -98,7 +98,7 @@ def _measure(device: Device, interface: Interface) -> Data:
 
 
 def _dispatch(interface: Interface, item: Dispatch) -> Data:
-    """How the frames of a sender are told apart: pieces of bytes that make the selector, and frames by its values."""
+    """Return the pieces of bytes that form the selector of a sender's frames, and the frames by its values."""
     places = {layout.name: place for place, layout in enumerate(interface.layouts)}
     return kept(
         sender=item.sender,

@@ -1,7 +1,7 @@
-"""The browser target: one page and one script that decode frames and registers without a server.
+"""Browser target: a page and a script that decode frames and registers without a server.
 
-The script has the plan of every frame as a table, which a small runtime in the templates reads. Other pages can have
-the box of the page in them.
+The script has the plan of every frame as a table, which a small runtime in the templates interprets. Other pages can
+embed the box of the page.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..licence import licence_in
 from .family import family
 from .plain import Data, script_json
 
-#: What is said of faults, with a place for each number and name: ``{0} is {1}``.
+#: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _SAID = {
     "length": fault.length("{0}", "{1}", "{2}"),
     "crc": fault.crc("{0}", "{1}"),
@@ -45,13 +45,13 @@ _SAID = {
 
 class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
-    codes: Annotated[int, "how many order codes there are"]
+    codes: Annotated[int, "number of order codes"]
     example: Annotated[str, "an order code"]
-    table: Annotated[Data, "what the script knows: words, mistakes with a frame, and the families"]
+    table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """The page, the script and what is said of them."""
+    """Return the page, the script and the README."""
     codes = [item.code for device in library.devices for item in device.variants]
     page: Page = {
         "title": ", ".join(plain(maker.title) for maker, _ in library.by_manufacturer()),
@@ -65,7 +65,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def table(library: Library) -> Data:
-    """What the script knows."""
+    """Return the data of the script."""
     return {
         "faults": [item.value for item in Fault],
         "worth": {verdict.value: words for verdict, words in WORTH.items()},

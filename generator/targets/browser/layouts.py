@@ -1,4 +1,4 @@
-"""A frame or register as the script reads it: the operations of its plan by bits of one number, and what is said."""
+"""Frame or register for the script: the operations of its plan on the bits of one number, and its texts."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ from .plain import Data, bound, expression, kept, number
 
 
 def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
-    """A frame, with what it tells of the encoder."""
+    """Return a frame with its verdict and its reports."""
     judgement = reporting.judgement if reporting is not None else None
     reports = list(reporting.told if reporting is not None else ())
-    # As the frame has them, not the flags first.
+    # In the order of the frame, not flags first.
     made = [(field, told) for field in layout.fields for told in reports if told.by.field.name == field.name]
     return _layout(device, layout) | kept(
         title=title(layout),
@@ -53,7 +53,7 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
 
 
 def register(device: Device, item: Register) -> Data:
-    """A register, with its alarms and what holds for writing it."""
+    """Return a register with its alarms and the rules for writing it."""
     meanings: tuple[RegisterMeaning | None, ...] = item.meanings or (None,)
     alarms = [(field, alarm_of(device, field, item.name)) for field in item.layout.fields]
     default = item.default_bytes()
@@ -89,7 +89,7 @@ def _layout(device: Device, layout: Layout) -> Data:
 
 
 def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
-    """The parameters that registers hold, of those on which the layout depends."""
+    """Return the parameters of the layout that registers hold."""
     places = (place for item in layout.fields for place in (item.low, item.width))
     names = {name for item in (layout.bits, *places) for name in item.parameters}
     names |= {codec.gray.when} if codec.gray is not None else set()
@@ -122,12 +122,12 @@ def _fields(codec: Codec) -> Iterator[Data]:
 
 
 def _cut(*row: Any) -> list[Any]:
-    """A row without what is empty at its end."""
+    """Return a row without empty values at its end."""
     return list(row if row[-1] else row[:-1])
 
 
 def _stated(item: Field) -> Any:
-    """What the manual says that the field is: a number or an expression in a list, or a text."""
+    """Return the documented value of a field: a number or an expression in a list, or a text."""
     value = item.equals
     if value is None or isinstance(value, str):
         return value
@@ -135,7 +135,7 @@ def _stated(item: Field) -> Any:
 
 
 def _sent(value: object) -> Data:
-    """What an encoder puts into a field that no user gives; there is no term for the CRC."""
+    """Return the terms of a field that users do not provide; the CRC has none."""
     match value:
         case Fixed(fixed):
             return {"fixed": number(fixed)}
@@ -153,7 +153,7 @@ def _place(item: Place) -> list[Any]:
 
 
 def _check(layout: Layout, item: Condition) -> Data:
-    """What has to hold; ``says`` is the sentence that is said where it does not."""
+    """Return a check; ``says`` selects the message for a violation."""
     name, says, most, always = item.check.field.name, "", 0, False
     match item.check:
         case AlwaysIs():
@@ -183,9 +183,9 @@ def _check(layout: Layout, item: Condition) -> Data:
 
 
 def _speaks(judgement: Judgement) -> Iterator[list[Any]]:
-    """What decides about the position, the worst first.
+    """Yield the fields that decide the verdict, worst first.
 
-    Verdict, field, the flags that silence it, and a parameter with whether it is other than 0 then.
+    Each item has the verdict, the field, the flags that override it, and a parameter with whether it must not be 0.
     """
     for verdict, items in judgement.worst_first:
         yield from ([verdict.value, *_speaking(item)] for item in items)
@@ -197,9 +197,9 @@ def _speaking(item: Speaks) -> list[Any]:
 
 
 def _told(field: Field, name: str, alarm: Alarm | None, only: Only | None = None) -> Data:
-    """A report that the field called ``name`` makes while it is active, or not as the manual has it.
+    """Return the report of the field ``name`` while it is active or differs from the manual.
 
-    It does for order codes in which the parameter ``only`` is not 0, or in which ``others`` is.
+    It applies to order codes in which the parameter ``only`` is not 0, or to the others.
     """
     return kept(
         field=name,
@@ -212,7 +212,7 @@ def _told(field: Field, name: str, alarm: Alarm | None, only: Only | None = None
 
 
 def _explained(field: Field) -> Only | None:
-    """The order codes for which the manual explains a flag, if not for all."""
+    """Return the order codes for which the manual explains a flag, if not for all."""
     return Only(field.kind.only_while, True) if isinstance(field.kind, Flag) and field.kind.only_while else None
 
 
@@ -222,7 +222,7 @@ def _limits(meant: RegisterMeaning | None, limits: Limits) -> Data:
 
 
 def _strange(device: Device, item: Register) -> Iterator[list[Any]]:
-    """Values that tell of an encoder of an older edition: the digits, their bounds, and what is said."""
+    """Yield digits whose values identify an encoder of an older edition: the digits, their bounds, and the message."""
     for revision, test in tests_of(device, item.name):
         before = edition_before(device, revision)
         words = of_older_edition(test.run, "{0}", f"{test.min} to {test.max}", revision, item.name, before)

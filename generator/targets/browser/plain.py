@@ -1,4 +1,4 @@
-"""Plain data for the script: numbers and expressions as JSON has them, without members that say nothing."""
+"""Plain data for the script: numbers and expressions in JSON, without empty members."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from typing import Any
 from ...model.expressions import Expression, Term
 
 Data = dict[str, Any]
-#: The highest number that JavaScript reads exactly.
+#: Highest number that JavaScript reads exactly.
 _EXACT = (1 << 53) - 1
-#: What would end a script or a comment of HTML around it, or a line of the script.
+#: Characters that could end an enclosing script, an HTML comment, or a line of the script.
 _HARMLESS = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def kept(**members: Any) -> Data:
-    """The members that say something: what is 0, empty or False is left out."""
+    """Return the members that are not 0, empty or False."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
 
 def number(value: int) -> int | str:
-    """A number; as text in hexadecimal where JavaScript would round it."""
+    """Return a number, or a hexadecimal text if JavaScript would round it."""
     return value if abs(value) <= _EXACT else f"{value:#x}"
 
 
 def expression(item: Expression) -> Any:
-    """A number, or a list: a number, and terms of a sign and factors; ``^name`` is two to the power of it."""
+    """Return a number, or a list of a number and terms of sign and factors; ``^name`` is a power of two."""
     if item.is_constant:
         return number(item.constant)
     return [number(item.constant), *map(_term, item.terms)]
@@ -36,25 +36,25 @@ def _term(item: Term) -> list[int | str]:
 
 
 def bound(item: Expression | None) -> Any:
-    """A limit, or None where there is none."""
+    """Return a limit, or None if there is none."""
     return None if item is None else expression(item)
 
 
 def script_json(value: object, indent: int | None = None) -> str:
-    """Data as JSON that is also JavaScript, and that no markup around the script can be ended by."""
+    """Return data as JSON that is also JavaScript and cannot end the markup around the script."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), indent=indent)
     return text.translate(_HARMLESS)
 
 
 class Pool:
-    """The parts of layouts, each once: frames of one interface begin and end alike."""
+    """Shared parts of layouts: the frames of an interface have many parts in common."""
 
     def __init__(self) -> None:
         self.items: list[Data] = []
         self._places: dict[str, int] = {}
 
     def parts(self, layout: Data) -> Data:
-        """The layout with the places of its parts instead of these."""
+        """Return the layout with indexes in place of its parts."""
         shared = {name: [*map(self._place, layout[name])] for name in ("fields", "checks", "tells") if name in layout}
         return layout | shared
 

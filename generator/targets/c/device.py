@@ -155,8 +155,12 @@ class DeviceView:
 
     @property
     def all_errata(self) -> list[Paragraph]:
-        """Those of what the header has, told in full."""
-        return [BY_TITLE.sentence(erratum(item, whole=True)) for item in errata(self.device, *_IN_HEADER)]
+        """Errata of all parts in the header, complete, with each labelled part on lines of its own."""
+        made: list[Paragraph] = []
+        for item in errata(self.device, *_IN_HEADER):
+            head, *parts = BY_TITLE.lines(erratum(item, whole=True))
+            made += [head, *(("  ", line) for line in parts)]
+        return made
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:

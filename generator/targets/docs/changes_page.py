@@ -1,4 +1,4 @@
-"""The page of what each version of a family changed for its users."""
+"""Page of the changes that each version of a family brought to its users."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ...say.markdown import code, text
 from ...say.words import counted
 
 _RULE = (
-    "The first number of a version rises with what breaks code or makes it do something else, the second with what is "
-    "new, the third with words. Before 1.0.0 each is one place lower. A version is that of the whole package, so one "
-    "that changed nothing of this family is left out here."
+    "Versions follow semantic versioning: major for changes that break code or alter its behaviour, minor for "
+    "additions, patch for documentation. Before 1.0.0, the minor number marks breaking changes and the patch number "
+    "all others. The version is that of the whole package. Versions without changes to this family are not listed."
 )
 _TITLES = {
     "breaking": "Breaking",
@@ -19,7 +19,7 @@ _TITLES = {
     "compatible": "Compatible",
     "documentation": "Documentation",
 }
-#: Changes of words that are listed; of more there is a count.
+#: Highest number of documentation changes that are listed. More are only counted.
 _MOST_WORDS = 10
 
 
@@ -27,14 +27,14 @@ class ChangesPage(TypedDict):
     device: Annotated[Device, "the family"]
     version: Annotated[str, "the version of the package"]
     manual: Annotated[str, "revision and date of the manual"]
-    rule: Annotated[str, "how versions follow from changes"]
+    rule: Annotated[str, "rule that derives versions from changes"]
     releases: Annotated[
         list[dict[str, Any]], "the versions, the newest first: version, about, parts with title and lines"
     ]
 
 
 def page(device: Device) -> str:
-    """The file of the page."""
+    """Return the file name of the page."""
     return f"{device.name}-changes.md"
 
 
@@ -55,10 +55,10 @@ def _release(release: Release) -> dict[str, Any]:
         here = [change for change in release.changes if change.impact == impact]
         items = [_item(change) for change in here]
         if impact == "documentation" and len(items) > _MOST_WORDS:
-            items = [f"{counted(len(items), 'change')} of words, sources, errata and examples"]
+            items = [f"{counted(len(items), 'change')} of wording, sources, errata and examples"]
         if items:
             parts.append({"title": title, "lines": items})
-    about = f"From {release.since}, by the manual's revision {release.manual}."
+    about = f"Changes since {release.since}, with revision {release.manual} of the manual."
     return {"version": text(release.version), "about": about, "parts": parts}
 
 

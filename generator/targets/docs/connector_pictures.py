@@ -1,7 +1,7 @@
 """Pictures of connectors and cables as SVG: a row for each pin or wire, with its colour and its signal.
 
-The colour stands beside its name, so that nobody has to tell colours apart. No spec says how pins lie on the face of a
-connector, and so no face is drawn: the manuals have it in figures alone.
+Each colour is next to its name, so that the picture does not depend on colour vision. The face of a connector is not
+drawn, because the manuals show the arrangement of pins only in figures, which no spec has.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .svg import WIDE, card, rect, swatch, text, wrapped
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
 _NAME, _SIGNAL, _LEFT = 46.0, 136.0, 52.0
-#: The colours of wires, on light screens and on dark ones.
+#: Colours of wires on light and dark screens.
 _WIRES = {
     "black": "#000000",
     "blue": "#1d4ed8",
@@ -30,11 +30,11 @@ _WIRES = {
     "yellow": "#facc15",
 }
 _BETWEEN_COLOURS = re.compile(r"[^a-z]+")
-FACE_UNKNOWN = "The pins stand in the order of the manual's table. Where they lie on the face is not known."
+FACE_UNKNOWN = "Pins in the order of the manual's table. Their arrangement on the connector face is not known."
 
 
 def connector_text(connector: Connector) -> str:
-    """What the picture shows, for whoever cannot see it."""
+    """Return the text alternative of the picture."""
     return f"{connector.title}: {', '.join(map(_told, connector.contacts))}"
 
 
@@ -43,6 +43,7 @@ def _told(item: Contact) -> str:
 
 
 def connector_picture(connector: Connector) -> str:
+    """Return the picture of a connector or cable."""
     body: list[str] = []
     top, left = _MARGIN, _LEFT if all(map(_is_pin, connector.contacts)) else _SIGNAL
     for item in connector.contacts:
@@ -62,7 +63,7 @@ def connector_picture(connector: Connector) -> str:
 
 
 def _lines(item: Contact, room: float) -> Iterator[tuple[str, bool]]:
-    """Signal and the order codes that have it, as lines; whether each is faint."""
+    """Yield the lines of a signal and its order codes, each with whether it is faint."""
     yield from ((line, False) for line in wrapped(item.signal, room, _SIZE))
     if item.only:
         yield from ((line, True) for line in wrapped(f"only {item.only}", room, _SIZE))
@@ -73,7 +74,7 @@ def _is_pin(item: Contact) -> bool:
 
 
 def _contact(item: Contact, top: float) -> Iterator[str]:
-    """A pin with its number, or a wire with its colours and their names; what is neither has its name alone."""
+    """Yield a pin with its number, a wire with its colours and their names, or only a name."""
     if _is_pin(item):
         yield rect(_MARGIN, top + 3, 28, 22, "data")
         yield text(_MARGIN + 14, top + 18, item.contact, _SIZE, "middle", bold=True)

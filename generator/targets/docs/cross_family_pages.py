@@ -1,4 +1,4 @@
-"""Pages across families: which encoder it is, all registers by address, all alarms and LEDs."""
+"""Pages across families: encoder identification, registers by address, alarms and LEDs."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from ...say.words import volts
 from .order_code_patterns import patterns
 from .page_links import to_alarm, to_layout, to_register, to_steps
 
-#: No family can be called so.
+#: Pages with names that no family can have.
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
 Row = tuple[str, ...]
-#: What a comparison has of each interface, by the labels of what is said of it.
+#: Labels of the interface facts that are compared.
 _COMPARED = ("Clock", "Alignment", "Code", "Time-out", "Port")
 
 
 class WhichPage(TypedDict):
-    label_rows: Annotated[list[Row], "family, what it is, patterns of its order codes, interfaces, supply"]
-    told_rows: Annotated[list[Row], "family, register that tells it, what it holds, source"]
+    label_rows: Annotated[list[Row], "family, title, patterns of its order codes, interfaces, supply"]
+    told_rows: Annotated[list[Row], "family, identifying register, name, content, source"]
     compared_rows: Annotated[list[Row], "interface of a family, fact, value, source"]
-    resolution_rows: Annotated[list[Row], "the quantities that order codes set: family, quantity, values, unit"]
-    frame_rows: Annotated[list[Row], "frames that carry a position: interface, family, frame, bits, order, CRC"]
-    byte_order_rows: Annotated[list[Row], "registers of several bytes: family, which byte comes first, registers"]
+    resolution_rows: Annotated[list[Row], "quantities set by order codes: family, quantity, values, unit, source"]
+    frame_rows: Annotated[list[Row], "frames with a position: interface, family, frame, bits, order, CRC"]
+    byte_order_rows: Annotated[list[Row], "registers of several bytes: family, first byte, registers"]
 
 
 class RegistersPage(TypedDict):
-    register_rows: Annotated[list[Row], "address, bank, register, family, access, default, what it is"]
+    register_rows: Annotated[list[Row], "address, bank, register, family, access, default, meaning"]
 
 
 class AlarmsPage(TypedDict):
@@ -55,7 +55,7 @@ def which(devices: Sequence[Device]) -> WhichPage:
 
 
 def _side_by_side(rows: Iterable[Row]) -> list[Row]:
-    """The rows of each interface together, in the order in which interfaces first come."""
+    """Group the rows by interface, in order of first occurrence."""
     found: dict[str, list[Row]] = {}
     for row in rows:
         found.setdefault(row[0], []).append(row)
@@ -78,7 +78,7 @@ def _volts(supply: Supply) -> str:
 
 
 def _told(device: Device) -> Iterator[Row]:
-    """The registers that hold the same in every encoder of the family, or follow from the order code."""
+    """Yield the registers whose content is the same in the whole family or follows from the order code."""
     for register, field in device.identity:
         where = to_register(device, register, addresses(register))
         name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
@@ -120,7 +120,7 @@ def _frames(device: Device) -> Iterator[Row]:
 
 
 def _resolutions(device: Device) -> Iterator[Row]:
-    """How fine and how far the position counts, by order code."""
+    """Yield resolution and range of the position by order code."""
     held = run_time_names(device)
     for item in device.set_parameters:
         if not item.unit or item.name in held:
@@ -131,7 +131,7 @@ def _resolutions(device: Device) -> Iterator[Row]:
 
 
 def _byte_orders(device: Device) -> Iterator[Row]:
-    """Which byte of a register comes first, where it has several."""
+    """Yield the byte order of registers with several bytes."""
     found: dict[str, list[Register]] = {}
     for item in device.registers:
         if item.length > 1:

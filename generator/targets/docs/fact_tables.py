@@ -1,4 +1,4 @@
-"""Tables of a page about a device, layouts apart: rows whose cells are Markdown."""
+"""Tables of a page about a device except its layouts, as rows of Markdown cells."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ from ...model import (
     assert_never,
 )
 from ...plan.steps import Verifies, run_of
-from ...say.changed import change_in_words
 from ...say.crc import sent
-from ...say.erratum import errata
+from ...say.erratum import changed, errata
 from ...say.field import value
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
@@ -38,27 +37,32 @@ from .page_links import ERRATA
 _SEVERITY = {
     "wrong_data": "wrong bytes or bits on the wire",
     "wrong_limit": "a wrong limit or order code",
-    "omission": "something missing",
+    "omission": "missing information",
     "wording": "wording only",
 }
 SEVERITIES = tuple(_SEVERITY)
 
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
-    """Fact, value, source."""
+    """Yield fact, value, source."""
     for item in settings(device, interface):
         yield text(item.label), STYLE.phrase(item), cited(item.source)
 
 
 def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
-    """Number, what to do, why, source; what generated code does beside the manual's steps has no number."""
+    """Yield number, instruction, reason, source; a step that only generated code has is not numbered."""
     index = 0
     for operation in run_of(device, item).operations:
         part = operation.step
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
             what = STYLE.sentence(read_back(device, operation.register, field))
-            yield "", what, "Not in the manual. Generated code does it: a disturbed write can look like a good one.", ""
+            yield (
+                "",
+                what,
+                "Not in the manual. Generated code does this because a disturbed write can look successful.",
+                "",
+            )
             continue
         index += 1
         source = cited(part.source) if part.source != item.source else ""
@@ -66,13 +70,13 @@ def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
-    """A row for each time: name, meaning, how long, source."""
+    """Yield name, meaning, duration and source of each time."""
     for item in timings:
         yield joined([code(item.name), text(item.symbol)]), text(item.meaning), bounds(item), cited(item.source)
 
 
 def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
-    """The parameters and every spelling of the polynomial that masters ask for."""
+    """Yield the parameters and every notation of the polynomial that masters expect."""
     full = crc.poly_with_top_bit
     yield "Polynomial", text(crc.polynomial)
     yield "with its top bit", f"`0x{full:X}` = {full} = `{full:b}b`"
@@ -82,9 +86,9 @@ def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
     yield "Width", counted(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{_yes(crc.refin)}, {_yes(crc.refout)}"
-    yield "XORed at the end", f"`0x{crc.xorout:X}` ({sent(crc)})"
+    yield "Final XOR", f"`0x{crc.xorout:X}` ({sent(crc)})"
     if crc.is_xor:
-        yield "In short", "the XOR of the bytes before it"
+        yield "In short", "XOR of the preceding bytes"
 
 
 def _yes(value: bool) -> str:
@@ -103,7 +107,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
 
 
 def _worked(example: Example) -> Iterator[tuple[str, str]]:
-    """What an example shows: fact and value, empty where it does not say."""
+    """Yield fact and value of an example; the value is empty if the example does not have it."""
     match example:
         case FrameExample():
             yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""
@@ -112,7 +116,7 @@ def _worked(example: Example) -> Iterator[tuple[str, str]]:
             for name, answer in example.alternatives.items():
                 yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
             yield from (_bytes(example.bytes), ("Bits", code(example.bits)), _values(example.values))
-            yield "Refused", f"for its {text(example.refused)}" if example.refused else ""
+            yield "Rejected", f"because of its {text(example.refused)}" if example.refused else ""
         case RegisterExample():
             yield "Register", link(code(example.register), f"#register-{example.register}")
             yield from (("Order code", code(example.order_code)), _bytes(example.bytes), _values(example.values))
@@ -147,22 +151,18 @@ def _value(value: int | str | bool) -> str:
 
 
 def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
-    """What the manual has, or the spec below a change, and what is used instead."""
+    """Yield the printed and the used text, or the parts of a change by an overlay or edition."""
     if item.overlay:
         yield "Overlay", code(item.overlay)
     if item.edition:
         yield "Edition", text(item.edition)
-    is_change = bool(item.overlay or item.edition)
-    yield (
-        ("The spec has" if is_change else "Printed"),
-        text(change_in_words(item.printed) if is_change else item.printed),
-    )
-    yield ("Here" if is_change else "Used"), text(item.used)
+    parts = changed(item) if item.overlay or item.edition else (("Printed", item.printed), ("Used", item.used))
+    yield from ((label, text(value)) for label, value in parts)
 
 
 def changes(number: int) -> str:
-    """How many of the errata are none of the manual."""
-    return f" {number} more are changes by overlays, or what is otherwise in another edition." if number else ""
+    """Return a sentence on the changes by overlays and other editions."""
+    return f" {number} more entries are changes by overlays or other editions." if number else ""
 
 
 def severity(value: str) -> str:
@@ -170,12 +170,12 @@ def severity(value: str) -> str:
 
 
 def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
-    """Key, title, address."""
+    """Return key, title and address of each document."""
     return [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in documents]
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
-    """The fields of the BiSS control frame: name, bits, meaning, source."""
+    """Yield name, bits, meaning and source of each field of the BiSS control frame."""
     for item in interface.control_data:
         values = [STYLE.phrase(value(one, item.bits)) for one in item.values]
         crc = link(code(item.crc), f"#crc-{item.crc}") if item.crc else ""

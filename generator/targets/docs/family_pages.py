@@ -1,4 +1,4 @@
-"""The pages of a family that belong to no interface: its index, its hardware, and its manual."""
+"""Pages of a family that do not belong to an interface: index, hardware and manual."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ Rows = list[tuple[str, ...]]
 
 class FamilyPage(TypedDict):
     device: Annotated[Device, "the family"]
-    origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
+    origin: Annotated[list[Said], "overlays and the edition of the family"]
     manual: Annotated[str, "the manual with its revision"]
-    errata_at: Annotated[Callable[..., str], "the errata of a path into the spec, or of several"]
-    errata_count: Annotated[str, "how many errata there are"]
-    wish_rows: Annotated[Rows, "what somebody wants to do, and links to where it is told"]
-    interface_rows: Annotated[Rows, "interface, order codes, what has to be set first"]
-    code_links: Annotated[list[tuple[str, list[str]]], "for each interface how many order codes, and links to them"]
-    part_rows: Annotated[Rows, "the parts of an order code and what each value stands for"]
-    spelling_rows: Annotated[Rows, "labels that are written otherwise"]
-    measurement_rows: Annotated[Rows, "what a position counts"]
+    errata_at: Annotated[Callable[..., str], "errata of one or several paths into the spec"]
+    errata_count: Annotated[str, "number of errata"]
+    wish_rows: Annotated[Rows, "tasks, and links to their instructions"]
+    interface_rows: Annotated[Rows, "interface, order codes, clock or port"]
+    code_links: Annotated[list[tuple[str, list[str]]], "number of order codes of each interface, and links to them"]
+    part_rows: Annotated[Rows, "parts of an order code and the meaning of each value"]
+    spelling_rows: Annotated[Rows, "other spellings on labels"]
+    measurement_rows: Annotated[Rows, "unit of the position"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
-    changes_page: Annotated[str, "the page of what each version changed"]
+    changes_page: Annotated[str, "page of the changes in each version"]
 
 
 class HardwarePage(TypedDict):
     device: Annotated[Device, "the family"]
-    errata_at: Annotated[Callable[..., str], "the errata of a path into the spec, or of several"]
+    errata_at: Annotated[Callable[..., str], "errata of one or several paths into the spec"]
     by_hand: Annotated[list[ByHand], "the procedures by hand"]
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 
@@ -46,8 +46,8 @@ class HardwarePage(TypedDict):
 class ManualPage(TypedDict):
     device: Annotated[Device, "the family"]
     manual_rows: Annotated[Rows, "the manual: title, revision, language, publisher"]
-    edition_rows: Annotated[Rows, "the editions that can be asked for, and what is otherwise in them"]
-    edition_tests: Annotated[list[str], "registers that tell an encoder of an older edition"]
+    edition_rows: Annotated[Rows, "selectable editions, and their differences"]
+    edition_tests: Annotated[list[str], "registers that identify an encoder of an older edition"]
     lost_rows: Annotated[Rows, "the figures that were not available"]
     document_rows: Annotated[Rows, "the documents that sources name"]
     history_rows: Annotated[Rows, "the revisions of the manual"]
@@ -61,7 +61,7 @@ def index_values(family: Codes, has_masters: bool) -> FamilyPage:
         "origin": [*origin(device), *other_editions(device)],
         "manual": f"{text(device.manual.title)}, revision {revision(device.manual)}",
         "errata_at": inline_errata.OnPage(device, f"{device.name}/"),
-        "errata_count": counted(len(device.errata), "place"),
+        "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_wishes(device, has_masters)),
         "interface_rows": [
             (
@@ -85,14 +85,16 @@ def index_values(family: Codes, has_masters: bool) -> FamilyPage:
 
 
 def _wishes(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
-    """What somebody wants to do, and where it is told; what the manual calls it, where it has a name for it."""
+    """Yield tasks, under the manual's names if it has any, and links to their instructions."""
     frames = [pair for pair in device.layouts() if device.tells_position(pair[0].name, pair[1])]
     over = [interface.name for interface, _ in frames]
-    labels = (part.title + (f" {code(one.name)}" if over.count(part.name) > 1 else "") for part, one in frames)
+    labels = (
+        part.title + (f" {code(one.name)}" if interface_page.count(part.name) > 1 else "") for part, one in frames
+    )
     if frames:
         links = (page_links.to_layout(device, one, label) for (_, one), label in zip(frames, labels, strict=True))
         yield "Read the position", ", ".join(links)
-    yield "Know whether it can be used", link("usable or not", f"{verdict_page.PAGE}#{device.name}")
+    yield "Check whether the position is usable", link("usable or not", f"{verdict_page.PAGE}#{device.name}")
     for part, wish in _PARTS.items():
         if found := list(_to_part(device, part)):
             yield wish, ", ".join(found)
@@ -101,21 +103,21 @@ def _wishes(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
     for hand in by_hand(device):
         yield text(hand.title), link("by hand", f"{device.name}/hardware.md#by-hand-{hand.characteristic.name}")
     if device.characteristics:
-        yield "Mount it, know its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
+        yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
     if has_masters:
         yield "Set up a BiSS or SSI master", link("master settings", f"{device.name}-masters.md")
 
 
-#: Sections of the page of an interface, and what they are wanted for.
+#: Sections of an interface page, and the tasks that they serve.
 _PARTS = {
     "wiring": "Connect it",
     "leds": "Understand the LEDs",
-    "alarms": "Find the remedy of an error or a warning",
+    "alarms": "Clear an error or a warning",
 }
 
 
 def _to_part(device: Device, part: str) -> Iterator[str]:
-    """The section of each interface that has it."""
+    """Yield a link to the section for each interface that has it."""
     for item in device.interfaces:
         here = for_interface(device, item.name)
         if {"wiring": here.connectors, "leds": here.leds, "alarms": here.alarms}[part]:
@@ -169,28 +171,26 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Revision", revision(manual)
     yield "Language", text(language(manual.language))
     yield "Publisher", text(manual.publisher)
-    yield "Read", _times_read(device.times_read)
+    yield "Transcribed", _times_read(device.times_read)
     yield "Manufacturer", text(device.manufacturer.title)
     for item in manual.editions:
         about = [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]
         yield "Other edition", joined(about, ", ")
-    yield (
-        "Version",
-        f"{text(device.manufacturer.version)}, {link('what each changed', f'../{changes_page.page(device)}')}",
-    )
+    yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{changes_page.page(device)}')}"
 
 
 def _times_read(counts: TimesRead | None) -> str:
-    """How many facts a second reader found alike; empty where there was none."""
+    """Return the number of facts confirmed by a second reading; empty without a second reading."""
     if counts is None:
         return ""
     every = counts.twice + counts.explained + counts.once
-    otherwise = f", {counts.explained} otherwise for reasons that the errata give" if counts.explained else ""
-    return f"Twice, and settled by the manual: {counts.twice} of {every} facts are alike in both readings{otherwise}"
+    explained = f", {counts.explained} differ for reasons given in the errata" if counts.explained else ""
+    once = f", {counts.once} were read once" if counts.once else ""
+    return f"Twice. Of {every} facts, {counts.twice} agree in both readings{explained}{once}"
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """What is otherwise in other editions, by the revision that changed it."""
+    """Yield the differences of other editions by the revision that introduced them."""
 
     def links(name: str) -> str:
         found = (item.name for item in device.errata if item.edition == name)
@@ -206,5 +206,5 @@ def revision(manual: Manual) -> str:
 
 
 def table_rows(table: Table) -> Rows:
-    """The rows of a table of the manual."""
+    """Return the rows of a table of the manual."""
     return [tuple(map(text, row)) for row in table.rows]

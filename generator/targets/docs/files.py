@@ -1,4 +1,4 @@
-"""The documentation: pages of a family, of its interfaces and of its order codes, pages across families, an index."""
+"""Documentation: pages of families, interfaces and order codes, pages across families, and an index."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from .interface_sections import Rows, Section
 
 
 class Index(TypedDict):
-    rows: Annotated[Rows, "a row for each family"]
-    usable_page: Annotated[str, "the page that says whether a position is usable"]
+    rows: Annotated[Rows, "a row per family"]
+    usable_page: Annotated[str, "the page on verdicts"]
     order_codes: Annotated[list[Section], "for each interface of a family: interface, pages, counted, links"]
     trademarks: Annotated[list[str], "notices on trademarks"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``docs/README.md``, and pages across families: usable or not, which encoder, registers, alarms, errata, glossary.
+    """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
-    For each device ``docs/<device>.md`` with its master settings and its changes beside it, and in ``docs/<device>/``
-    a page for each interface and each order code, for hardware, errata and manual, and the pictures.
+    A family has ``docs/<device>.md`` with its master settings and changes next to it. ``docs/<device>/`` has a page for
+    each interface, each order code, the hardware, the errata and the manual, and the pictures.
     """
     try:
         masters = shipped_masters()
@@ -75,15 +75,17 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _of_family(
     codes: order_code_page.Codes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
-    """Each page with its template and values."""
-    device, folder = codes.device, codes.device.name
+    """Yield each page with its template and values."""
+    device, folder = order_code_tables.device, order_code_tables.device.name
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
     yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(taken)))
     for item in device.interfaces:
-        values = interface_page.page_values(device, item.name, codes.links_beside, item.name in taken, codes.pictures)
+        values = interface_page.page_values(
+            device, item.name, order_code_tables.links_beside, item.name in taken, order_code_tables.pictures
+        )
         yield f"{folder}/{item.name}.md", ("interface.md.jinja", values)
-    for alike in codes.alike:
-        one = order_code_page.page_values(alike, alike.interface.name in taken, codes.pictures)
+    for alike in order_code_tables.alike:
+        one = order_code_page.page_values(alike, alike.interface.name in taken, order_code_tables.pictures)
         yield f"{folder}/{alike.name}.md", ("code.md.jinja", one)
     yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
     yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
@@ -94,17 +96,17 @@ def _of_family(
 
 
 def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
-    """File name and picture."""
-    for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
+    """Yield file name and picture."""
+    for group in (order_code_tables.pictures, *(alike.pictures for alike in order_code_tables.alike)):
         yield from ((item.name, item.drawn) for item in group.values())
-    for interface in codes.device.interfaces:
-        shown = timing_pictures.wave(codes.device, interface)
+    for interface in order_code_tables.device.interfaces:
+        shown = timing_pictures.wave(order_code_tables.device, interface)
         if shown is not None:
             yield f"timing-{interface.name}.svg", timing_pictures.drawn(shown)
 
 
 def _tidy(made: str) -> str:
-    """No line ends in spaces, no two empty lines follow each other, and one line end closes the file."""
+    """Remove trailing spaces and repeated empty lines, and end the file with one line end."""
     lines: list[str] = []
     for line in made.splitlines():
         if line.strip() or (lines and lines[-1]):

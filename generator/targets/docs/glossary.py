@@ -1,4 +1,4 @@
-"""The glossary: the words of manuals and interfaces, with links to where they matter."""
+"""Glossary: terms of manuals and interfaces, with links to the sections about them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ...say.name import Titled
 from ...say.terms import TERMS, Term
 from .page_links import interface_page
 
-#: No family can be called so.
+#: Page with a name that no family can have.
 PAGE = "glossary-of-terms.md"
 
 
 class GlossaryPage(TypedDict):
-    term_rows: Annotated[list[tuple[str, str, str]], "the terms that these families use: term, meaning, links"]
+    term_rows: Annotated[list[tuple[str, str, str]], "terms that these families use: term, meaning, links"]
 
 
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
@@ -29,7 +29,7 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
 
 
 def _link(term: Term, here: Device, interface: Interface) -> str:
-    """To where the page of an interface is about the term; empty where it is not."""
+    """Return a link to the section of an interface page about the term, or an empty text."""
     if term.over is not None:
         section = term.section if isinstance(interface, term.over) and _has(here, interface, term.section) else ""
     else:
@@ -42,7 +42,7 @@ def _link(term: Term, here: Device, interface: Interface) -> str:
 
 
 def _has(here: Device, interface: Interface, section: str) -> bool:
-    """Whether the page of the interface has the section; those of frames and times are on every page."""
+    """Return whether the interface page has the section; frames and times are on every page."""
     there = {
         "control-data": bool(getattr(interface, "control_data", ())),
         "procedures": bool(here.procedures),
@@ -52,7 +52,7 @@ def _has(here: Device, interface: Interface, section: str) -> bool:
 
 
 def _places(here: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """The names on the page of an interface, in small letters, each with its place; what is about a thing first."""
+    """Yield the names on an interface page in lower case with their anchors, dedicated sections first."""
     for register in here.registers:
         yield from _names(register, f"register-{register.name}")
     for group in here.field_groups:

@@ -1,4 +1,4 @@
-"""Procedures by hand: a text that counts its steps is a list of them."""
+"""Procedures by hand, from texts with numbered steps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...say.name import heading
 
 @dataclass(frozen=True, slots=True)
 class ByHand:
-    """What a person does, step by step; ``before`` says when."""
+    """Steps that a person carries out; ``before`` is the text in front of them."""
 
     characteristic: Characteristic
     title: str
@@ -20,6 +20,6 @@ class ByHand:
 
 
 def by_hand(device: Device) -> list[ByHand]:
-    """Those of a family, in the order of its spec."""
+    """Return the procedures by hand of a family in the order of its spec."""
     found = ((item, steps_of(item.value)) for item in device.characteristics if has_steps(item.value))
     return [ByHand(item, heading(item.name), steps[0], steps[1:]) for item, steps in found]

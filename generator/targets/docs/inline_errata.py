@@ -1,4 +1,4 @@
-"""Errata where they bite: each with its reason on the spot, and in full on a page of the family and on one of all."""
+"""Errata next to the facts that they affect, and complete on one page per family and one page for all families."""
 
 from __future__ import annotations
 
@@ -12,66 +12,80 @@ from ...say.markdown import STYLE, anchor, cited, code, link, text
 from . import fact_tables
 from .page_links import ERRATA, to_erratum
 
-#: The page of all families; no family can be called so.
+#: Page of all families, with a name that no family can have.
 ALL = "all-errata.md"
-#: What is longer on the spot is told without the reason, which is a link away, unless wrong bytes are at stake.
+#: Longest erratum in characters that is shown inline with its reason. Errata with wrong data always have it.
 _LONG = 500
 Rows = list[tuple[str, ...]]
 
 
 class ErrataPage(TypedDict):
     device: Annotated[Device, "the family"]
-    errata_summary: Annotated[str, "how many errata there are, and how many are open"]
-    erratum_links: Annotated[list[tuple[str, list[str]]], "status and stake, and links to the errata of that kind"]
-    errata_list: Annotated[list[dict[str, Any]], "the errata in full: erratum, rows"]
+    errata_summary: Annotated[str, "number of errata and of open errata"]
+    erratum_links: Annotated[list[tuple[str, list[str]]], "status and impact, and links to the errata of that kind"]
+    errata_list: Annotated[list[dict[str, Any]], "complete errata: erratum, rows"]
 
 
 class AllErrataPage(TypedDict):
-    standings: Annotated[list[dict[str, Any]], "open ones, then settled ones: title, anchor, rows"]
+    standings: Annotated[list[dict[str, Any]], "open errata, then settled ones: title, anchor, rows"]
 
 
 class OnPage:
-    """The errata of one page: each is told with its reason where it first bites, and named where it does again."""
+    """Errata of one page: complete at the first fact that they affect, and links to it after that."""
 
     def __init__(self, device: Device, folder: str = "") -> None:
         self._device, self._page, self._told = device, f"{folder}{ERRATA}", set[str]()
 
     def __call__(self, *paths: str) -> str:
-        """Those that are about exactly these paths into the spec, or about something inside them, as a list."""
+        """Return the errata of these paths into the spec, or of anything inside them, as a list."""
         found = errata(self._device, *paths, wording=True)
         elsewhere = [item for item in found if item.edition and not self._device.edition]
         own = [item for item in found if item not in elsewhere]
-        lines = [self._line(item) for item in own if item.severity != "wording"]
+        lines = [line for item in own if item.severity != "wording" for line in self._lines(item)]
         wording = [item for item in own if item.severity == "wording"]
         if wording:
-            lines.append("Wording only: " + ", ".join(self._link(item, code(item.name)) for item in wording))
-        if elsewhere:
-            lines.append(
-                "Otherwise in editions " + ", ".join(self._link(item, text(item.edition)) for item in elsewhere)
-            )
-        return "\n".join(f"- {line}" for line in lines)
+            links = ", ".join(self._link(item, code(item.name)) for item in wording)
+            lines.append(f"- {'Mistake' if len(wording) == 1 else 'Mistakes'} of wording in the manual: {links}")
+        lines += self._of_editions(elsewhere)
+        return "\n".join(lines)
 
     def named(self, *paths: str) -> str:
-        """The same in a cell of a table, which leads to where they are told."""
+        """Return the same errata as links for the cell of a table."""
         found = errata(self._device, *paths, wording=True)
         return ", ".join(f"{badge(item)} {self._link(item, code(item.name))}" for item in found)
 
     def _link(self, item: Erratum, label: str) -> str:
         return link(label, f"{self._page}#erratum-{item.name}")
 
-    def _line(self, item: Erratum) -> str:
+    def _lines(self, item: Erratum) -> list[str]:
         if item.name in self._told:
-            return f"{badge(item)} {link(code(item.name), f'#erratum-{item.name}')}, told above"
+            return [f"- {badge(item)} {link(code(item.name), f'#erratum-{item.name}')}, see above"]
         self._told.add(item.name)
-        place, said = anchor(f"erratum-{item.name}"), erratum(item, whole=True)
-        is_long = item.severity != "wrong_data" and len(STYLE.phrase(said)) > _LONG
-        told = STYLE.phrase(erratum(replace(item, why=""), whole=True) if is_long else said)
-        name = self._link(item, "Why?" if is_long else "In full")
-        return f"{place}{badge(item)} {code(item.name)}: {told} {STYLE.cited(item.source)} {name}"
+        found = erratum(item, whole=True)
+        texts = [STYLE.sentence(part) for part in found.below]
+        if item.why and item.severity != "wrong_data" and sum(map(len, texts)) > _LONG:
+            texts[-1] = self._link(item, "Why?")
+        head = f"{badge(item)} {self._link(item, code(item.name))} {STYLE.cited(item.source)}"
+        return [f"- {anchor(f'erratum-{item.name}')}{head}", *(f"  - {text}" for text in texts)]
+
+    def _of_editions(self, found: Sequence[Erratum]) -> Iterator[str]:
+        """Yield what other editions have instead, without the reasons, which are on the errata page."""
+        again = [item for item in found if item.name in self._told]
+        for item in found:
+            if item not in again:
+                self._told.add(item.name)
+                change = erratum(item)
+                first, *more = (part for part in change.below if part.label != "Why")
+                lead = f"{first.label[0].lower()}{first.label[1:]}"
+                texts = [STYLE.sentence(replace(first, label=lead)), *map(STYLE.sentence, more)]
+                yield f"- {self._link(item, text(change.label))}, {' '.join(texts)}"
+        if again:
+            links = (self._link(item, text(erratum(item).label.lower())) for item in again)
+            yield f"- Also different {', '.join(dict.fromkeys(links))}, see above"
 
 
 def badge(item: Erratum) -> str:
-    """Whether it is settled, to be seen from afar."""
+    """Return a visible mark of the status."""
     return "⚠ **open**" if item.status == "open" else "✓ settled"
 
 
@@ -84,9 +98,9 @@ def page_values(device: Device) -> ErrataPage:
     is_open = [item for item in of_manual if item.status == "open"]
     return {
         "device": device,
-        "errata_summary": f"{len(of_manual)} places where the manual cannot be taken literally; "
-        f"{len(is_open)} of them are open: only hardware or the manufacturer could decide. The others are settled by "
-        "the manual's own evidence or by arithmetic." + fact_tables.changes(len(device.errata) - len(of_manual)),
+        "errata_summary": f"The manual has {len(of_manual)} known errata. {len(is_open)} of them are open, which means "
+        "that only hardware or the manufacturer can decide them. The others are settled by the manual's own evidence "
+        "or by arithmetic." + fact_tables.changes(len(device.errata) - len(of_manual)),
         "erratum_links": [
             (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])
             for standing, found in _by_standing(device.errata)
@@ -98,7 +112,7 @@ def page_values(device: Device) -> ErrataPage:
                     *fact_tables.printed_and_used(item),
                     ("Why", text(item.why)),
                     ("Status", badge(item)),
-                    ("At stake", fact_tables.severity(item.severity)),
+                    ("Impact", fact_tables.severity(item.severity)),
                     ("Affects", ", ".join(map(code, item.affects))),
                     ("Source", cited(item.source)),
                 ],
@@ -109,7 +123,7 @@ def page_values(device: Device) -> ErrataPage:
 
 
 def _by_standing(found: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:
-    """The errata by status and by what is at stake, open ones first and wrong bytes before words."""
+    """Yield the errata by status and impact, open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
             alike = [item for item in found if (item.status, item.severity) == (status, severity)]
@@ -118,7 +132,7 @@ def _by_standing(found: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
-    titles = {"open": "Open: only hardware or the manufacturer could decide", "settled": "Settled"}
+    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
     parts = [
         {"title": title, "anchor": status, "rows": list(_rows(devices, status))} for status, title in titles.items()
     ]
@@ -126,7 +140,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """What is at stake, family, erratum, what is printed, what is used; wrong bytes before words."""
+    """Yield impact, family, erratum, printed and used text; wrong bytes come before wording."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             family = link(text(device.name.upper()), f"{device.name}.md")

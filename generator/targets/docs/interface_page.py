@@ -1,4 +1,4 @@
-"""A page for each interface of a family, and what it shares with the page of an order code."""
+"""Page of an interface of a family, and its parts shared with the page of an order code."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ Row = tuple[str, ...]
 
 
 class OverValues(TypedDict):
-    """What a page about one interface has beside its sections."""
+    """Values of a page about one interface in addition to its sections."""
 
     interface: Annotated[Interface, "the interface"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
     short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
-    pictures: Annotated[Pictures, "pictures by what they show, such as `register-preset`: name, text"]
-    timing: Annotated[Wave | None, "the picture of the interface in time, if there is one"]
-    delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
+    pictures: Annotated[Pictures, "pictures by their subject, such as `register-preset`: name, text"]
+    timing: Annotated[Wave | None, "timing diagram of the interface, if there is one"]
+    delivered: Annotated[Sequence[str], "frames whose places or code depend on registers"]
 
 
 class InterfacePage(Sections, OverValues):
-    patterns: Annotated[list[str], "the order codes that have the interface, as patterns"]
-    code_table: Annotated[Section, "these order codes as links, with the quantities that follow: head, rows"]
-    parameter_rows: Annotated[Rows, "the quantities that follow from an order code"]
-    run_time_rows: Annotated[Rows, "the quantities that registers hold"]
-    name_rows: Annotated[Rows, "what the manual and its other editions call what: here, edition, name"]
+    patterns: Annotated[list[str], "patterns of the order codes with the interface"]
+    code_table: Annotated[Section, "these order codes as links, with their quantities: head, rows"]
+    parameter_rows: Annotated[Rows, "quantities set by an order code"]
+    run_time_rows: Annotated[Rows, "quantities held by registers"]
+    name_rows: Annotated[Rows, "names in the manual and its other editions: here, manual, language, name"]
 
 
 def over_values(
     family: Device, here: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> OverValues:
-    """``here`` is the family with the interface alone."""
+    """Return the values; ``here`` is the family reduced to the interface."""
     (interface,) = here.interfaces
     return {
         "interface": interface,
@@ -60,7 +60,7 @@ def over_values(
 def page_values(
     device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """``links`` has each order code with a link to its page."""
+    """Return the values of the page; ``links`` has a link to the page of each order code."""
     here = for_interface(device, kind)
     variants = [item for item in device.variants if item.interface == kind]
     return {
@@ -75,7 +75,7 @@ def page_values(
 
 
 def _short_rows(here: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
-    """What the position counts, the supply, and what the manual says of the interface."""
+    """Yield the unit of the position, the supply, and the facts of the interface."""
     counted = here.measurement_of(interface.name)
     if counted is not None:
         yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
@@ -96,7 +96,7 @@ def _supplies(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """What other editions of the manual call by another name: language, name here, name there."""
+    """Yield name, printed name, language and name in that edition of items with other names."""
     for item in _named(device):
         for key, name in item.names.items():
             if name != title(item):

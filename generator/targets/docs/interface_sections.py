@@ -1,4 +1,4 @@
-"""What pages about interfaces have: a section for each frame, register, procedure and so on."""
+"""Sections of pages about interfaces: frames, registers, procedures and so on."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from ...say.text import Code, Said
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .page_links import to_steps
 
-#: Rows of a table; its cells are Markdown.
+#: Rows of a table with Markdown cells.
 Rows = list[tuple[str, ...]]
-#: A section of a page, by what the template calls its parts.
+#: Parts of a section by their names in the template.
 Section = dict[str, Any]
 
 
 class Sections(TypedDict):
-    device: Annotated[Device, "the family, with what the page is about alone"]
-    origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
-    usable_page: Annotated[str, "the page that says whether a position is usable"]
+    device: Annotated[Device, "the family, reduced to the subject of the page"]
+    origin: Annotated[list[Said], "overlays and the edition of the family"]
+    usable_page: Annotated[str, "the page on verdicts"]
     errata_at: Annotated[
-        Callable[..., str], "the errata of a path into the spec, or of several: told where they first bite, then named"
+        Callable[..., str], "errata of one or several paths into the spec, complete at first and then as links"
     ]
-    alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, frames"]
+    alternatives: Annotated[list[Section], "questions that the manual leaves open: alternative, title, rows, frames"]
     interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]
     crcs: Annotated[list[Section], "the CRCs: crc, rows"]
     registers: Annotated[list[Section], "the registers with their fields, values and facts"]
@@ -42,7 +42,7 @@ class Sections(TypedDict):
     alarms: Annotated[list[Section], "errors and warnings: alarm, title, rows"]
     inputs: Annotated[list[Section], "the inputs: input, title, rows"]
     connectors: Annotated[list[Section], "connectors and cables: connector, head, rows"]
-    led_rows: Annotated[Rows, "the LEDs and what each state means"]
+    led_rows: Annotated[Rows, "the LEDs and the meaning of each state"]
     examples: Annotated[list[Section], "the worked examples: example, rows"]
 
 
@@ -78,7 +78,7 @@ def sections(device: Device) -> Sections:
     }
 
 
-#: What an interface says of itself, by which its errata are found.
+#: Keys of an interface whose errata are listed with its facts.
 _FACTS = (
     "measurement",
     "clock",
@@ -148,7 +148,7 @@ def _memory_rows(interface: Rs485) -> Rows:
 
 
 def _group_title(group: FieldGroup) -> str:
-    """Our name, and in parentheses the manual's own."""
+    """Return our name with the manual's own name in parentheses."""
     return words(group.name).capitalize() + (f" ({group.printed_name})" if group.printed_name else "")
 
 

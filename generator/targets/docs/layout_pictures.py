@@ -1,9 +1,8 @@
-"""Pictures of layouts as SVG: a row of boxes for each byte, one byte under the other.
+"""Pictures of layouts as SVG: a row of boxes for each byte, one byte below the other.
 
-A picture is as wide as the screen of a phone, so that its text can be read there as well as beside a table. Every
-picture has a card of its own behind it, light or dark as its reader's screen is. A name that does not fit into its box
-stands below the row, with the number of its bit; so does each bit that is 0 when it is active. ``told`` says the same
-in words.
+A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Every picture has
+a background card in the light or dark scheme of the screen. A name that does not fit into its box is below the row with
+its bit number, and so is each active-low bit. ``told`` returns the same in words.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from ...model import Choice, Constant, CrcValue, Field, Flag, Kind, Parity, Plac
 from ...say.place import bit_range
 from .svg import WIDE, card, rect, text, wrapped
 
-#: What a box is, which is its colour.
+#: Colour class of a box by kind of field.
 _FILL: dict[type[Kind], str] = {
     Flag: "flag",
     CrcValue: "check",
@@ -34,9 +33,10 @@ _WIDE_LETTERS = 1.2
 
 @dataclass(frozen=True)
 class Box:
-    """The bits of a field that one byte has: the highest and the lowest in the byte.
+    """Bits of a field within one byte: the highest and the lowest bit in the byte.
 
-    ``place`` says which bits of the whole they are, ``fill`` what they are, ``active_low`` that 0 means yes.
+    ``place`` has their bit numbers in the whole, and ``fill`` their colour class. ``active_low`` marks a flag that is
+    active at 0.
     """
 
     high: int
@@ -49,7 +49,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Byte:
-    """A row of boxes, the highest bit on the left; ``label`` says which byte it is."""
+    """Row of boxes with the highest bit on the left; ``label`` names the byte."""
 
     label: str
     boxes: tuple[Box, ...]
@@ -57,7 +57,7 @@ class Byte:
 
 @dataclass(frozen=True)
 class Stack:
-    """Bytes one under the other below a caption; ``says`` is what they show, in words."""
+    """Bytes one below the other under a caption; ``says`` is the text alternative."""
 
     caption: str
     rows: tuple[Byte, ...]
@@ -66,7 +66,7 @@ class Stack:
 
 @dataclass(frozen=True)
 class _Run:
-    """Bits that belong together: a field, a group of fields, or bits that no field has."""
+    """Bits that belong together: a field, a group of fields, or bits without a field."""
 
     high: int
     low: int
@@ -75,24 +75,24 @@ class _Run:
     active_low: bool = False
 
     def box(self, byte_low: int, place: str) -> Box:
-        """What the byte that begins at ``byte_low`` has of them."""
+        """Return the part within the byte that begins at ``byte_low``."""
         high, low = min(self.high, byte_low + 7) - byte_low, max(self.low, byte_low) - byte_low
         return Box(high, low, self.name, place, self.fill, self.active_low)
 
     def part(self, byte_low: int, origin: int = 0) -> str:
-        """Which of them the byte that begins at ``byte_low`` has, counted from ``origin``."""
+        """Return the bit numbers within the byte that begins at ``byte_low``, counted from ``origin``."""
         return bit_range(min(self.high, byte_low + 7) - origin, max(self.low, byte_low) - origin)
 
 
 def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
-    """A frame that is one number: its highest bits above, and each row a byte of the number in hexadecimal."""
+    """Return a frame that is one number, highest bits first, one byte of the number per row."""
     lows = range((placed.bits - 1) // 8 * 8, -1, -8)
     rows = _rows(_runs(placed), lows, [bit_range(min(low + 7, placed.bits - 1), low) for low in lows])
     return Stack(caption, rows, f"{placed.bits} bits: {_by_bits(_runs(placed))}")
 
 
 def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
-    """A register by its addresses; the bits are those of the whole register."""
+    """Return a register by address; bit numbers refer to the whole register."""
     lows = _lows(placed.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = f", {'low' if low_byte_first else 'high'} byte first" if len(lows) > 1 else ""
@@ -100,10 +100,10 @@ def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_fi
 
 
 def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
-    """A frame of bytes in sending order.
+    """Return a frame of bytes in transmission order.
 
-    A group of fields, or a field with its padding, is one. Where it takes several bytes, its bits are those of the
-    number that they make.
+    A group of fields, or a field with its padding, is one run. If it spans several bytes, its bit numbers are those of
+    the number that they form.
     """
     lows = _lows(placed.bits, placed.layout.byte_order == "low_byte_first")
     runs, rows, said = _whole(placed), [], []
@@ -120,24 +120,24 @@ def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
 
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
-    """A group of fields, each with its highest and lowest bit within the group."""
+    """Return a group of fields, each with its highest and lowest bit within the group."""
     runs = [_run(field, high, low) for field, high, low in fields]
     lows = range((bits - 1) // 8 * 8, -1, -8)
     return Stack(caption, _rows(runs, lows, [""] * len(lows)), _by_bits(runs))
 
 
 def told(stacks: Sequence[Stack]) -> str:
-    """What a picture of them shows, for whoever cannot see it."""
+    """Return the text alternative of a picture of these stacks."""
     return "; ".join(f"{item.caption}: {item.says}" if item.caption else item.says for item in stacks)
 
 
 def _lows(bits: int, low_byte_first: bool) -> range:
-    """The lowest bit of each byte, in the order of the bytes."""
+    """Return the lowest bit of each byte, in byte order."""
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
 
 def _rows(runs: Sequence[_Run], lows: Sequence[int], labels: Sequence[str]) -> tuple[Byte, ...]:
-    """Rows whose boxes have the bits of the whole as their places."""
+    """Return rows whose boxes have bit numbers of the whole."""
     return tuple(
         Byte(
             label,
@@ -157,14 +157,14 @@ def _named(name: str, place: str, active_low: bool) -> str:
 
 
 def _runs(placed: PlacedLayout) -> list[_Run]:
-    """The fields, and the bits that none has, the highest first."""
+    """Return the fields and the bits without a field, highest first."""
     runs = [_run(item.field, item.high, item.low) for item in placed.fields]
     runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
     return sorted(runs, key=lambda run: -run.high)
 
 
 def _whole(placed: PlacedLayout) -> list[_Run]:
-    """As ``_runs``, with the parts of a group as one, and a field with its padding, if the encoder has it."""
+    """Return runs in which a group, or a field with its padding, is one run."""
     there = {item.name for item in placed.fields}
     found: dict[str, list[_Run]] = {}
     for item in placed.fields:
@@ -186,7 +186,7 @@ def _run(field: Field, high: int, low: int) -> _Run:
 
 
 def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
-    """Bits that no field has, as highest and lowest, the highest run first."""
+    """Return the highest and lowest bit of each run without a field, highest first."""
     free = [
         bit for bit in range(placed.bits - 1, -1, -1) if not any(item.low <= bit <= item.high for item in placed.fields)
     ]
@@ -218,7 +218,7 @@ def _words(name: str) -> str:
 
 
 def draw(title: str, stacks: Sequence[Stack]) -> str:
-    """The stacks one under the other."""
+    """Return a picture of the stacks one below the other."""
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
@@ -255,7 +255,7 @@ def _room(box: Box) -> float:
 
 
 def _inside(box: Box) -> list[str]:
-    """The name as it stands in its box; empty where it stands below the row."""
+    """Return the lines of the name in its box; empty if the name is below the row."""
     if box.active_low:
         return []
     lines = wrapped(box.name, _room(box) - 4, _SMALL)
@@ -264,7 +264,7 @@ def _inside(box: Box) -> list[str]:
 
 
 def _below(row: Byte) -> list[tuple[str, str]]:
-    """The lines below a row, the first of each box after a box of its kind."""
+    """Return the lines below a row, the first line of each name with its colour class."""
     lines = []
     for box in row.boxes:
         if not _inside(box):

@@ -1,4 +1,4 @@
-"""Tables of the fields of a layout, whose cells are Markdown, and pictures."""
+"""Tables of the fields of a layout in Markdown, and their pictures."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.name import Named
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
-from ...say.text import Said, parted, said, told
+from ...say.text import Code, Said, listed, parted, said, told
 from .layout_pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_patterns import order_codes
 
-#: More named values than this are listed in a table of their own.
+#: Highest number of named values in a cell. More have a table of their own.
 _FEW = 4
 _NO_SETS: Mapping[str, int] = MappingProxyType({})
-#: Fields with their highest and lowest bit in a group, the highest first.
+#: Fields with their highest and lowest bit in a group, highest first.
 GroupFields = list[tuple[Field, int, int]]
 
 
 @dataclass(frozen=True)
 class Placement:
-    """A layout as some order codes have it."""
+    """Layout as placed for some order codes."""
 
     codes: tuple[str, ...]
     placed: PlacedLayout
 
 
 def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int] = _NO_SETS) -> tuple[Placement, ...]:
-    """The layout for the order codes of an interface, each shape once, the shortest first.
+    """Return each shape of the layout among the order codes of an interface, shortest first.
 
-    ``sets`` is what the answers of alternatives set, where they are not the first.
+    ``sets`` are the parameters set by answers of alternatives, if not the first answers.
     """
     found: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
     for variant in device.variants:
@@ -49,12 +49,12 @@ def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int
 
 
 def named(item: Named) -> str:
-    """A name as code, and the manual's own below it."""
+    """Return a name as code with the manual's own name below it."""
     return joined([code(item.name), text(item.printed_name)])
 
 
 def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
-    """All that is to be said of a field in one cell; a register has a table of its own for many values."""
+    """Return all statements about a field in one cell; many values of a register are in a separate table."""
     parts = [*told(item.meaning), *_values(item, in_register), *rules(device, item), *told(item.note)]
     return joined(map(STYLE.sentence, parts))
 
@@ -63,26 +63,26 @@ def _values(item: Field, in_register: bool) -> Iterator[Said]:
     if not has_value_table(item):
         yield from (value(replace(one, source=()), item.widest) for one in item.values)
     elif in_register:
-        yield said("The values stand below")
+        yield said("See the table of values below")
     else:
         names = (value(replace(one, meaning=""), item.widest).parts for one in item.values)
-        yield said(*parted(names, "; "), label="Values")
+        yield said(*parted(names, ", "), label="Values")
 
 
 def has_value_table(field: Field) -> bool:
-    """Whether its values are too many for one cell."""
+    """Return whether it has too many values for one cell."""
     return len(field.values) > _FEW
 
 
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
-    """Value, name, meaning, source."""
+    """Yield value, name, meaning, source."""
     for item in field.values:
         number = hexadecimal(item.value, (field.widest + 3) // 4)
         yield number, named(item), text(item.meaning), cited(item.source)
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
-    """Field, place, width, meaning, source; a group of fields is one row that leads to its own table."""
+    """Yield field, place, width, meaning, source; a group of fields is one row with a link to its table."""
     done: set[str] = set()
     groups = {group.name: group for group in device.field_groups}
     there = {field.name for field in layout.fields}
@@ -95,10 +95,11 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
                 group = groups[field.group]
                 name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
                 where = frame_bytes(layout, layout.widest, low + group.bits - 1, low)
-                yield name, where, f"{group.bits}", "several fields, see there", ""
+                made_of = STYLE.sentence(said(*listed([Code(item.name) for item in parts]), label="Fields"))
+                yield name, where, f"{group.bits}", made_of, ""
             continue
         if field.padding_of in there:
-            continue  # told with the field itself
+            continue  # It is part of the row of the padded field.
         yield (
             named(field),
             _place(layout, field, device.alternatives_of(layout)),
@@ -121,7 +122,7 @@ def _first_bit(fields: Iterable[Field], sets: Mapping[str, int]) -> int:
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
-    """The fields of a group, once for each way to decide where they stand."""
+    """Return the fields of a group, once for each choice that moves them."""
     layout = next(layout for _, layout in device.layouts() if any(field.group == name for field in layout.fields))
     parts = [field for field in layout.fields if field.group == name]
     deciding = [item for item in device.alternatives_of(layout) if any(_follows(field, item) for field in parts)]
@@ -135,25 +136,25 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
 
 
 def _follows(field: Field, item: Alternative) -> bool:
-    """Whether an alternative decides where a field stands."""
+    """Return whether an alternative decides the place of a field."""
     return not item.answers[0].sets.keys().isdisjoint((*field.low.parameters, *field.width.parameters))
 
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
-    """Field, place, meaning, source."""
+    """Yield field, place, meaning, source."""
     shapes = group_shapes(device, name)
     for field, _, _ in shapes[0][1]:
         places: dict[str, str] = {}
         for answers, fields in shapes:
             place = next(bits(high, low) for other, high, low in fields if other is field)
-            places.setdefault(place, STYLE.phrase(said(*names(answers))))
+            page_links.setdefault(place, STYLE.phrase(said(*names(answers))))
         several = len(places) > 1
-        where = joined(f"{place} ({answer})" if several else place for place, answer in places.items())
+        where = joined(f"{place} ({answer})" if several else place for place, answer in page_links.items())
         yield named(field), where, field_cell(device, field), cited(field.source)
 
 
 def frames_with(interface: Interface, group: str) -> list[str]:
-    """Links to the frames that have a group of fields."""
+    """Return links to the frames that contain a group of fields."""
     layouts = [item for item in interface.layouts if any(field.group == group for field in item.fields)]
     return [link(code(item.name), f"#layout-{item.name}") for item in layouts]
 
@@ -163,9 +164,9 @@ def used_groups(interface: Interface) -> list[str]:
 
 
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
-    """Where each field stands for each order code and decision, as a table; empty where that is the same for all.
+    """Return a table of the places of fields by order code and choice; empty if they are the same for all.
 
-    Decisions count only where they change the length: where a field stands by them, its own row says.
+    Only choices that change the length are included. The row of a field has its places for all other choices.
     """
     deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
     shapes = [
@@ -197,20 +198,20 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
 
 
 def _lengthens(layout: Layout, item: Alternative) -> bool:
-    """Whether the length of the layout depends on an alternative."""
+    """Return whether the length of the layout depends on an alternative."""
     return not item.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
 
 
 def _moves(field: Field, decided: Container[str]) -> bool:
-    """Whether it stands elsewhere, or is wider, with another order code."""
+    """Return whether its place or width depends on the order code."""
     return any(name not in decided for name in (*field.low.parameters, *field.width.parameters))
 
 
-# -- what pictures show
+# -- contents of pictures
 
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
-    """The bytes of each shape that a layout has; all of it for each way to decide where fields stand that are drawn."""
+    """Return the bytes of each shape of a layout, for each choice that moves a drawn field."""
     found: dict[tuple[Byte, ...], Stack] = {}
     for answers, sets in choices(device.alternatives_of(layout)):
         for stack in _stacks(layout, placements(device, layout, interface.name, sets)):
@@ -242,7 +243,7 @@ def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
 
 
 def has_picture(register: Register) -> bool:
-    """A register that is one field from end to end needs none."""
+    """Return whether a register has more than a single field of full width."""
     fields = register.layout.fields
     return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
 

@@ -1,4 +1,4 @@
-"""A page for each device: what BiSS and SSI masters have to be told about its order codes."""
+"""Page of the settings of BiSS and SSI masters for the order codes of a family."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Order codes that are the same to every master."""
+    """Order codes with the same settings in every master."""
 
     device: Device
     codes: tuple[str, ...]
     record: Record
 
 
-#: Groups, each with its rows by key.
+#: Groups with their rows by key.
 Columns = Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]
-#: What one master is told, group by group.
+#: Settings of one master, group by group.
 Told = Sequence[tuple[Group, Sheet]]
 
 
@@ -42,10 +42,8 @@ def has_masters(device: Device) -> bool:
 
 class MastersPage(TypedDict):
     device: Annotated[Device, "the family"]
-    legend: Annotated[str, "what the marks on the page mean"]
-    interfaces: Annotated[
-        list[dict[str, Any]], "its interfaces that masters take, each with the settings of each master"
-    ]
+    legend: Annotated[str, "meaning of the marks on the page"]
+    interfaces: Annotated[list[dict[str, Any]], "interfaces that masters support, with the settings of each master"]
 
 
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
@@ -77,7 +75,7 @@ def _records(device: Device, interface: Interface) -> Iterator[Record]:
 
 
 def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
-    """The record of an order code, once for each way to decide what its frame depends on."""
+    """Yield the record of an order code, once for each choice that its frame depends on."""
     try:
         yield record(device, variant)
     except Undecided as error:
@@ -107,9 +105,9 @@ def _interface(
 
 
 def _split(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Rows that are the same for every group, and tables of the others; what follows from the supply has its own.
+    """Return the rows common to all groups, and tables of the others, with a separate one for the supply.
 
-    Each column is a group with its rows by key; the first cell of a row names it, the second is its value.
+    Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
     keys = list(dict.fromkeys(key for _, rows in columns for key, _ in rows))
     by_key = [(group, dict(rows)) for group, rows in columns]
@@ -135,7 +133,7 @@ def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -
 
 
 def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
-    """The heads, and a row for all groups with the same values."""
+    """Return the heads, and one row for all groups with the same values."""
     heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
     found: dict[Row, list[Group]] = {}
     for group, rows in columns:
@@ -144,7 +142,7 @@ def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]])
 
 
 def _label(groups: Sequence[Group]) -> str:
-    """The order codes of all of them, with the answers where not all ways to decide are among them."""
+    """Return the order codes of all groups, with the answers unless every choice is included."""
     device = groups[0].device
     found: dict[tuple[tuple[str, str], ...], list[str]] = {}
     for group in groups:
@@ -177,20 +175,20 @@ def _master(master: Master, sheets: Told) -> dict[str, Any]:
 
 
 def _row(item: Setting, sheet: Sheet) -> Row:
-    """Name with place, value, note, source."""
+    """Return name with place, value, note, source."""
     name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
     value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
     return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(item.source)
 
 
 def _mark(rule: Setting | Refusal) -> str:
-    """The mark, outside of what somebody copies."""
+    """Return the mark, which is outside the text to copy."""
     found = text(mark(rule))
     return f" {found}" if found else ""
 
 
 def _row_notes(columns: Columns, same: set[str]) -> list[str]:
-    """The notes and sources of settings that differ between order codes."""
+    """Return the notes and sources of settings that differ between order codes."""
     rows = [row for _, found in columns for _, row in found if row[0] not in same]
     notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
     sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
@@ -198,7 +196,7 @@ def _row_notes(columns: Columns, same: set[str]) -> list[str]:
 
 
 def _notes(taken: Told) -> Iterator[str]:
-    """What else is to be known; a note that is not about all order codes names its own."""
+    """Yield further notes, with order codes unless a note applies to all."""
     found: dict[str, list[Group]] = {}
     for group, item in taken:
         for note in (*(condition(rule) for rule in item.shared_writing), *item.notes):

@@ -1,4 +1,4 @@
-"""A page for an order code: everything of its interface, with numbers in place of quantities."""
+"""Page of an order code: everything about its interface, with numbers in place of quantities."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from .order_code_patterns import patterns
 from .page_pictures import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
-#: What else lies in the folder of a family: pages, and pictures by the first word of their names.
+#: Other files in the folder of a family: pages, and pictures by the first word of their names.
 TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
 
 class CodePage(Sections, OverValues):
-    """What a page of an order code has beside what the page of its interface has."""
+    """Values of the page of an order code in addition to those of its interface page."""
 
-    codes: Annotated[Sequence[str], "the order codes, which differ in mechanics or supply alone"]
-    quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
+    codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
+    quantity_rows: Annotated[list[Row], "quantities of the order code: quantity, value, meaning, source"]
 
 
 @dataclass(frozen=True)
 class Alike:
-    """Order codes that are the same to a program, and the family as they have it; ``name`` is that of their page."""
+    """Order codes that are identical for software, with their view of the family and the ``name`` of their page."""
 
     family: Device
     variants: tuple[Variant, ...]
@@ -51,13 +51,13 @@ class Alike:
 
     @cached_property
     def pictures(self) -> Pictures:
-        """Those in which these order codes differ from the family."""
+        """Pictures that differ from those of the family."""
         return of_codes(self.family, self.codes, self.name)
 
 
 @dataclass(frozen=True)
 class Codes:
-    """The order codes of a family, those with the same interface and quantities together."""
+    """Order codes of a family, grouped by interface and quantities."""
 
     device: Device
 
@@ -74,21 +74,21 @@ class Codes:
 
     @cached_property
     def pictures(self) -> Pictures:
-        """Those of the family."""
+        """Pictures of the family."""
         return of_family(self.device)
 
     @cached_property
     def links(self) -> dict[str, str]:
-        """Each order code with a link to its page, for a page beside the folder of the family."""
+        """Link of each order code to its page, from a page next to the folder of the family."""
         return self._links(f"{self.device.name}/")
 
     @cached_property
     def links_beside(self) -> dict[str, str]:
-        """The same for a page in the folder."""
+        """Link of each order code to its page, from a page in the folder."""
         return self._links("")
 
     def page_links(self, kind: str) -> list[str]:
-        """A link to each page of an interface, by the patterns of its order codes, for a page beside the folder."""
+        """Return a link to each page of an interface, labelled with patterns, from a page next to the folder."""
         return [
             link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
             for item in self.alike
@@ -108,7 +108,7 @@ def _only(device: Device, variants: Iterable[Variant]) -> Device:
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
-    """``pictures`` are those of the family; the page has its own where it differs."""
+    """Return the values of the page; ``pictures`` are those of the family, which the page may replace."""
     return {
         **sections(alike.here),
         **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),
@@ -118,7 +118,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
-    """The quantities that the order code stands for; those that registers hold as delivered."""
+    """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
     later = run_time_names(alike.family)
     for item in parameters_of(alike.family, alike.interface.name):
         if not item.alternative:
@@ -128,6 +128,6 @@ def _quantity_rows(alike: Alike) -> Iterator[Row]:
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
     unit = f" {text(item.unit)}" if item.unit else ""
-    held = f"as delivered; held by {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
-    held = held or ("as delivered; registers decide it" if is_held else "")
+    held = f"factory default, held in {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
+    held = held or ("factory default, set by registers" if is_held else "")
     return code(item.name), shown + unit, joined([text(item.meaning), held]), cited(item.source)

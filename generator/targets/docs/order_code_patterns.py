@@ -1,4 +1,4 @@
-"""Many order codes in few words: ``E40-{SSI,BISS}-{12,16}``."""
+"""Patterns for many order codes: ``E40-{SSI,BISS}-{12,16}``."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from ...model import Device
 from ...order_codes.labels import filled
 from ...say.markdown import code
 
-#: So many order codes are listed by patterns, fewer one by one.
+#: Lowest number of order codes that are listed as patterns. Fewer are listed one by one.
 MANY = 12
-#: The text of each part of an order code, in the order of the parts.
+#: Texts of the parts of an order code, in order.
 _Parts = tuple[str, ...]
 
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
-    """The order codes one by one, or as patterns where they are many."""
+    """Return the order codes one by one, or as patterns if there are many."""
     return ", ".join(map(code, codes if len(codes) < MANY else patterns(device, codes)))
 
 
 def patterns(device: Device, codes: Collection[str]) -> list[str]:
-    """The order codes with what differs in braces; together they stand for exactly these."""
+    """Return patterns with differences in braces that together match exactly these order codes."""
     names = [item.name for item in device.order_code.parts]
     rows = [tuple(item.parts.get(name, "") for name in names) for item in device.variants if item.code in codes]
 
@@ -35,7 +35,7 @@ def patterns(device: Device, codes: Collection[str]) -> list[str]:
 
 
 def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
-    """The rows as products of texts, part by part; they are divided where a part goes with some of the others only."""
+    """Yield the rows as products of texts by part, divided where a part combines with only some of the others."""
     divided = [found for index in range(len(rows[0])) if len(found := _divided(rows, index)) > 1]
     if not divided:
         yield [list(dict.fromkeys(texts)) for texts in zip(*rows, strict=True)]
@@ -45,7 +45,7 @@ def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
 
 
 def _divided(rows: Sequence[_Parts], index: int) -> list[list[_Parts]]:
-    """The rows by the texts of one part; texts that go with the same of all other parts are one."""
+    """Group the rows by one part, merging texts that combine with the same other parts."""
     rests: dict[str, set[_Parts]] = {}
     for row in rows:
         rests.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])

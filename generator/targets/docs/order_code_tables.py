@@ -1,4 +1,4 @@
-"""Tables of order codes: the parts, the quantities that follow from them, and what a position counts."""
+"""Tables of order codes: their parts, the quantities that they set, and the unit of the position."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .page_links import style_beside
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Part, meaning, value, what it stands for, source."""
+    """Yield part, meaning, value, meaning of the value, source."""
     parameters = {item.name: item for item in device.parameters}
     for part in device.order_code.parts:
         for index, value in enumerate(part.values):
@@ -37,12 +37,12 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """The label, where it is written so, what stands there for listed values, source."""
+    """Yield the pattern on the label, where it is used, its values for the listed ones, source."""
     for item in device.order_code.also_written:
         values = "; ".join(
             f"{code(value.text)} is {code(value.value)}" for value in item.values if value.text != value.value
         )
-        then = f"{code(item.then)} may follow and stands for nothing here" if item.then else ""
+        then = f"{code(item.then)} may follow and has no meaning here" if item.then else ""
         yield code(item.pattern), text(item.where), joined([values, then]), cited(item.source)
 
 
@@ -51,7 +51,7 @@ def _only_with(combined: Any) -> str:
 
 
 def parameter_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
-    """The quantities over an interface that follow from an order code: name, meaning, unit, what it equals, source."""
+    """Yield name, meaning, unit, formula and source of the quantities that an order code sets for an interface."""
     names = run_time_names(device)
     for item in parameters_of(device, kind):
         if item.name not in names and not item.alternative:
@@ -65,9 +65,9 @@ def parameter_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
 
 
 def run_time_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
-    """The quantities over an interface that follow from registers, be they of another one.
+    """Yield name, meaning, origin, factory default and source of the quantities that registers hold.
 
-    Name, meaning, origin, value as delivered, source.
+    The registers may belong to another interface.
     """
     names = run_time_names(device)
     for item in parameters_of(device, kind):
@@ -93,7 +93,7 @@ def _delivered(device: Device, parameter: Parameter) -> str:
 
 
 def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
-    """The order codes of an interface, as links to their pages, with the quantities that follow from them."""
+    """Return the order codes of an interface as links to their pages, with the quantities that they set."""
     names = run_time_names(device)
     shown = (item for item in parameters_of(device, interface.name) if item.name not in names)
     parameters = [item for item in shown if not item.alternative]
@@ -107,7 +107,7 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
 
 
 def alternatives(device: Device) -> list[dict[str, Any]]:
-    """What the manual leaves open: each question, its answers, and the frames that need one."""
+    """Return each question that the manual leaves open, its answers, and the frames that need one."""
     return [
         {
             "alternative": item,
@@ -124,7 +124,7 @@ def alternatives(device: Device) -> list[dict[str, Any]]:
 
 
 def _answer_row(device: Device, item: Alternative, one: Answer) -> tuple[str, ...]:
-    """Answer, meaning, what it sets, source."""
+    """Return answer, meaning, quantities that it sets, source."""
     parameters = {item.name: item for item in device.parameters}
     shown = ((parameters[name], count) for name, count in one.sets.items())
     sets = (f"{code(part.name)} = {parameter_value(part, count)}: {text(part.meaning)}" for part, count in shown)
@@ -132,7 +132,7 @@ def _answer_row(device: Device, item: Alternative, one: Answer) -> tuple[str, ..
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """What a position counts, for all interfaces or for one."""
+    """Yield the unit of the position, for all interfaces or for one."""
     for over, item in [("", device.measurement), *((part.title, part.measurement) for part in device.interfaces)]:
         if item is not None:
             yield code(item.of) + (f" over {over}" if over else ""), STYLE.phrase(measurement(item)), cited(item.source)

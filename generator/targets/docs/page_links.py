@@ -1,4 +1,4 @@
-"""On which page what stands, for pages beside that of the family."""
+"""Links to items on other pages, from pages next to the page of the family."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...say.markdown import STYLE, code, link, reference, text
 from ...say.name import heading
 from ...say.text import Ref, Style
 
-#: The page of all errata of a family, in its folder.
+#: Page of all errata of a family, in its folder.
 ERRATA = "errata.md"
 
 
@@ -29,7 +29,7 @@ def to_layout(device: Device, item: Layout, label: str) -> str:
 
 
 def to_alarm(device: Device, item: Alarm, label: str) -> str:
-    """The first interface that has it."""
+    """Return a link to the alarm on the page of the first interface that has it."""
     over = next(one for one in device.interfaces if item in for_interface(device, one.name).alarms)
     return link(label, f"{interface_page(device, over)}#alarm-{item.name}")
 
@@ -44,12 +44,12 @@ def to_erratum(device: Device, name: str) -> str:
 
 
 def to_steps(folder: str, names: Iterable[str]) -> list[str]:
-    """Links to steps by hand; ``folder`` leads to that of the family."""
+    """Return links to steps by hand; ``folder`` is the path to the folder of the family."""
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
 def style_beside(device: Device) -> Style:
-    """How a page in the folder of the family writes statements: registers are on the page of their interface."""
+    """Return the style for a page in the folder of the family, where registers are on their interface page."""
 
     def written(ref: Ref) -> str:
         found = next((item for item in device.registers if ref.anchor == f"register-{item.name}"), None)

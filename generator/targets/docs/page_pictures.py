@@ -1,4 +1,4 @@
-"""The pictures of a family and of the page of an order code, each with what it shows in words."""
+"""Pictures of a family and of the page of an order code, with text alternatives."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .layout_pictures import Stack, draw, told
 
 @dataclass(frozen=True)
 class Picture:
-    """A file in the folder of the family; ``text`` is for whoever cannot see it."""
+    """File in the folder of the family, with its text alternative."""
 
     name: str
     text: str
     drawn: str
 
 
-#: By what they show: ``layout-NAME``, ``group-NAME``, ``register-NAME``, ``connector-NAME``.
+#: Pictures by subject: ``layout-NAME``, ``group-NAME``, ``register-NAME``, ``connector-NAME``.
 Pictures = dict[str, Picture]
 
 
@@ -48,7 +48,7 @@ def of_family(device: Device) -> Pictures:
 
 
 def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
-    """Those of the page of order codes that are the same to a program, where the family as a whole has others."""
+    """Return the pictures of a page of software-identical order codes that differ from those of the family."""
     here = for_codes(device, codes)
     found: Pictures = {}
     for interface, layout in here.layouts():
@@ -81,5 +81,5 @@ def _picture(name: str, item: Titled, stacks: Sequence[Stack]) -> Picture:
 
 
 def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:
-    """Stacks of one order code, which need not say for which they are."""
+    """Return the stacks without a caption if there is only one."""
     return [replace(item, caption="") for item in stacks] if len(stacks) == 1 else list(stacks)

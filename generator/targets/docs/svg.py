@@ -1,4 +1,4 @@
-"""What all pictures are made of: a card with a title, text in three shades, and colours for light and dark screens."""
+"""Elements of all pictures: a card with a title, text, and colours for light and dark screens."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from xml.sax.saxutils import escape, quoteattr
 
 from ...say.lines import plain
 
-#: How wide a picture may be to be shown as it is on the screen of a phone, 375 pixels less the margins of a page.
+#: Width that fits on the screen of a phone: 375 pixels less the margins of a page.
 WIDE = 340.0
-#: Average width of a letter of the sans-serif fonts that browsers have, as a part of the font size; on the safe side.
+#: Average letter width of sans-serif fonts as a fraction of the font size, estimated on the high side.
 _LETTER = 0.58
-#: Class, property, colour on a light screen, colour on a dark one.
+#: Class, property, colour on a light screen, colour on a dark screen.
 _COLOURS = (
     ("card", "fill", "#ffffff", "#0f172a"),
     ("card", "stroke", "#cbd5e1", "#475569"),
@@ -38,7 +38,7 @@ def _style() -> str:
 
 
 def card(title: str, body: Sequence[str], width: float, height: float, desc: str = "") -> str:
-    """A picture of this size; ``desc`` says what it shows to whoever cannot see it."""
+    """Return a picture of this size; ``desc`` is its text alternative."""
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
         f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label={quoteattr(plain(title))} '
@@ -51,13 +51,13 @@ def card(title: str, body: Sequence[str], width: float, height: float, desc: str
 
 
 def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
-    """A box; ``fill`` says what it is."""
+    """Return a box; ``fill`` is its colour class."""
     size = f'width="{number(wide)}" height="{number(high)}"'
     return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
 def swatch(left: float, top: float, wide: float, high: float, colour: str) -> str:
-    """A box in a colour that is the same on every screen, such as that of a wire."""
+    """Return a box in a colour that is the same on every screen, such as that of a wire."""
     size = f'width="{number(wide)}" height="{number(high)}"'
     return f'<rect x="{number(left)}" y="{number(top)}" {size} fill="{colour}"/>'
 
@@ -73,22 +73,22 @@ def text(
     bold: bool = False,
     over: bool = False,
 ) -> str:
-    """A line of text; ``over`` draws a line above it."""
+    """Return a line of text; ``over`` draws a line above it."""
     weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{escape(plain(words))}</text>'
 
 
 def width(words: str, size: float) -> float:
-    """How wide a line of text is at most."""
+    """Return the maximum width of a line of text."""
     return len(words) * size * _LETTER
 
 
 def wrapped(words: str, room: float, size: float) -> list[str]:
-    """A text as lines that are no wider than ``room``."""
+    """Return a text as lines no wider than ``room``."""
     return wrap(plain(words), max(1, int(room / (size * _LETTER))))
 
 
 def number(value: float) -> str:
-    """A number with at most one decimal, the same on every machine."""
+    """Return a number with at most one decimal, identical on every machine."""
     return f"{value:.1f}".removesuffix(".0")

@@ -1,7 +1,7 @@
-"""Pictures of what goes over the lines in time, one for each interface of a family.
+"""Timing diagrams, one for each interface of a family.
 
-The figures of the manuals are lost. What these show are the manuals' words and times; of BiSS C-mode also the public
-protocol description. Widths are not to scale.
+The figures of the manuals are lost. The diagrams show the texts and times of the manuals, and for BiSS C-mode also the
+public protocol description. Widths are not to scale.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from ...say.words import counted, microseconds, timeout_words
 from .svg import card, number, rect, text, width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
-#: How wide a clock pulse is, low and high together.
+#: Width of a clock pulse, low and high together.
 _PERIOD = 24.0
-_MANUAL = "the words of the manual"
+_MANUAL = "the text of the manual"
 
 
 class Trace(Enum):
-    """What a line does for a while."""
+    """Behaviour of a line for a while."""
 
     UP = "up"
     DOWN = "down"
@@ -34,7 +34,7 @@ class Trace(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of a line: a level, clock pulses all along, or a box of data with the ``fill`` of its kind."""
+    """Part of a line: a level, clock pulses, or a box of data with its colour class ``fill``."""
 
     what: Trace
     wide: float
@@ -44,7 +44,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A time between two places below the lines."""
+    """Time span marked below the lines."""
 
     start: float
     end: float
@@ -53,9 +53,9 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """Lines one under the other, and times below them.
+    """Lines one below the other, and times below them.
 
-    ``told`` is the same in words; ``drawn_from`` says whose words the picture follows.
+    ``told`` is the text alternative, and ``drawn_from`` names the sources of the picture.
     """
 
     title: str
@@ -66,7 +66,7 @@ class Wave:
 
 
 def wave(device: Device, interface: Interface) -> Wave | None:
-    """What goes over the lines; None where the spec has no frame of the interface."""
+    """Return the timing diagram, or None if the interface has no frame."""
     if not interface.layouts:
         return None
     match interface:
@@ -86,9 +86,9 @@ def _time(interface: Interface, symbol: str) -> str:
 
 
 def _ssi(interface: Ssi) -> Wave:
-    """The word with the clocks that shift it out; the data line stays low after it and then goes high."""
+    """Return a word with its clocks; afterwards the data line stays low for a while and then goes high."""
     up, down = Trace.UP, Trace.DOWN
-    first = "most significant bit" if interface.alignment.end == "msb_left" else "zeros, then the position"
+    first = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock = (
         Part(up, 40),
         Part(Trace.CLOCK, 3 * _PERIOD),
@@ -97,7 +97,7 @@ def _ssi(interface: Ssi) -> Wave:
         Part(up, 150),
         Part(Trace.CLOCK, 2 * _PERIOD),
     )
-    # From the first rising edge on, up to the last.
+    # Data from the first rising edge to the last.
     data = (
         Part(up, 52),
         Part(Trace.EITHER, 64, "first bit", "data"),
@@ -111,14 +111,14 @@ def _ssi(interface: Ssi) -> Wave:
         "SSI: a word",
         (("Clock", clock), ("Data", data)),
         (Span(212, 272, monoflop), Span(212, 374, pause)),
-        "Clock and data are high between words. From the first rising edge of the clock on, each shifts out a bit, "
-        f"{first} first. After the last one the data line is low ({monoflop}) and then high again. "
-        f"Between two words: {pause}.",
+        "Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
+        f"{first}. After the last bit the data line is low ({monoflop}) and then high again. "
+        f"Pause between two words: {pause}.",
     )
 
 
 def _biss(device: Device, interface: Biss) -> Wave:
-    """A frame: acknowledge, start, CDS, the fields of the single cycle data, time-out."""
+    """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
     fields = list(_fields(interface.layouts[0], device.position_names(interface.name)))
     boxes = [Part(Trace.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
     data = (
@@ -141,21 +141,21 @@ def _biss(device: Device, interface: Biss) -> Wave:
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
-    timeout = timeout_words(interface.timeout) if interface.timeout is not None else "not said by the manual"
+    timeout = timeout_words(interface.timeout) if interface.timeout is not None else "not specified in the manual"
     names = ", ".join(name for name, _ in fields)
     return Wave(
         "BiSS C-mode: a frame",
         (("MA", clock), ("SLO", data)),
         (Span(end, end + 90, f"time-out: {timeout}"),),
-        "MA and SLO are high between frames. From the second rising edge of MA on SLO is low (acknowledge), until the "
-        f"start bit, which is high; then the CDS bit, {names}, and a stop bit, low, until the time-out ({timeout}). "
-        "During the time-out MA has the inverse of the CDM bit.",
+        "MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
+        f"start bit, which is high. The CDS bit, {names} and a low stop bit follow, until the time-out ({timeout}). "
+        "During the time-out, MA is the inverse of the CDM bit.",
         f"{_MANUAL} and the public protocol description of BiSS C-mode",
     )
 
 
 def _fields(layout: Layout, position: Container[str]) -> Iterator[tuple[str, str]]:
-    """Name and kind of what stands in the single cycle data, the parts of the position as one."""
+    """Yield name and colour class of the single cycle data fields, with the position as one field."""
     done = False
     for field in layout.fields:
         match field.kind:
@@ -174,7 +174,7 @@ def _fields(layout: Layout, position: Container[str]) -> Iterator[tuple[str, str
 
 
 def _rs485(device: Device, interface: Rs485) -> Wave:
-    """A request and its reply, and a request that is repeated."""
+    """Return a request with its reply, and a repeated request."""
     request, reply = _lengths(interface, "master"), _lengths(interface, "encoder")
     asked = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
     label = f"request, {asked}"
@@ -182,11 +182,11 @@ def _rs485(device: Device, interface: Rs485) -> Wave:
     master = [Part(Trace.UP, 40), Part(Trace.EITHER, width(label, 11) + 12, label, "choice")]
     asking = sum(part.wide for part in master)
     encoder = [Part(Trace.UP, asking + 40), Part(Trace.EITHER, 170, f"reply, {answered}", "data"), Part(Trace.UP, 40)]
-    told = f"The master sends a request of {asked}; the encoder answers with {answered}."
+    told = f"The master sends a request of {asked}. The encoder answers with {answered}."
     spans: tuple[Span, ...] = ()
     if again := _between_requests(device, interface):
         box, first = 60.0, asking + 270
-        between = f"between requests that are repeated: at least {microseconds(again)}"
+        between = f"between repeated requests: at least {microseconds(again)}"
         repeated = [Part(Trace.EITHER, box, name, "choice") for name in ("1st", "2nd")]
         master += [Part(Trace.UP, 270), repeated[0], Part(Trace.UP, box), repeated[1], Part(Trace.GAP, 40)]
         encoder.append(Part(Trace.UP, 240))
@@ -197,18 +197,18 @@ def _rs485(device: Device, interface: Rs485) -> Wave:
 
 
 def _between_requests(device: Device, interface: Interface) -> int:
-    """The microseconds between requests that a procedure repeats; 0 where none does."""
+    """Return the microseconds between repeated requests of a procedure, or 0 without one."""
     steps = (step for item in device.procedures if item.interface == interface.name for step in item.steps)
     return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
 def _lengths(interface: Interface, sender: str) -> list[int]:
-    """How many bytes the frames of one side have, each number once, the smallest first."""
+    """Return the distinct lengths in bytes of the frames of one side, smallest first."""
     return sorted({item.widest // 8 for item in interface.layouts if item.sender == sender}) or [1]
 
 
 def drawn(item: Wave) -> str:
-    """The picture."""
+    """Return the picture."""
     body: list[str] = []
     right = 0.0
     for row, (name, parts) in enumerate(item.lines):
@@ -252,7 +252,7 @@ def _line(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
 
 
 def _pulses(left: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
-    """Pulses side by side, each low first and then high."""
+    """Yield the path of adjacent pulses, each low first and then high."""
     count = round(part.wide / _PERIOD)
     half = part.wide / count / 2
     if starts:

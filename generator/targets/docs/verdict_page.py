@@ -1,4 +1,4 @@
-"""The page that says, for each frame of every family, what its position is worth and what the encoder reports."""
+"""Page of the verdicts and reports of each frame of every family."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ...say.report import advice, alarm_of, by_hand, meaning, source
 from ...say.text import Code, listed, said
 from .page_links import to_erratum, to_layout, to_steps
 
-#: No family can be called so.
+#: Page with a name that no family can have.
 PAGE = "usable-or-not.md"
 Row = tuple[str, ...]
 
 
 class UsablePage(TypedDict):
-    decides_rows: Annotated[list[Row], "for each frame, what makes the position what, and by which source"]
-    frame_rows: Annotated[list[Row], "for each frame, what it can report"]
-    report_rows: Annotated[list[Row], "what each report of a family means, and what to do"]
+    decides_rows: Annotated[list[Row], "deciding bits and verdict of each frame, with source and errata"]
+    frame_rows: Annotated[list[Row], "possible reports of each frame"]
+    report_rows: Annotated[list[Row], "meaning and remedy of each report"]
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
@@ -34,20 +34,20 @@ def page_values(devices: Sequence[Device]) -> UsablePage:
 
 
 def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
-    """The rows after the family, which is named once; ``name`` is what links lead to."""
+    """Yield the rows with the family in the first one; ``name`` is its anchor."""
     family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
     for index, row in enumerate(rows):
         yield family if index == 0 else "", *row
 
 
 def _decides(device: Device) -> Iterator[Row]:
-    """Interface, frames, what speaks, when, what the position is then, source, errata."""
+    """Yield interface, frames, deciding field, its active value, verdict, source, errata."""
     found: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for item in reportings(device):
         if item.judgement is not None:
             layout = item.codec.layout
             rows = tuple(_speaking(device, item.interface, layout, item.judgement))
-            last = ("none of these" if rows else "nothing", "", code(item.judgement.otherwise.value), "", "")
+            last = ("none of these" if rows else "no field decides", "", code(item.judgement.otherwise.value), "", "")
             found.setdefault((item.interface.title, (*rows, last)), []).append(layout)
     for (title, rows), layouts in found.items():
         for index, row in enumerate(rows):
@@ -55,11 +55,11 @@ def _decides(device: Device) -> Iterator[Row]:
 
 
 def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """What speaks in a frame, the worst first."""
+    """Yield the deciding fields of a frame, worst verdict first."""
     speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
     order = [item.name for item in layout.fields]
     if judgement.otherwise is Verdict.UNKNOWN:
-        # With a warning no more is known of the position than without.
+        # A warning does not make the position better known.
         speaking += [
             (judgement.otherwise, item, None) for item in layout.fields if _is(item, Verdict.USABLE_WITH_WARNING)
         ]
@@ -80,7 +80,7 @@ def _is(field: Field, verdict: Verdict) -> bool:
 
 
 def _when(field: Field, only: Only | None) -> str:
-    """The bits with which a field speaks, and the order codes if not all."""
+    """Return the deciding value of a field, and the order codes if it does not apply to all."""
     match field.kind:
         case Flag(active_low=low, only=codes):
             which = f"with {code(codes)}" if only is not None and only.holds else "with all others"
@@ -92,14 +92,14 @@ def _when(field: Field, only: Only | None) -> str:
 
 
 def _unless(field: Field, layout: Layout) -> str:
-    """The flags of the frame that a flag sums up: while one of these is active it is silent."""
+    """Return the flags of the frame that must be inactive for a flag that combines them to decide."""
     names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
     here = [Code(name) for name in names if any(item.name == name for item in layout.fields)]
     return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
 
 
 def _frames(device: Device) -> Iterator[Row]:
-    """Interface, frames, what they can report."""
+    """Yield interface, frames, possible reports."""
     told = {item.codec.layout.name: item.told for item in reportings(device)}
     found: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
@@ -111,7 +111,7 @@ def _frames(device: Device) -> Iterator[Row]:
 
 
 def _reports(device: Device) -> Iterator[Row]:
-    """Report, meaning, what to do, source."""
+    """Yield report, meaning, remedy, source."""
     for item in reports_of(device):
         alarm = alarm_of(device, item.field)
         name = joined([code(item.name), text(own_names(item.field))])
@@ -133,7 +133,7 @@ def _links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
-    """Those that are about the very field, and of a flag also those about the group that it belongs to."""
+    """Return links to the errata of a field, and for a flag also those of its group."""
     paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
     if field.group and isinstance(field.kind, Flag):
         paths.add(f"field_groups.{field.group}")

@@ -36,7 +36,8 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
         elif isinstance(block, Lines):
             lines += ["", *(f"{pad}    {_in_docstring_line(line)}" for line in block.lines)] if block.lines else []
         elif block[1]:
-            lines += ["", f"{pad}{block[0]}:", *(_entry(name, text, pad) for name, text in block[1])]
+            entries = (_entry(name, text, pad) for name, text in block[1])
+            lines += ["", wrapped(_in_docstring(f"{block[0]}:"), WIDTH, pad), *entries]
     text = "\n".join(lines)
     if "\n" in text:
         return f'{text}\n{pad}"""'

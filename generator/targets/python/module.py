@@ -86,7 +86,7 @@ class Section:
 
     interface: Interface
     facts: Call
-    notes: Sequence[str]
+    notes: Sequence[Sequence[str]]
     coders: tuple[Coder, ...]
     dispatchers: tuple[Dispatcher, ...]
 

@@ -26,6 +26,7 @@ from ...plan.steps import (
 from . import text
 from .codec import Coder, between, differ
 from .context import Context
+from .docstrings import Block
 from .encode import digit
 from .expr import Atom, Expr, moved
 from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, meaning_limits
@@ -104,7 +105,7 @@ class Steps:
         return [(self.argument(item), text.of_argument(self.context.device, item)) for item in arguments]
 
     @property
-    def about(self) -> list[str]:
+    def about(self) -> list[Block]:
         return text.of_procedure(self.context.device, self.procedure)
 
     @staticmethod

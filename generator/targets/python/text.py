@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from dataclasses import replace
 
 from ...model import (
     Alternative,
@@ -47,25 +48,32 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language, and one that starts with another key to an entry of DOCUMENTS.",
-        " ".join(paragraphs([*origin(device), *other_editions(device)])),
+        S.paragraph([*origin(device), *other_editions(device)]),
         *paragraphs(taken_away(device)),
         " ".join(device.manufacturer.trademarks),
     )
 
 
-def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[str]:
-    """Return the errata of these parts of the spec as paragraphs. Mistakes in wording are only in the table."""
+def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[Block]:
+    """Return the errata of these parts of the spec; errata of wording are only in the table."""
     return paragraphs(map(erratum, errata(device, *paths, without=without)))
 
 
-def paragraphs(statements: Iterable[Said]) -> list[str]:
-    return [S.sentence(item) for item in statements]
+def paragraphs(statements: Iterable[Said]) -> list[Block]:
+    """Return a paragraph for each statement, or its head with the labelled statements below it."""
+    return [
+        (S.head(item), [(part.label, S.sentence(replace(part, label=""))) for part in item.below])
+        if item.below
+        else S.sentence(item)
+        for item in statements
+    ]
 
 
-def notes(device: Device, interface: Interface) -> list[str]:
-    """Return the errata of an interface that do not belong to a single layout."""
+def notes(device: Device, interface: Interface) -> list[list[str]]:
+    """Return the errata of an interface that do not belong to a single layout, each as lines."""
     here = f"interfaces.{interface.name}"
-    return of_errata(device, here, without=[f"{here}.{item.name}" for item in interface.layouts])
+    found = errata(device, here, without=[f"{here}.{item.name}" for item in interface.layouts])
+    return [S.lines(erratum(item)) for item in found]
 
 
 # -- order codes
@@ -152,7 +160,7 @@ def of_crc(device: Device, item: Crc) -> list[Block]:
     return [f"Compute the {head}", *more]
 
 
-def of_procedure(device: Device, item: Procedure) -> list[str]:
+def of_procedure(device: Device, item: Procedure) -> list[Block]:
     return paragraphs([said(item.title, source=item.source), *procedure.procedure(device, item)])
 
 
