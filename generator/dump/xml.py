@@ -1,7 +1,7 @@
 """Conversion of the plain data of a device to XML and back.
 
-``language/show.schema.json`` is the only definition of the shape. The XML has the same members under the same names. The
-schema decides how each is written:
+``language/show.schema.json`` is the only definition of the shape. The XML has the same members under the same names.
+The schema decides how each is written:
 
 * An object is an element. A list of objects is an element with one element per object, named after its type.
 * Running text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or

@@ -88,9 +88,7 @@ def _wishes(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
     """Yield tasks, under the manual's names if it has any, and links to their instructions."""
     frames = [pair for pair in device.layouts() if device.tells_position(pair[0].name, pair[1])]
     over = [interface.name for interface, _ in frames]
-    labels = (
-        part.title + (f" {code(one.name)}" if interface_page.count(part.name) > 1 else "") for part, one in frames
-    )
+    labels = (part.title + (f" {code(one.name)}" if over.count(part.name) > 1 else "") for part, one in frames)
     if frames:
         links = (page_links.to_layout(device, one, label) for (_, one), label in zip(frames, labels, strict=True))
         yield "Read the position", ", ".join(links)

@@ -76,16 +76,14 @@ def _of_family(
     codes: order_code_page.Codes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
     """Yield each page with its template and values."""
-    device, folder = order_code_tables.device, order_code_tables.device.name
+    device, folder = codes.device, codes.device.name
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
     yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(taken)))
     for item in device.interfaces:
-        values = interface_page.page_values(
-            device, item.name, order_code_tables.links_beside, item.name in taken, order_code_tables.pictures
-        )
+        values = interface_page.page_values(device, item.name, codes.links_beside, item.name in taken, codes.pictures)
         yield f"{folder}/{item.name}.md", ("interface.md.jinja", values)
-    for alike in order_code_tables.alike:
-        one = order_code_page.page_values(alike, alike.interface.name in taken, order_code_tables.pictures)
+    for alike in codes.alike:
+        one = order_code_page.page_values(alike, alike.interface.name in taken, codes.pictures)
         yield f"{folder}/{alike.name}.md", ("code.md.jinja", one)
     yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
     yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
@@ -97,10 +95,10 @@ def _of_family(
 
 def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
     """Yield file name and picture."""
-    for group in (order_code_tables.pictures, *(alike.pictures for alike in order_code_tables.alike)):
+    for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
         yield from ((item.name, item.drawn) for item in group.values())
-    for interface in order_code_tables.device.interfaces:
-        shown = timing_pictures.wave(order_code_tables.device, interface)
+    for interface in codes.device.interfaces:
+        shown = timing_pictures.wave(codes.device, interface)
         if shown is not None:
             yield f"timing-{interface.name}.svg", timing_pictures.drawn(shown)
 

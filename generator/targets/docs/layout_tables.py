@@ -147,9 +147,9 @@ def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
         places: dict[str, str] = {}
         for answers, fields in shapes:
             place = next(bits(high, low) for other, high, low in fields if other is field)
-            page_links.setdefault(place, STYLE.phrase(said(*names(answers))))
+            places.setdefault(place, STYLE.phrase(said(*names(answers))))
         several = len(places) > 1
-        where = joined(f"{place} ({answer})" if several else place for place, answer in page_links.items())
+        where = joined(f"{place} ({answer})" if several else place for place, answer in places.items())
         yield named(field), where, field_cell(device, field), cited(field.source)
 
 
