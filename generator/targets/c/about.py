@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import (
     Alarm,
@@ -75,17 +75,25 @@ def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
     return _headed(title(item), alarm.alarm(device, item))
 
 
-_COVERED = "data holds the bits that the CRC covers, with the last one sent as bit 0"
-_TAKES = {
-    (Form.FOLD, Carrier.BITS): f"{_COVERED}. Leading zeros do not change the CRC.",
-    (Form.TABLE, Carrier.BITS): f"{_COVERED}. bits is their number.",
-    (Form.XOR, Carrier.BYTES): "With this polynomial the CRC of whole bytes is their XOR.",
-}
+_DATA: Paragraph = ("@param data  ", "the bits that the CRC covers, with the last one sent as bit 0")
+_BITS: Paragraph = ("@param bits  ", "number of bits")
+_BYTES: Sequence[Paragraph] = (
+    ("@param bytes  ", "the bytes that the CRC covers, in the order sent"),
+    ("@param length  ", "number of bytes"),
+)
+_RETURN: Paragraph = ("@return ", "the CRC")
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
-    derived = _derivation(function.crc) if function.form is Form.FOLD else ""
-    return [*map(S.sentence, crc.crc(device, function.crc)), _TAKES.get((function.form, function.carrier), ""), derived]
+    """Return the comment on the function of a CRC."""
+    about = list(map(S.sentence, crc.crc(device, function.crc)))
+    if function.carrier is Carrier.BYTES:
+        by_xor = "With this polynomial the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
+        return ["Compute the CRC of bytes.", *about, by_xor, *_BYTES, _RETURN]
+    if function.form is Form.FOLD:
+        zeros = "Leading zeros do not change the CRC."
+        return ["Compute the CRC of bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
+    return ["Compute the CRC of bits.", *about, _DATA, _BITS, _RETURN]
 
 
 def _derivation(item: Crc) -> str:

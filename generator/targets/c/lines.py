@@ -15,7 +15,7 @@ _ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections; and one after a declaration or a macro.
 _OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
-_BEHIND = re.compile(r"^(\s*[A-Za-z#][^*]*) /\* (?=[^*]*\*/$)")
+_BEHIND = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
 #: The end of a line that the next one continues.
 _OPEN = ("(", " =", " |")
 
@@ -62,12 +62,12 @@ def _documented(line: str) -> Iterator[str]:
         yield from _one_or_more(line.replace("/*", "/**", 1))
         return
     made = _BEHIND.sub(r"\1 /**< ", line)
-    if len(made) <= COLUMNS:
+    if made == line or len(made) <= COLUMNS:
         yield made
         return
     code, _, note = line.rpartition(" /* ")
     margin = " " * (len(code) - len(code.lstrip()))
-    yield f"{margin}/** {note}"
+    yield from _one_or_more(f"{margin}/** {note}")
     yield code.rstrip()
 
 
