@@ -209,7 +209,7 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
     *calls, last = (CALLS[item] for item in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
     interface = device.interface(run.procedure.interface)
-    yield f"Carry it out over {interface.title}. The transport needs {needed}."
+    yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
     if read_state and run.changes_frames:
         yield f"The frames depend on what it writes: call {read_state}() afterwards to update the variant."
 

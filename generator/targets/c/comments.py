@@ -81,6 +81,9 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
     for item in items:
         lead, text = ("", item) if isinstance(item, str) else item
         lead = in_comment_lead(lead)
+        if lead.startswith("@") and lines and not lines[-1].startswith(("@", " ")):
+            # The parameters of a function come after an empty line.
+            lines.append("")
         if len(lead) > COLUMNS - indent - _NARROWEST:
             # The lead is too long: the text goes below.
             lines.append(_apart(lead.rstrip()))
