@@ -168,7 +168,7 @@ def test_the_readme_names_the_macros_that_there_are(
 def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[Device, ...]) -> None:
     # AM36 set_resolution: 3 + 2 register bytes, which are read back, save, wait, open, 5 preset bytes, which are read
     # back with the byte that opens, activate, wait, 2 readings.
-    assert "28 at most (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
+    assert "at most 28 (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
 
 
 def test_an_erratum_is_told_once_with_its_reason(c_devices: tuple[Device, ...]) -> None:
