@@ -39,7 +39,7 @@ CALLS = {
     Call.WAIT: "wait_us",
     Call.SEND: "send_request",
 }
-#: What constants and functions of a register state.
+#: Labels of statements that constants and functions of a register make.
 _IN_CODE = ("Default", "Limits")
 #: The widest column of places in a comment.
 _PLACE = 50

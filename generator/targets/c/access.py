@@ -52,7 +52,7 @@ class Access:
 
     @property
     def write_depends(self) -> bool:
-        """Whether the function that writes uses the variant."""
+        """True if the function that writes uses the variant."""
         return bool(self.struct) or any(map(depends, self.outside))
 
 

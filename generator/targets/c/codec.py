@@ -84,12 +84,12 @@ class StructCodec:
 
     @property
     def decoder_depends(self) -> bool:
-        """Whether the decoder uses the variant."""
+        """True if the decoder uses the variant."""
         return self.plan.depends or not self.plan.in_bytes
 
     @property
     def encoder_depends(self) -> bool:
-        """Whether the encoder uses the variant."""
+        """True if the encoder uses the variant."""
         crc, plan = self.plan.crc, self.plan
         if self.asked and not plan.depends:
             return False
@@ -109,7 +109,7 @@ class StructCodec:
 
     @property
     def tells_difference(self) -> bool:
-        """Whether a valid frame can differ from what the manual states."""
+        """True if a valid frame can differ from what the manual states."""
         return bool(self.expected or self.struct.unused)
 
     @staticmethod

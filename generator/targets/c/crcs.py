@@ -52,7 +52,7 @@ class CrcCode:
 
     @property
     def is_reflected(self) -> bool:
-        """Whether the register of the table has its bits in reverse order."""
+        """True if the register of the table has its bits in reverse order."""
         return self.by_bits and self.in_bytes and self.crc.refin
 
     @property
@@ -61,7 +61,7 @@ class CrcCode:
 
     @property
     def is_turned(self) -> bool:
-        """Whether that register must be reversed at the end."""
+        """True if that register must be reversed at the end."""
         return self.crc.refout != self.is_reflected
 
     @property

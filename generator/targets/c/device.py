@@ -160,7 +160,7 @@ class DeviceView:
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:
-    """What ``build`` makes; what C cannot express is at this part of the spec."""
+    """Return the result of ``build``. An error of it names this part of the spec."""
     try:
         return build()
     except TargetError as error:

@@ -135,7 +135,7 @@ class ExampleCode:
 
     @property
     def struct(self) -> Struct:
-        """That of the frame."""
+        """The struct of the frame."""
         return next(
             codec.struct
             for item in self.view.interfaces
@@ -145,12 +145,12 @@ class ExampleCode:
 
     @property
     def reports(self) -> FrameReports | None:
-        """What tells of the encoder in the frame."""
+        """The reports in the frame, if any."""
         return self.view.reports.of(self.frame.layout, self.struct.name)
 
     @property
     def worth(self) -> tuple[str, ...]:
-        """What the position can be worth, in words, as the verdicts are numbered."""
+        """The verdicts in words, in the order of their numbers."""
         return tuple(WORTH[item] for item in Verdict)
 
     @property
@@ -182,7 +182,7 @@ class ExampleCode:
 
     @property
     def polls(self) -> bool:
-        """Whether a main loop can request the frame and carry out the procedure, with a reply to every request."""
+        """True if a main loop can request the frame and carry out the procedure, with a reply to every request."""
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
@@ -211,7 +211,7 @@ class ExampleCode:
 
     @property
     def repeats(self) -> bool:
-        """Whether the shared function can compare two positions, which must not be negative."""
+        """True if the shared function can compare two positions, which must not be negative."""
         measured = (item.field for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
         return bool(self.counts) and not any(item.number.signed for item in measured)
 

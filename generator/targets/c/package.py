@@ -120,7 +120,7 @@ class Guide:
 
     @property
     def over_biss(self) -> bool:
-        """Whether its registers are accessed by a BiSS master."""
+        """True if its registers are accessed by a BiSS master."""
         return isinstance(self.example.interface, Biss)
 
     @property

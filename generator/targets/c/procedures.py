@@ -68,7 +68,7 @@ class Filled:
 
     @property
     def needs_setter(self) -> bool:
-        """Whether other members repeat it, so that a function must set it."""
+        """True if other members repeat it, so that a function must set it."""
         return self.code.codec is not None and self.member in self.code.codec.set_names
 
 

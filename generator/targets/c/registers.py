@@ -89,7 +89,7 @@ class RegisterCode:
 
     @property
     def is_plain(self) -> bool:
-        """Whether the byte itself is the value, so that it needs no struct."""
+        """True if the byte itself is the value, so that it needs no struct."""
         return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.layout.fields[0])
 
     @property

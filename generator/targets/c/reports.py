@@ -45,12 +45,12 @@ class FrameReports:
 
     @property
     def verdict_depends(self) -> bool:
-        """Whether the verdict depends on the order code."""
+        """True if the verdict depends on the order code."""
         return any(item.only for _, speaking in self._levels for item in speaking)
 
     @property
     def reports_depend(self) -> bool:
-        """Whether the reports depend on the order code."""
+        """True if the reports depend on the order code."""
         return any(item.only for item in self.reporting.told)
 
     @property

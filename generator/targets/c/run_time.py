@@ -1,4 +1,4 @@
-"""Parameters that registers hold at run time: what takes them over into the variant from the bytes of a register."""
+"""Parameters that registers hold at run time: the functions that update a variant from the bytes of a register."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class Unused:
 
     @property
     def depends(self) -> bool:
-        """Whether an encoder needs the variant for it."""
+        """True if an encoder needs the variant for it."""
         return bool(self.single)
 
     # -- decoding

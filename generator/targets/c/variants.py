@@ -56,7 +56,7 @@ class VariantCode:
 
     @property
     def refuses(self) -> bool:
-        """Whether a pattern matches labels that are not an order code."""
+        """True if a pattern matches labels that are not an order code."""
         return any(item.code is None for item in self.patterns)
 
     def bits(self, item: OpenCode) -> str:
