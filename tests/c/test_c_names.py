@@ -31,7 +31,7 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 @pytest.mark.parametrize("name", [*FAMILIES, "bits22", "reserved", "tv62", "words"])
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
-    """What the text declares is what was given out, so that no clash can be overlooked."""
+    """The declarations in the text are the listed ones, so that no clash can be overlooked."""
     device = every_device[name]
     view = DeviceView(device)
     found = Counter(declared([generate(Library((device,)))[f"c/include/{device.manufacturer.name}/{name}.h"]]).names)

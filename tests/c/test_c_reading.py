@@ -18,7 +18,7 @@ _NEAR = 20
 
 #: Names as the manuals print them, and what their tables say: address, bit, value, limit or time.
 #: AM36 4.4, 6.5, 6.6; AMM5 5.3, 6.4, 6.5, 7.1 to 7.5; ASC85 6.4, 6.5; SMA21 6.3 to 6.5, 7.3.
-#: Where a bit has no constant of its own, it stands in the table of its frame.
+#: A bit without its own constant is in the table of its frame.
 PRINTED = {
     "am36": {
         "Command": "_ADDRESS 0x48U",
