@@ -225,7 +225,7 @@ def note_of_step(device: Device, item: Operation) -> str:
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
         case Writes(step):
             of = meaning or f"{_where(device, item)}: {step.value_name}"
-            return f"{of}; also done if an earlier step fails" if item.closes else of
+            return f"{of}, also done if an earlier step fails" if item.closes else of
         case Verifies():
             return f"{_where(device, item)}: read back, which the manual does not ask for"
         case Reads() | Polls():
