@@ -114,7 +114,7 @@ def built(folder: Path, include: Path, more: str = "") -> Path:
 
 
 class SlaveEnd(Protocol):
-    """What an access is held against: what registers hold, and which were written since the list was cleared."""
+    """Expected effects of an access: contents of registers, and those written since the list was cleared."""
 
     @property
     def readable(self) -> Collection[int]: ...
@@ -132,7 +132,7 @@ class SteppedSlave(SlaveEnd, Protocol):
 
 
 class MasterEnd(Protocol):
-    """How an access ended, and what was read: by the names of the outcomes in C."""
+    """Outcome of an access by its name in C, and the bytes read."""
 
     def read(self, address: int, count: int, limit: int) -> tuple[str, bytes]: ...
     def write(self, address: int, data: bytes, limit: int) -> str: ...

@@ -1,4 +1,4 @@
-"""A C program that calls everything in a header of the C target, told by lines on standard input.
+"""A C program that calls everything in a header of the C target, controlled by lines on standard input.
 
 Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time, and
 ``;ALTERNATIVE=HEX`` which answer is taken of what the manual leaves open, 00 the first.

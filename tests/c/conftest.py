@@ -1,4 +1,4 @@
-"""What the tests of the C target share: headers written once, and over each a program that answers line by line."""
+"""Fixtures of the tests of the C target: headers written once, and a program for each that answers line by line."""
 
 from __future__ import annotations
 

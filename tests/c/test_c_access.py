@@ -26,7 +26,7 @@ def variant_of(device: Device, register: Register) -> Variant:
 
 
 def contents(register: Register) -> Iterable[bytes]:
-    """What a register may hold: every byte where it is one, else few bits, all bits and its default."""
+    """Return values for a register: every byte if it is one, else few bits, all bits and its default."""
     if register.length == 1:
         yield from (bytes([value]) for value in range(256))
         return

@@ -365,7 +365,7 @@ def test_the_same_bits_in_both_languages(build: Build, languages: tuple[str, str
 
 @pytest.mark.parametrize("languages", PAIRS, ids="-".join)
 def test_one_flipped_bit_as_in_python(build: Build, languages: tuple[str, str]) -> None:
-    """What each flipped bit does is written down in the tests of the Python module; here it is the same."""
+    """Each flipped bit has the same effect as in the tests of the Python module."""
 
     def story(pair: tuple[str, str], write: bool, frame: int, of_cds: bool) -> object:
         line = build(pair, readable=[0x44, 0x45], writable=[0x44, 0x45])

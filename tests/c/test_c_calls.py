@@ -48,7 +48,7 @@ def uncalled(files: Mapping[str, str]) -> list[tuple[str, str]]:
 
 
 def for_nobody(devices: tuple[Device, ...], files: Mapping[str, str]) -> list[str]:
-    """Those of them that are no user's either."""
+    """Return those of them that no user calls either."""
     families = {device.name: device for device in devices}
     left = []
     for header, name in uncalled(files):

@@ -58,7 +58,7 @@ class Table:
                     yield name, variant, layout.place(variant.parameters)
 
     def row(self, name: str, placed: PlacedLayout, number: int) -> str:
-        """What the harness has to print for a number without faults."""
+        """Return the expected output of the harness for a number without errors."""
         layout = placed.layout
         number = codec.from_gray(placed, number)
         found: dict[str, int | str] = {}
@@ -82,7 +82,7 @@ class Table:
 
 
 def meant(field: Field, width: int, raw: int) -> int | bool:
-    """What the bits of a field stand for."""
+    """Return the meaning of the bits of a field."""
     if isinstance(field.kind, Flag):
         return bool(raw) != field.kind.active_low
     if field.number.signed and raw >> (width - 1):
@@ -210,7 +210,7 @@ def round_trips(table: Table) -> list[tuple[str, str]]:
 
 
 def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLayout, number: int) -> bool:
-    """Whether a register's value is one that may be written; encoders refuse others."""
+    """Return True if a value may be written to a register; encoders refuse others."""
     register = next((item for item in device.registers if f"reg_{item.name}" == name), None)
     if register is None:
         return True

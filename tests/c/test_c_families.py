@@ -364,7 +364,7 @@ def test_open_parts_are_written_out(expression: str, patterns: tuple[str, ...]) 
 
 
 def measuring(device: Device, variant: Variant) -> str:
-    """What comes before the name of a function of positions: the interface, where interfaces measure differently."""
+    """Return the prefix of a function of positions: the interface if interfaces measure differently."""
     formulas = {
         formula(item)
         for item in map(device.measurement_of, (interface.name for interface in device.interfaces))

@@ -333,7 +333,7 @@ def test_every_register_alarm_and_limit_is_there(
 
 @pytest.mark.slow
 def test_constants_and_small_functions(include: Path, tmp_path: Path) -> None:
-    """What only a compiled program shows: time-outs, cable lengths, masks that follow an order code, expected texts."""
+    """Check in a compiled program: time-outs, cable lengths, masks that depend on an order code, expected texts."""
     code = """#include "lika/amm5.h"
 #include <stdio.h>
 int main(void)
@@ -492,7 +492,7 @@ MAY_BE_LEFT = {"lika_tracker_add"}
 
 
 def test_no_result_can_be_dropped_unseen(include: Path) -> None:
-    """Each function that gives a result has the mark by which compilers warn where nobody looks at it."""
+    """Each function that returns a result has the mark by which compilers warn if it is ignored."""
     plain, marked = set(), set()
     for path in include.rglob("*.h"):
         text = without_texts(path.read_text(encoding="ascii"))

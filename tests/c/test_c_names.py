@@ -31,7 +31,7 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 @pytest.mark.parametrize("name", [*FAMILIES, "bits22", "reserved", "tv62", "words"])
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
-    """What the text declares is what was given out, so that no clash can be overlooked."""
+    """The declarations in the text are the listed ones, so that no clash can be overlooked."""
     device = every_device[name]
     view = DeviceView(device)
     found = Counter(declared([generate(Library((device,)))[f"c/include/{device.manufacturer.name}/{name}.h"]]).names)
@@ -69,8 +69,8 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     )
     for ending in ("", "_bits", "_crc", "_decode", "_encode"):
         wanted = (
-            f"a_b.yaml:{line}:9: c-name: something of it would be called test_a_b_c{ending} in C, "
-            "and so would something of the family 'a'; rename one of the two"
+            f"a_b.yaml:{line}:9: c-name: it needs the C name test_a_b_c{ending}, "
+            "and so does the family 'a'; rename one of the two"
         )
         assert any(row.endswith(wanted) for row in said), said
 

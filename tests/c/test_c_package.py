@@ -123,8 +123,8 @@ def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_p
     status, said = ran(tmp_path / "c", "amm5_rs485")
     assert status == 1
     # The third poll is the one that the simulated line loses whole.
-    whys = re.findall(r"us: (a reply without its first byte: is the driver released too late\?|no reply)", said)
-    assert [why[:2] for why in whys[:4]] == ["a ", "a ", "no", "a "]
+    whys = re.findall(r"us: (first byte of the reply missing: is the driver released too late\?|no reply)", said)
+    assert [why[:2] for why in whys[:4]] == ["fi", "fi", "no", "fi"]
 
 
 @pytest.mark.slow

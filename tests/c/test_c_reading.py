@@ -18,7 +18,7 @@ _NEAR = 20
 
 #: Names as the manuals print them, and what their tables say: address, bit, value, limit or time.
 #: AM36 4.4, 6.5, 6.6; AMM5 5.3, 6.4, 6.5, 7.1 to 7.5; ASC85 6.4, 6.5; SMA21 6.3 to 6.5, 7.3.
-#: Where a bit has no constant of its own, it stands in the table of its frame.
+#: A bit without its own constant is in the table of its frame.
 PRINTED = {
     "am36": {
         "Command": "_ADDRESS 0x48U",
@@ -168,7 +168,7 @@ def test_the_readme_names_the_macros_that_there_are(
 def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[Device, ...]) -> None:
     # AM36 set_resolution: 3 + 2 register bytes, which are read back, save, wait, open, 5 preset bytes, which are read
     # back with the byte that opens, activate, wait, 2 readings.
-    assert "28 at most (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
+    assert "at most 28 (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
 
 
 def test_an_erratum_is_told_once_with_its_reason(c_devices: tuple[Device, ...]) -> None:

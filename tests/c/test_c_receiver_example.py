@@ -153,7 +153,7 @@ def program(made_once: MadeOnce) -> Path:
 
 
 #: What the program prints: when, and where the axis was at which time.
-SAID = re.compile(r"(\d+) us: (?:no position yet|(-?\d+) counts at (\d+) us, (-?\d+) in a second)")
+SAID = re.compile(r"(\d+) us: (?:no position yet|(-?\d+) counts at (\d+) us, (-?\d+) counts/s)")
 
 
 class Told(NamedTuple):

@@ -1,4 +1,4 @@
-"""What frames tell of the encoder in C, as the reference has it: verdict, reports and their texts, unused bits."""
+"""Reports of frames in C, compared with the reference: verdict, reports and their texts, unused bits."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def said_by(device: Device, told: Told) -> tuple[str, str]:
 
 
 class Telling:
-    """What the frames of a device tell, by the reference, as C has to give it."""
+    """Expected reports of the frames of a device, from the reference."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -73,7 +73,7 @@ class Telling:
         return verdict, self.mask(said.reports, placed.name)
 
     def row(self, variant: Variant, placed: PlacedLayout, number: int) -> str:
-        """What the harness has to answer."""
+        """Return the expected answer of the harness."""
         verdict, reports = self.of(variant, placed, number)
         told = f"{reports:X}" if self.has_reports(placed.name) else "-"
         return f"0 {'-' if verdict is None else verdict} {told}"
@@ -183,7 +183,7 @@ def test_the_only_printed_reply_to_data_id_5_has_its_position(programs: Mapping[
 
 
 def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every_device: Mapping[str, Device]) -> None:
-    """AM36 sends nE and nW as 1 always (6.3.1); a word with one of them at 0 has its position all the same."""
+    """AM36 sends nE and nW as 1 always (6.3.1); a word with one of them at 0 still has its position."""
     device = every_device["am36"]
     variant = next(item for item in device.variants if item.interface == "biss")
     placed = device.interface("biss").layouts[0].place(variant.parameters)

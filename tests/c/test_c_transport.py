@@ -58,7 +58,7 @@ class Case:
 
     @property
     def lines(self) -> list[tuple[str, tuple[int, int, int, int]]]:
-        """Each access, and the step, kind, call and address that are told when it fails."""
+        """Each access, and the step, kind, call and address reported when it fails."""
         found = []
         for line in (item.strip() for item in self.record.strip().splitlines()):
             match = re.fullmatch(r"(\d+)(?: (\w+))?(?: ([0-9A-F]{2}))?: ((\w+)(?: ([0-9A-F]+))?.*)", line)
@@ -69,7 +69,7 @@ class Case:
         return found
 
     def closing(self, failed: int) -> tuple[list[str], bool]:
-        """What closes the register that is open once this access has failed, and whether it stays open all the same."""
+        """Return the accesses that close the open register after this failure, and True if it stays open."""
         at = next((index for index, (_, told) in enumerate(self.lines) if told[1] == CLOSE), -1)
         return ([self.lines[at][0]] if failed < at else []), failed == at
 

@@ -130,7 +130,7 @@ class Encoder:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a call gave: its result, the bytes it filled, the failure, and what the encoder saw."""
+    """Outcome of a call: its result, the bytes it filled, the failure, and the accesses that the encoder saw."""
 
     result: int
     data: bytes

@@ -19,7 +19,7 @@ _STRUCT = re.compile(r"^typedef struct \w+ \{.*?^\} (\w+);", re.MULTILINE | re.D
 
 @dataclass(frozen=True)
 class Declared:
-    """What the headers declare at file scope."""
+    """Return the names that the headers declare at file scope."""
 
     functions: tuple[tuple[str, str, str], ...]
     macros: Sequence[tuple[str, str]]
@@ -64,7 +64,7 @@ def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
     code = "\n".join(map(without_nodiscard, map(without_texts, texts)))
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
-    # What the expressions above do not find would not be used, and nobody would see it.
+    # A name that the expressions above do not find would be unused without notice.
     assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"
     macros = [
         (name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()

@@ -82,7 +82,7 @@ def test_headers_of_two_generations(tmp_path: Path, compiler: str, mixed: str) -
         assert code != 0
         first = next(line for line in said.splitlines() if "error" in line)
         assert first.endswith(
-            f'#error "maker/{mixed} {version} and maker/encoder.h are of two generations; take both from one folder"'
+            f'#error "maker/{mixed} {version} and maker/encoder.h differ in generation: take both from one folder"'
         )
 
 

@@ -1,11 +1,12 @@
-"""What comments say of the parts of a device, and of the functions that use them."""
+"""Comments on the parts of a device, and on the functions that use them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import (
     Alarm,
+    Argument,
     Crc,
     Device,
     Field,
@@ -37,14 +38,14 @@ CALLS = {
     Call.WAIT: "wait_us",
     Call.SEND: "send_request",
 }
-#: What constants and functions of a register state.
+#: Labels of statements that constants and functions of a register make.
 _IN_CODE = ("Default", "Limits")
 #: The widest column of places in a comment.
 _PLACE = 50
 
 
 def _headed(name: str, items: Iterable[Said]) -> list[Paragraph]:
-    """The statements, the first of them after the name."""
+    """Return the statements, with the name before the first one."""
     lines = list(map(S.sentence, items))
     return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
 
@@ -56,11 +57,11 @@ def about_order_codes(device: Device) -> list[Paragraph]:
     unknown = unknown_parts(device)
     hidden = [item for part in device.order_code.parts if part.name in unknown for item in order_code.open_values(part)]
     about: list[Paragraph] = [S.sentence(item) for item in order_code.order_code(device) if item not in hidden]
-    return [*about, f"Known here only as listed: {', '.join(unknown)}."] if unknown else about
+    return [*about, f"Only the listed values are known here for: {', '.join(unknown)}."] if unknown else about
 
 
 def about_parameter(device: Device, prefix: str, item: Parameter) -> str:
-    taken = f" {prefix}_take_{item.register}() takes it over." if item.read_from else ""
+    taken = f" {prefix}_take_{item.register}() updates it." if item.read_from else ""
     in_code = list(parameter.origin(device, item)) if item.equals is not None else ()
     return S.paragraph(one for one in parameter.parameter(device, item) if one not in in_code) + taken
 
@@ -73,29 +74,40 @@ def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
     return _headed(title(item), alarm.alarm(device, item))
 
 
-_COVERED = "The argument holds the bits that the CRC covers, the last one sent in bit 0"
-_TAKES = {
-    (Form.FOLD, Carrier.BITS): f"{_COVERED}. Bits of 0 before them change nothing.",
-    (Form.TABLE, Carrier.BITS): f"{_COVERED}, and how many they are.",
-    (Form.XOR, Carrier.BYTES): "With this polynomial the CRC of whole bytes is their XOR.",
-}
+_DATA: Paragraph = ("@param data  ", "the bits that the CRC covers, with the last one sent as bit 0")
+_BITS: Paragraph = ("@param bits  ", "number of bits")
+_BYTES: Sequence[Paragraph] = (
+    ("@param bytes  ", "the bytes that the CRC covers, in the order sent"),
+    ("@param length  ", "number of bytes"),
+)
+_RETURN: Paragraph = ("@return ", "the CRC")
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
-    derived = _derivation(function.crc) if function.form is Form.FOLD else ""
-    return [*map(S.sentence, crc.crc(device, function.crc)), _TAKES.get((function.form, function.carrier), ""), derived]
+    """Return the comment on the function of a CRC."""
+    about = list(map(S.sentence, crc.crc(device, function.crc)))
+    if function.carrier is Carrier.BYTES:
+        by_xor = "With this polynomial the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
+        return ["Compute the CRC of bytes.", *about, by_xor, *_BYTES, _RETURN]
+    if function.form is Form.FOLD:
+        zeros = "Leading zeros do not change the CRC."
+        return ["Compute the CRC of bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
+    return ["Compute the CRC of bits.", *about, _DATA, _BITS, _RETURN]
 
 
 def _derivation(item: Crc) -> str:
-    """Why straight-line code leaves the remainder."""
+    """Explain why the straight-line code leaves the remainder."""
     width, middle = item.width, (item.poly >> 1).bit_length()
     if not middle:
-        return f"x^{width} leaves 1: the bits from {width} on go down by {width}, until {width} are left."
-    powers = [f"{_power(width << up)} leaves {_power(middle << up)} + 1" for up in range(3)]
+        return (
+            f"How it folds: the remainder of x^{width} is 1, so the bits from {width} up are XORed into those "
+            f"{width} places lower, until {width} bits are left."
+        )
+    powers = [f"of {_power(width << up)} is {_power(middle << up)} + 1" for up in range(3)]
     return (
-        f"How it folds: {powers[0]}, so that {powers[1]} (the square) and {powers[2]}. With h = v >> {4 * width}, "
-        f"v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}); in the same way at {2 * width} with "
-        f"{2 * middle}, and at {width} with {middle}, until {width} bits are left."
+        f"How it folds: the remainder {powers[0]}. By squaring, the remainder {powers[1]}, and {powers[2]}. "
+        f"With h = v >> {4 * width}, v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}). The same is done at "
+        f"{2 * width} with {2 * middle} and at {width} with {middle}, until {width} bits are left."
     )
 
 
@@ -107,8 +119,8 @@ def _power(exponent: int) -> str:
 
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
+    """Return what the frame is, where its bits are, and last its errata, which few readers need."""
     item = struct.layout
-    """What the frame is and where its bits are; errata after that, which few come for."""
     elsewhere = list(layout.joins(item))  # Their members say it.
     errata = list(layout.errata_of(device, interface, item))
     about = [one for one in layout.layout(device, interface, item) if one not in (*elsewhere, *errata)]
@@ -117,25 +129,25 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 
 
 def about_member(struct: Struct, item: Field) -> str:
-    """What its enumeration does not say."""
+    """Return what the enumeration of a field does not say."""
     choice = struct.enumeration(item)
     about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
     return " ".join(filter(None, (S.paragraph(about), "No terminator." if isinstance(item.kind, Text) else "")))
 
 
 def about_unused(struct: Struct) -> str:
-    """What the member for all unused bits holds."""
+    """Describe the member for all unused bits."""
     fields = listed([f"{bit_range(at + item.widest - 1, at)} {item.name}" for item, at in struct.layout.unused])
-    return f"Unused bits, each 1 where it is not as the manual has it: {S.phrase(said(*fields))}."
+    return f"Unused bits, each 1 if it differs from the manual: {S.phrase(said(*fields))}."
 
 
 def place(item: Layout, of: Field) -> str:
-    """Where a field lies."""
+    """Return the place of a field."""
     return S.phrase(said(*field_place(item, of)))
 
 
 def _holds(struct: Struct, item: Field) -> str:
-    """What no member says of a field, and how wide it is where its place does not tell."""
+    """Return what no member says about a field, and its width unless its place shows it."""
     is_member = item.carries_data and item is not struct.plan.selector
     about = () if is_member else field.field(struct.device, item)
     if item.is_fixed:
@@ -145,13 +157,13 @@ def _holds(struct: Struct, item: Field) -> str:
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:
-    """One line for each field: where it is, its name, and what no member says."""
+    """Yield one line for each field: its place, its name, and what no member says."""
     rows = [
         (place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item))
         for item in struct.layout.fields
         if struct.plan.by_word or not item.padding_of
     ]
-    # A long place has its text below, and does not widen the column for the others.
+    # The text of a long place goes below it, so that it does not widen the column for the others.
     places = max((len(row[0]) for row in rows if len(row[0]) <= _PLACE), default=0)
     names = max((len(row[1]) for row in rows), default=0)
     for where, name, holds in rows:
@@ -168,50 +180,53 @@ def about_register(device: Device, item: Register) -> list[Paragraph]:
 
 
 def about_access(device: Device, item: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
-    """What a function says that reads a register, or writes it."""
-    waits = f", then waits {item.wait_at_least_ms} ms" if writes and item.wait_at_least_ms is not None else ""
-    yield f"{'Writes' if writes else 'Reads'} {title(item)}, {addresses(item)}{waits}."
+    """Yield the comment on a function that reads or writes a register."""
+    waits = f", then wait {item.wait_at_least_ms} ms" if writes and item.wait_at_least_ms is not None else ""
+    yield f"{'Write' if writes else 'Read'} {title(item)}, {addresses(item)}{waits}."
     selector = device.bank_selector(item)
     if selector:
-        yield f"Selects bank {item.bank} first: a write to {title(device.register(selector))}."
+        yield f"It first selects bank {item.bank} by a write to {title(device.register(selector))}."
     elif item.bank is not None:
-        yield f"Bank {item.bank} has to be selected before."
+        yield f"Select bank {item.bank} before you call it."
     if writes and read_state:
-        yield f"The frames depend on it: {read_state}() makes the variant follow."
+        yield f"The frames depend on it: call {read_state}() afterwards to update the variant."
 
 
 # -- procedures
 
 
-def about_procedure(device: Device, item: Procedure, names: Mapping[str, str]) -> list[Paragraph]:
-    arguments = (f"{names[one.name]}: {S.sentence(procedure.argument(device, one))}" for one in item.arguments)
+def about_procedure(device: Device, item: Procedure) -> list[Paragraph]:
     head = S.sentence(said(item.title, source=item.source))
-    return [head, *arguments, *map(S.sentence, procedure.procedure(device, item))]
+    return [head, *map(S.sentence, procedure.procedure(device, item))]
+
+
+def about_argument(device: Device, item: Argument) -> str:
+    return S.sentence(procedure.argument(device, item))
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
     *calls, last = (CALLS[item] for item in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
     interface = device.interface(run.procedure.interface)
-    yield f"Carries it out over {interface.title}; the transport needs {needed}."
+    yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
     if read_state and run.changes_frames:
-        yield f"The frames depend on what it writes: {read_state}() makes the variant follow."
+        yield f"The frames depend on what it writes: call {read_state}() afterwards to update the variant."
 
 
 def note_of_step(device: Device, item: Operation) -> str:
-    """What a step is for: its row has the address, the bytes and the times."""
+    """Return the purpose of a step. Its row already has the address, the bytes and the times."""
     meaning = item.step.meaning
     match item:
         case Waits(step):
             return meaning or S.phrase(procedure.step(device, step))
         case Sends(step=step):
-            alone = "in succession, no other request in between" if step.in_succession else ""
+            alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
         case Writes(step):
             of = meaning or f"{_where(device, item)}: {step.value_name}"
-            return f"{of}; also where a step before it fails" if item.closes else of
+            return f"{of}, also done if an earlier step fails" if item.closes else of
         case Verifies():
-            return f"{_where(device, item)}: read back, which no manual asks for"
+            return f"{_where(device, item)}: read back, which the manual does not ask for"
         case Reads() | Polls():
             return ": ".join(filter(None, (title(item.field or item.register), meaning)))
         case _:
@@ -219,7 +234,7 @@ def note_of_step(device: Device, item: Operation) -> str:
 
 
 def note_of_read(device: Device, item: Reads) -> str:
-    """What a member holds that takes what is read."""
+    """Describe a member for bytes that are read."""
     return ": ".join(filter(None, (_where(device, item), item.step.meaning)))
 
 

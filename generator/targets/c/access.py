@@ -15,9 +15,9 @@ from .structs import Struct
 
 
 class Access:
-    """The functions that read and write a register, as its access allows; an empty name where there is none.
+    """The functions that read and write a register. The name of one that its access does not allow is empty.
 
-    Registers reserved to the manufacturer are only read. ``struct`` is empty where the register is one plain byte.
+    Registers reserved to the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
     """
 
     def __init__(self, layout: Struct, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
@@ -46,16 +46,16 @@ class Access:
             self.bank = number_to_bytes(selecting.layout, register.bank or 0, 8)[0]
 
     def is_unknown(self, name: str, is_raw: bool) -> Expr:
-        """Whether a byte is none of the named values."""
+        """Return the condition that a byte has none of the named values."""
         return self._layout.is_none_of(self._field, Name(name), self.values, is_raw)
 
     @property
     def write_depends(self) -> bool:
-        """Whether the function that writes looks at the variant."""
+        """True if the function that writes uses the variant."""
         return bool(self.struct) or any(map(depends, self.outside))
 
 
 def state_registers(device: Device) -> list[str]:
-    """The registers that hold what is part of the variant and can be read, each once."""
+    """Return the readable registers that hold a part of the variant, each once."""
     names = dict.fromkeys(item.register for item in device.run_time_parameters)
     return [name for name in names if device.register(name).readable]

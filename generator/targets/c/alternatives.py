@@ -1,4 +1,4 @@
-"""What a manual leaves open, in C: an enumeration of the answers, which the functions that need one take."""
+"""Choices that a manual leaves open, in C: an enumeration of the answers, as an argument of functions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .names import Declared
 from .reserved import c_name
 from .style import S
 
-#: What the functions of a frame call their other arguments and locals.
+#: Names of the other arguments and locals in the functions of a frame.
 _TAKEN = frozenset(("bytes", "crc", "flags", "in", "length", "out", "plain", "unused", "variant", "word"))
 
 
@@ -29,13 +29,13 @@ class AnsweredBy:
 
 
 class AlternativeCode:
-    """``argument`` is what the answer is called where it is handed over."""
+    """An alternative. ``argument`` is the name of the argument that carries the answer."""
 
     def __init__(self, device: Device, prefix: str, item: Alternative) -> None:
         self.item = item
         self.type = f"{prefix}_{item.name}"
         self.argument = c_name(item.name, _TAKEN)
-        #: What programs call the answer that they take.
+        #: Name of the chosen answer in the programs.
         self.constant = f"my_{item.name}"
         entries = tuple(
             Entry(f"{self.type}_{answer.name}".upper(), index, S.sentence(said(answer.meaning, source=answer.source)))
@@ -43,7 +43,7 @@ class AlternativeCode:
         )
         about = [
             S.sentence(said(item.meaning, source=item.source)),
-            "Decide it for your encoder: what is known does not settle it, and there is no default.",
+            "Choose the answer for your encoder. No known source settles it, and there is no default.",
             *(S.sentence(erratum(one)) for one in errata(device, f"alternatives.{item.name}")),
         ]
         self.enumeration = Enumeration(self.type, about, (), entries, 1, ("alternatives", item.name))
@@ -54,12 +54,12 @@ class AlternativeCode:
         )
 
     def declared(self) -> Iterator[Declared]:
-        """What it declares at file scope."""
+        """Yield what it declares at file scope."""
         yield from self.enumeration.declared()
         yield from ((item.name, self.enumeration.path) for item in self.functions)
 
     def _value(self, parameter: str) -> Expr:
-        """The parameter by the answer; the last answer is what is none of the others."""
+        """Return the parameter as a function of the answer. The last answer is the default branch."""
         *others, value = (Number(answer.sets[parameter]) for answer in self.item.answers)
         found: Expr = value
         for entry, other in reversed(list(zip(self.enumeration.entries, others, strict=False))):
@@ -68,6 +68,6 @@ class AlternativeCode:
 
 
 def asked(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
-    """Those on whose answers these expressions depend."""
+    """Return the alternatives on whose answers these expressions depend."""
     names = {name for item in expressions for name in item.parameters}
     return tuple(item for item in alternatives if not names.isdisjoint(item.item.answers[0].sets))

@@ -1,4 +1,4 @@
-"""Where the bits of fields are: expressions that take them out of the word or out of the bytes."""
+"""Expressions that extract the bits of fields from the word or from the bytes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .types import size_of, unsigned
 
 
 def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
-    """The bits in these pieces of ``bytes``, and the type that holds them; 0 where no order code has such bits."""
+    """Return the type and the bits in these pieces of ``bytes``; 0 if no order code has such bits."""
     if not pieces:
         return unsigned(1), Number(0)
     bits = sum(piece.mask.bit_length() for piece in pieces)
@@ -25,7 +25,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
 
 
 def _part(piece: Piece) -> Expr:
-    """What a byte has of a field, at its low end."""
+    """Return the bits of a byte that belong to a field, shifted to bit 0."""
     part = right(Name(f"bytes[{piece.byte}]"), piece.right)
     reaches_top = piece.right + piece.mask.bit_length() == 8
     return part if reaches_top else masked(part, piece.mask)
@@ -33,18 +33,18 @@ def _part(piece: Piece) -> Expr:
 
 @dataclass(frozen=True)
 class Reader:
-    """Takes fields out of a layout: out of the word, where it is taken as one, otherwise out of the bytes."""
+    """Expressions that extract the fields of a layout: from the word if there is one, otherwise from the bytes."""
 
     plan: Codec
     scope: Scope
 
     @property
     def word(self) -> Expr:
-        """The word, whatever Gray code was in it taken out."""
+        """The word, with any Gray code in it converted."""
         return Name("plain" if self.plan.gray is not None else "word")
 
     def value(self, bits: Bits) -> tuple[str, Expr]:
-        """The bits of a field, and the type that holds them; with padding where that is read along."""
+        """Return the type and the bits of a field, with its padding if that is read as well."""
         if not self.plan.by_word:
             return of_bytes(bits.pieces)
         kind = unsigned(bits.widest)
@@ -54,19 +54,19 @@ class Reader:
         return kind, number if bits.widest > 32 and not bits.are_fixed else Cast(kind, number)
 
     def in_word(self, bits: Bits) -> Expr:
-        """The bits of the word, at a fixed place in 32 bits where they lie within the lower half."""
+        """Return bits of the word. At a fixed place in the lower half, the expression has 32 bits."""
         if bits.are_fixed:
             low, width = bits.low.constant, bits.width.constant
             return masked(right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
             return Call(f"{self.scope.maker}_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
-        # Nothing lies above it: the length has been checked.
+        # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
             return right(self.word, bits.low.constant)
         return Call(f"{self.scope.maker}_above", (self.word, self.scope.of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
-        """The bit of a flag where it is: in the word, or in the byte ``flags``."""
+        """Return the bit of a flag in place: in the word, or in the byte ``flags``."""
         if not self.plan.by_word:
             return masked(Name("flags"), bits.pieces[0].mask << bits.pieces[0].right)
         if not bits.are_fixed:
@@ -74,18 +74,18 @@ class Reader:
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
 
     def lower(self, high: int) -> Expr:
-        """The word, or its lower half where the bits below ``high`` are enough."""
+        """Return the word, or its lower half if the bits below ``high`` are enough."""
         return Cast("uint32_t", self.word) if high <= 32 < self.plan.layout.widest else self.word
 
     def whole(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
-        """A join as one number: out of the word where its fields lie side by side, else of its fields by name."""
+        """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
         if whole.bits is None:
             return self.joined(whole, name_of)
         number = self.in_word(whole.bits)
         return number if whole.widest > 32 else Cast(unsigned(whole.widest), number)
 
     def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
-        """The fields of a join as one number of the join's type."""
+        """Return the fields of a join as one number of the join's type."""
         first, *others = whole.fields
         kind = unsigned(whole.widest)
         number: Expr = Cast(kind, name_of(first))
@@ -94,7 +94,7 @@ class Reader:
         return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
 
     def parity(self, parts: Sequence[tuple[Expr, int]]) -> Expr:
-        """Whether the count of ones in these numbers together is odd. Each comes with its largest width."""
+        """Return the parity of these numbers together, 1 for an odd count of ones. Each has its largest width."""
         widest = max(width for _, width in parts)
         kind = unsigned(max(widest, 32))
         (number, _), *others = parts
@@ -106,7 +106,7 @@ class Reader:
 
 
 def digits(number: object, field: Field, run: Digits) -> Expr:
-    """A run of decimal digits of a number, taken out of it."""
+    """Return a run of decimal digits extracted from a number."""
     name = Name(str(number))
     above = Operation("/", (name, Number(run.divisor))) if run.divisor > 1 else name
     return above if run is field.runs[0] else Operation("%", (above, Number(run.modulus)))

@@ -1,4 +1,4 @@
-"""Which worked examples of the manual a program shows, and a frame that is made up where the manual has none."""
+"""The worked examples of the manual that a program shows, and a made-up frame if the manual has none."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from ...reference import codec
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame as a number, and where it comes from."""
+    """A frame as a number, and its source."""
 
     layout: Layout
     wire: int
@@ -42,10 +42,10 @@ class Frame:
 
 
 class Chosen:
-    """What the manual shows for one order code of an interface: the one with the most examples that are as printed.
+    """The examples for one order code of an interface: the one with the most examples that are used as printed.
 
     Raises:
-        EncodeError: It shows no frame, and no plain one can be made up.
+        EncodeError: The manual shows no frame, and no plain one can be made up.
     """
 
     def __init__(self, device: Device, interface: Interface) -> None:
@@ -54,13 +54,13 @@ class Chosen:
         given = [item for item in device.examples if self._is_here(item)]
         counted = Counter(example_variant(device, item).code for item in given if not item.erratum)
         variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
-        # Without any example, the one of the finest resolution.
+        # Without any example, take the one with the finest resolution.
         self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
         self.examples = [item for item in given if example_variant(device, item) == self.variant]
         self.frame = self._frame()
 
     def _is_here(self, example: Example) -> bool:
-        """Whether the manual shows it for an order code with this interface."""
+        """Return True if the manual shows it for an order code with this interface."""
         if example_variant(self.device, example).interface != self.interface.name:
             return False
         match example:
@@ -79,7 +79,7 @@ class Chosen:
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
-        """The registers that are shown, by name; simulated ones have no banks."""
+        """The registers that are shown, by name. Simulated ones have no banks."""
         shown: dict[str, tuple[Register, RegisterExample]] = {}
         for item in self.examples:
             if isinstance(item, RegisterExample) and self.device.register(item.register).bank is None:
@@ -88,7 +88,7 @@ class Chosen:
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
-        """The worked procedure that writes most; without one, the first that clears an alarm by a request."""
+        """The worked procedure with the most writes; without one, the first that clears an alarm by a request."""
         given = (item for item in self.examples if isinstance(item, ProcedureExample))
         worked = [(self.device.procedure(item.procedure), item) for item in given]
         # The simulated encoder is never done, so that a poll would not end.
@@ -107,9 +107,9 @@ class Chosen:
     # -- the frame
 
     def _frame(self) -> Frame:
-        """A worked frame; one as printed comes first, and one of the manual before one of another source.
+        """Return a worked frame, or a made-up one if there is none.
 
-        Without any, one is made up.
+        A frame used as printed is preferred, then one of the manual to one of another source.
         """
         worked = [item for item in self.examples if isinstance(item, FrameExample)]
         if not worked:
@@ -121,7 +121,7 @@ class Chosen:
 
     def _made_up(self) -> Frame:
         sent = [item for item in self.interface.layouts if item.sender == "encoder"]
-        # Rather one that the user need not decide on; order codes have the first answer of each alternative.
+        # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
         sent.sort(key=lambda item: (not self.has_position(item), bool(self.device.alternatives_of(item))))
         layout, measured = sent[0], self.has_position(sent[0])
         placed = layout.place(self.variant.parameters)
@@ -132,13 +132,13 @@ class Chosen:
             of = self.measurement.of
             parts = layout.names_in(of)
             others = {name: value for name, value in values.items() if name not in parts}
-            # Where the position does not fit, the frame goes without it.
+            # If the position does not fit, the frame has none.
             with suppress(codec.EncodeError):
                 return Frame(layout, codec.encode(self.device, placed, {**others, of: counts}), about)
         return Frame(layout, codec.encode(self.device, placed, values), "made up, since the manual shows none")
 
     def has_position(self, layout: Layout) -> bool:
-        """Whether a layout has what positions are measured by."""
+        """Return True if a layout has the field or join that positions are measured by."""
         members = {field.name for field in layout.data_fields} | {join.name for join in layout.joins}
         return self.measurement is not None and self.measurement.of in members
 
@@ -153,7 +153,7 @@ class Chosen:
 
 
 def _plain_value(layout: Layout, field: Field) -> int | str:
-    """A value that the field can have, the plainest."""
+    """Return the plainest value that the field can have."""
     if field.name == layout.selector:
         return layout.selects[0]
     if field.values:

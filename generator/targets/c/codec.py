@@ -22,7 +22,7 @@ from .types import number, string
 
 
 class StructCodec:
-    """What the templates print for a layout. ``about`` tells of a frame; a register has told of itself."""
+    """The values that the templates print for a layout. ``about`` describes a frame; it is empty for a register."""
 
     def __init__(self, struct: Struct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()) -> None:
         self.struct = struct
@@ -34,7 +34,7 @@ class StructCodec:
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         self.asked = tuple(item for item in struct.context.alternatives if item.item in self.plan.alternatives)
-        #: What a frame tells of the encoder; a register says what its bits mean, and no more.
+        #: The reports of a frame; a register has none.
         self.reports = struct.context.reports.of(struct.layout, self.name) if struct.register is None else None
 
     def declared(self) -> Iterator[Declared]:
@@ -64,13 +64,13 @@ class StructCodec:
 
     @property
     def set_names(self) -> tuple[str, ...]:
-        """The members that have others beside them which say the same."""
+        """The members that other members repeat."""
         decimal = (part.field.name for part in self.plan.parts if part.field.runs)
         return (*(whole.join.name for whole in self.plan.wholes), *decimal)
 
     @cached_property
     def word_crc(self) -> WordCrc | None:
-        """The function that finds the CRC of a whole word."""
+        """The function that computes the CRC of a whole word."""
         crc, bits = self.plan.crc, self.plan.layout.widest
         # Its register has 32 bits.
         if crc is None or not crc.divides or crc.crc.width > 32:
@@ -79,17 +79,17 @@ class StructCodec:
         return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps)
 
     def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
-        """Of what the manual leaves open, what has to be known for these expressions."""
+        """Return the alternatives whose answers these expressions need."""
         return asked(self.asked, *expressions)
 
     @property
     def decoder_depends(self) -> bool:
-        """Whether the decoder looks at the variant."""
+        """True if the decoder uses the variant."""
         return self.plan.depends or not self.plan.in_bytes
 
     @property
     def encoder_depends(self) -> bool:
-        """Whether the encoder looks at the variant."""
+        """True if the encoder uses the variant."""
         crc, plan = self.plan.crc, self.plan
         if self.asked and not plan.depends:
             return False
@@ -101,7 +101,7 @@ class StructCodec:
             or (crc is not None and not plan.in_bytes and self.word_crc is None and not crc.covered.is_constant)
         )
 
-    # -- what the manual states that fields hold
+    # -- values of fields that the manual states
 
     @property
     def expected(self) -> tuple[Field, ...]:
@@ -109,12 +109,12 @@ class StructCodec:
 
     @property
     def tells_difference(self) -> bool:
-        """Whether a sound frame can hold anything that is not as the manual states it."""
+        """True if a valid frame can differ from what the manual states."""
         return bool(self.expected or self.struct.unused)
 
     @staticmethod
     def is_the_same(field: Field) -> bool:
-        """Whether the manual states one value for all order codes."""
+        """Return True if the manual states one value for all order codes."""
         return not isinstance(field.equals, Expression) or field.equals.is_constant
 
     @property
@@ -135,7 +135,7 @@ class StructCodec:
 
     @property
     def is_expected(self) -> Expr:
-        """Whether a struct holds what the manual states."""
+        """The condition that a struct holds what the manual states."""
         unused = [Operation("==", (Name("in->unused"), Number(0)))] if self.struct.unused else []
         return joined("&&", (*(item for field in self.expected for item in self._is_expected(field)), *unused))
 

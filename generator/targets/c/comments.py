@@ -1,4 +1,4 @@
-"""Comments of C: text of a spec in ASCII, so that nothing in it ends one."""
+"""Comments in C: text of a spec in ASCII, made safe so that nothing in it ends the comment."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from ...say.lines import plain
 
 COLUMNS = 100
-#: The least width that a text beside its lead gets.
+#: The smallest width of a text after its lead.
 _NARROWEST = 36
 
-#: A paragraph of a comment; a pair is a paragraph with what stands before it, under which its other lines are indented.
+#: A paragraph of a comment. A pair is a lead and its text, whose other lines are indented by the width of the lead.
 Paragraph = str | tuple[str, str]
 
 #: Letters of other alphabets and signs that comments need, in ASCII.
@@ -57,7 +57,7 @@ def ascii_text(text: object) -> str:
 
 
 def in_comment(text: object) -> str:
-    """``text`` that can stand in a comment: nothing in it ends or opens one, continues a line or is a trigraph."""
+    """Make ``text`` safe for a comment: nothing in it ends or opens one, continues a line or is a trigraph."""
     safe = ascii_text(text).replace("\\", "|")
     while "??" in safe:
         safe = safe.replace("??", "? ?")
@@ -65,12 +65,12 @@ def in_comment(text: object) -> str:
 
 
 def _apart(text: str) -> str:
-    """``text`` with a space between every star and slash that meet."""
+    """Put a space between every adjacent star and slash."""
     return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", text)
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
-    """A comment of these paragraphs; empty ones are left out."""
+    """Format paragraphs as a comment. Empty ones are left out."""
     items = (
         [paragraphs]
         if isinstance(paragraphs, str)
@@ -81,8 +81,11 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
     for item in items:
         lead, text = ("", item) if isinstance(item, str) else item
         lead = in_comment_lead(lead)
+        if lead.startswith("@") and lines and not lines[-1].startswith(("@", " ")):
+            # The parameters of a function come after an empty line.
+            lines.append("")
         if len(lead) > COLUMNS - indent - _NARROWEST:
-            # No room beside it: the text goes below.
+            # The lead is too long: the text goes below.
             lines.append(_apart(lead.rstrip()))
             lead = "        "
         width = COLUMNS - indent - 3 - len(lead)
@@ -95,11 +98,11 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
 
 
 def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
-    """The same as lines inside a comment that the template opens and closes."""
+    """Format paragraphs as lines inside a comment that the template opens and closes."""
     inner = comment(paragraphs).splitlines()
     return f" * {inner[0][3:-3]}" if len(inner) == 1 else "\n".join(inner[1:-1])
 
 
 def in_comment_lead(text: str) -> str:
-    """What stands before a paragraph, its spaces kept."""
+    """Make the lead of a paragraph safe for a comment, with its spaces kept."""
     return "".join(part if part.isspace() else in_comment(part) for part in re.split("( +)", text))

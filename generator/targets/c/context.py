@@ -1,4 +1,4 @@
-"""What every part of a header is made with: device, prefix, enumerations, and how parameters are written."""
+"""The context of every part of a header: device, prefix, enumerations, and the spelling of parameters."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .types import unsigned
 
 
 class Context:
-    """It imports no part and is never changed."""
+    """The values that all parts of a header share. It imports no part and never changes."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -31,7 +31,7 @@ class Context:
         self.reports = Reports(device, self.prefix)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
-        """The function of a CRC over bits or bytes; one that is needed for both has two."""
+        """Return the name of the function of a CRC over bits or bytes. One needed for both has two."""
         also = carried_as == "bits" and len(carriers(self.device, crc)) > 1
         return f"{self.prefix}_crc_{crc.name}" + ("_bits" if also else "")
 
@@ -46,10 +46,10 @@ class Context:
         limit: Expression,
         variant: str = "variant",
     ) -> str:
-        """A limit of a register, or of one of its meanings: a macro where it is the same for all order codes."""
+        """Return a limit of a register, or of one of its meanings: a macro if it is the same for all order codes."""
         name = f"{self.prefix}_reg_{register.name}" + (f"_{meaning.name}" if meaning is not None else "") + f"_{side}"
         return name.upper() if limit.is_constant else f"{name}({variant})"
 
     def member_type(self, item: Parameter) -> str:
-        """The type of a parameter in the variant."""
+        """Return the type of a parameter in the variant."""
         return unsigned(self.scope.largest[item.name].bit_length())

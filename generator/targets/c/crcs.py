@@ -1,4 +1,4 @@
-"""CRCs in C: without a table where the polynomial has two or three terms, else with one; a macro takes another form."""
+"""CRCs in C: without a table if the polynomial has two or three terms, else with one. A macro selects another form."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .types import unsigned
 
 @dataclass(frozen=True)
 class CrcCode:
-    """The function of a CRC over bits or bytes; ``table`` has the remainder of each byte, if there is a table."""
+    """The function of a CRC over bits or bytes. ``table`` has the remainder of each byte, if there is a table."""
 
     name: str
     function: CrcFunction
@@ -52,7 +52,7 @@ class CrcCode:
 
     @property
     def is_reflected(self) -> bool:
-        """Whether the register of the table is kept with its bits in the opposite order."""
+        """True if the register of the table has its bits in reverse order."""
         return self.by_bits and self.in_bytes and self.crc.refin
 
     @property
@@ -61,17 +61,17 @@ class CrcCode:
 
     @property
     def is_turned(self) -> bool:
-        """Whether that register has to be turned round in the end."""
+        """True if that register must be reversed at the end."""
         return self.crc.refout != self.is_reflected
 
     @property
     def folds(self) -> Iterator[FoldOperation]:
-        """What brings 64 bits down to their remainder."""
+        """The steps that reduce 64 bits to their remainder."""
         return folds(fold_plan(self.crc.width, self.crc.poly, 64), 64, "data")
 
     @property
     def raised(self) -> tuple[FoldStep, ...]:
-        """What brings that remainder down again once it is moved up by the width of the CRC."""
+        """The steps that reduce that remainder again after it was shifted left by the width of the CRC."""
         return fold_plan(self.crc.width, self.crc.poly, 2 * self.crc.width)
 
 

@@ -13,13 +13,13 @@ from .reserved import c_name
 from .structs import Struct
 from .unused import Moved
 
-#: What the generated functions call their own arguments and locals; the locals of fields take other names.
+#: Names of arguments and locals in the generated functions. The locals of fields have other names.
 _LOCALS = frozenset("variant word plain bytes length out in crc index v wide value flags".split())
 
 
 @dataclass(frozen=True, slots=True)
 class ByteIs:
-    """The bits under ``mask`` of a byte never change; ``reasons`` are what is constant there."""
+    """A byte whose bits under ``mask`` never change. ``reasons`` names what is constant there."""
 
     byte: int
     mask: int
@@ -29,7 +29,7 @@ class ByteIs:
 
 @dataclass(frozen=True, slots=True)
 class FlagsIn:
-    """The byte that the next flags are in; ``is_first`` and ``is_only`` tell whether there are others."""
+    """The byte of the next flags. ``is_first`` and ``is_only`` say whether there are others."""
 
     byte: int
     is_first: bool
@@ -38,7 +38,7 @@ class FlagsIn:
 
 @dataclass(frozen=True, slots=True)
 class UnusedIn:
-    """A byte with unused bits, at its place among the others of them; the first is the local's initial value."""
+    """A byte with unused bits, at its place in the member. The first one is the local's initial value."""
 
     bits: Expr
     is_first: bool
@@ -64,12 +64,12 @@ class Decoder:
         self._only_reported = {op.field.name for op in self.plan.reserved} - checked
 
     def local(self, field: Field) -> Expr:
-        """The local that holds the bits of a field."""
+        """Return the local that holds the bits of a field."""
         return Name(c_name(field.name, _LOCALS))
 
     @property
     def taken(self) -> tuple[Field, ...]:
-        """The fields whose bits become locals."""
+        """The fields that have a local."""
         untaken = self._plain_flags | self._only_reported
         return tuple(
             item
@@ -78,14 +78,14 @@ class Decoder:
         )
 
     def raw(self, field: Field) -> tuple[str, Expr]:
-        """The bits of a field, and their type."""
+        """Return the type and the bits of a field."""
         return self.reader.value(self.plan.bits_of(field.name))
 
-    # -- faults
+    # -- errors
 
     @property
     def checks(self) -> Iterator[Check | ByteIs]:
-        """What has to hold, in order; a parity bit of the selector comes last, since it tells of both."""
+        """The checks in order. A parity bit of the selector comes last, since its check covers both."""
         checks = self.plan.checks
         parities = [op for op in checks if isinstance(op, ParityIs)]
         told = {op.selector.name for op in parities if op.known is not None}
@@ -100,7 +100,10 @@ class Decoder:
                 yield op
 
     def is_other(self, op: ParityIs) -> Expr:
-        """That the selector or its parity bit is not that of this frame; a byte that holds both is looked at once."""
+        """Return the condition that the selector or its parity bit is not that of this frame.
+
+        A byte that holds both is compared once.
+        """
         assert op.known is not None
         (selected,) = self.plan.layout.selects
         pieces = [
@@ -114,7 +117,7 @@ class Decoder:
                 op.selector, self.local(op.selector), self.plan.layout.selects, is_raw=True
             )
             return joined("||", (other_value, other))
-        # What else is constant in it has been looked at.
+        # The other constants in it have been checked.
         known = next((item for item in _constant_bytes(self.plan.checks) if item.byte == byte), ByteIs(byte, 0, 0, ()))
         mask = known.mask | sum(piece.mask << piece.right for piece, _ in pieces)
         value = known.value | sum((number >> piece.left & piece.mask) << piece.right for piece, number in pieces)
@@ -128,7 +131,7 @@ class Decoder:
 
     @property
     def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
-        """What fills the members, in order; unused bits are taken from the byte while the flags in it are."""
+        """The operations that fill the members, in order. Unused bits come from a byte together with its flags."""
         unused = self.struct.unused
         waiting = {item.byte: item for item in unused.moved if item.byte is not None}
         for op in self._members:
@@ -141,7 +144,7 @@ class Decoder:
             yield UnusedAre(unused.gathered)
 
     def _gathered(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
-        """One of the bytes that are waited for; with the last of them the member is known."""
+        """Yield the unused bits of a byte, and after the last such byte the whole member."""
         unused, item = self.struct.unused, waiting.pop(byte)
         if len(unused.moved) > 1:
             yield UnusedIn(unused.at_place(item, bits), len(waiting) + 1 == len(unused.moved))

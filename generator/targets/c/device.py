@@ -1,4 +1,4 @@
-"""Everything that the template of a device prints."""
+"""The values that the template of a device prints."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from .run_time import Taker
 from .style import S
 from .variants import VariantCode
 
-#: What a header is about, of all that errata can affect.
+#: The parts of a spec, of those that errata can affect, that a header contains.
 _IN_HEADER = (
     *("alarms", "alternatives", "crcs", "field_groups", "inputs", "interfaces", "measurement", "order_code"),
     *("parameters", "procedures", "registers", "timings"),
@@ -45,7 +45,7 @@ _Built = TypeVar("_Built")
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """How a position is read: the macro of an order code, the frame, the function of its verdict, the member."""
+    """The names to read a position: the macro of an order code, the frame, the function of its verdict, the member."""
 
     macro: str
     frame: str
@@ -55,7 +55,7 @@ class Usage:
 
 
 class DeviceView:
-    """One device: the parts of its header, each made of the ones before it."""
+    """A device: the parts of its header, each built from the ones before it."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -69,7 +69,7 @@ class DeviceView:
         ]
         self.lengths = {item.name: LengthCode(context, item, self.variants.rows) for item in device.interfaces}
         self.positions = list(positions(context))
-        # A register that selects banks comes first: functions of the registers in its banks use its address.
+        # A register that selects banks comes first: the functions of the registers in its banks use its address.
         selecting = {device.bank_selector(item) for item in device.registers}
         self.registers = [
             _at(partial(RegisterCode, context, item), "registers", item.name)
@@ -120,12 +120,12 @@ class DeviceView:
         manual = self.device.manual
         editions = ", ".join(f"{item.language} {item.revision}" for item in manual.editions)
         dated = f" of {manual.date}" if manual.date else ""
-        beside = f"; read beside it: {editions}" if editions else ""
+        beside = f"; compared with: {editions}" if editions else ""
         return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
 
     @property
     def origin(self) -> list[Paragraph]:
-        """What the family is beside what its manual says; empty for most."""
+        """Statements about the family that are not in its manual; empty for most."""
         return [
             S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
         ]
@@ -138,7 +138,7 @@ class DeviceView:
 
     @property
     def usage(self) -> Usage | None:
-        """The lines that most readers come for, of the interface with the best frames; None where no frame tells."""
+        """The example at the top of the header, for the interface with the best frames; None without any verdict."""
         for code in sorted(self.interfaces, key=lambda item: not isinstance(item.interface, Biss)):
             measurement = self.device.measurement_of(code.interface.name)
             row = next((row for row in self.variants.rows if row.variant.interface == code.interface.name), None)
@@ -155,7 +155,7 @@ class DeviceView:
 
     @property
     def all_errata(self) -> list[Paragraph]:
-        """Errata of all parts in the header, complete, with each labelled part on lines of its own."""
+        """Return the errata of the parts in the header in full, each labelled part on lines of its own."""
         made: list[Paragraph] = []
         for item in errata(self.device, *_IN_HEADER):
             head, *parts = BY_TITLE.lines(erratum(item, whole=True))
@@ -164,7 +164,7 @@ class DeviceView:
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:
-    """What ``build`` makes; what C cannot express is at this part of the spec."""
+    """Return the result of ``build``. An error of it names this part of the spec."""
     try:
         return build()
     except TargetError as error:

@@ -1,4 +1,4 @@
-"""How an encoder in C puts the bits of fields together: into a word, or byte by byte."""
+"""Encoders in C: how the bits of fields are assembled, in a word or byte by byte."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ class Encoder:
         self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _cannot_be(op))
 
     def given(self, field: Field) -> Expr:
-        """The member of the struct that is encoded."""
+        """Return the member of the struct that is encoded."""
         return Name(f"in->{c_name(field.name)}")
 
     # -- values that are refused
 
     def number(self, field: Field) -> Expr:
-        """A member as a number, where it is one of an enumeration."""
+        """Return a member as a number, with a cast if it is of an enumeration."""
         return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
 
     def joined(self, whole: Whole) -> Expr:
         return self.reader.joined(whole, self.given)
 
     def total(self, field: Field) -> Expr:
-        """The number that the runs of digits of a field make."""
+        """Return the number that the runs of digits of a field form."""
         work = unsigned(max(field.widest, 32))
         runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
         return joined("+", tuple(_times(work, run, divisor) for run, divisor in runs))
@@ -86,7 +86,7 @@ class Encoder:
 
     @property
     def bytes(self) -> Iterator[tuple[int, Expr]]:
-        """What each byte is made of, but those of the CRC."""
+        """The value of each byte, except those of the CRC."""
         crc = self.plan.crc
         in_crc = {piece.byte for piece in crc.bits.pieces} if crc is not None else set()
         fixed = dict.fromkeys(range(self.plan.length), 0)
@@ -113,7 +113,7 @@ class Encoder:
                 yield byte, Number(number, hexadecimal=True)
 
     def _put(self, op: Term, piece: Piece) -> Expr:
-        """One piece of a field, moved to its place in its byte."""
+        """Return one piece of a field, shifted to its place in its byte."""
         field, name = op.field, self.given(op.field)
         if isinstance(field.kind, Flag):
             bit, none = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
@@ -128,12 +128,12 @@ class Encoder:
         return Cast("uint32_t", value) if is_wide else value
 
     def _size(self, field: Field) -> int:
-        """The bits of its member."""
+        """Return the width of the member in bits."""
         return size_of(max(field.widest, field.number.zero_means.bit_length()))
 
 
 def _as_byte(value: Expr) -> Expr:
-    """A value as a byte; a member of one byte is one already."""
+    """Cast a value to a byte. A member of one byte needs no cast."""
     if isinstance(value, Name):
         return value
     return Cast("uint8_t", value.of if isinstance(value, Cast) and isinstance(value.of, Name) else value)
@@ -144,12 +144,12 @@ def _times(type_: str, run: Expr, divisor: int) -> Expr:
 
 
 def _is_nothing(op: Term) -> bool:
-    """Whether it has no bit set ever."""
+    """Return True if it never has a bit set."""
     return isinstance(op.field.kind, (Constant, Parity)) and op.value == Fixed(0)
 
 
 def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:
-    """The same with what is no power of two before what is too wide: either is out of range."""
+    """Move checks for a power of two before checks of the width. Both give the same error."""
     found: list[Refusal] = []
     for op in ops:
         found.insert(len(found) - isinstance(op, NoPowerOfTwo), op)
@@ -157,5 +157,5 @@ def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:
 
 
 def _cannot_be(op: Refusal) -> bool:
-    """Whether the type of the member has no value that is refused."""
+    """Return True if the type of the member has no value that would be refused."""
     return isinstance(op, TooWide) and op.width.is_constant and size_of(op.field.widest) == op.field.widest

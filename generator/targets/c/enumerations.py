@@ -24,9 +24,9 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Enumeration:
-    """The named values of a field, in so many hexadecimal ``digits``; a set of macros where they do not fit an int.
+    """The named values of a field, with this many hexadecimal ``digits``; macros if they do not fit an int.
 
-    ``said`` is what it says of the field.
+    ``said`` has the statements on the field that its comment makes.
     """
 
     type: str
@@ -50,9 +50,9 @@ class Enumeration:
 
 
 class Enumerations:
-    """Those of a family. Fields of one name and the same values share theirs; a register's sole field has its own.
+    """The enumerations of a family. Fields of one name and the same values share one, except a register's only field.
 
-    ``choices`` are those of fields by what owns them: a layout, or ``reg_`` and a register.
+    ``choices`` has them by owner and field. The owner is a layout, or ``reg_`` and a register.
     """
 
     def __init__(self, device: Device, prefix: str) -> None:
@@ -72,7 +72,7 @@ class Enumerations:
                     self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
 
     def of(self, *path: str) -> list[Enumeration]:
-        """Those that are declared with this part of the spec, or with one inside it."""
+        """Return those declared with this part of the spec, or with one inside it."""
         return [item for item in self.all if item.path[: len(path)] == path]
 
     def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
@@ -95,6 +95,6 @@ class Enumerations:
 
 
 def _note(item: Value) -> str:
-    # One word that the name of the constant has already is not said again; several are, for those who look for them.
+    # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
     about = told(item.meaning) if printed(item).lower() == item.name else meaning(item, item.meaning)
     return S.paragraph(replace(one, source=item.source) for one in about)

@@ -1,4 +1,4 @@
-"""A program for one interface that runs on any host: worked examples of the manual, through a simulated bus."""
+"""A program for one interface that runs on any host: worked examples of the manual over a simulated bus."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ from .reserved import c_name
 from .structs import Struct
 from .variants import CodeRow
 
-#: What the program and the README have beside what is named after a register: the function show_frame, and variables.
+#: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
-#: As many characters of explanation fit behind a number.
+#: Most characters of explanation that fit after a number.
 _FEW = 40
 
 
@@ -55,7 +55,7 @@ class ShownRegister:
 
     @property
     def members(self) -> int:
-        """How many there are in its struct."""
+        """The number of members in its struct."""
         plan = self.struct.plan
         return len(plan.wholes) + sum(1 + len(item.field.runs) for item in plan.parts)
 
@@ -72,7 +72,7 @@ class ShownRun:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """What a simulated register holds at first."""
+    """The initial content of a simulated register."""
 
     address: int
     data: bytes
@@ -81,7 +81,7 @@ class Memory:
 
 @dataclass(frozen=True, slots=True)
 class Raw:
-    """The bytes that an SPI receives of the frame, and the macros of its bits and of as many bytes."""
+    """The bytes that an SPI receives for the frame, and the macros of its bits and bytes."""
 
     bits: str
     size: str
@@ -89,7 +89,7 @@ class Raw:
 
 
 class ExampleCode:
-    """What the template of a program prints. ``memory`` is what the simulated registers hold at first.
+    """The values that the template of a program prints. ``memory`` has the initial contents of the simulated registers.
 
     Raises:
         EncodeError: The manual shows no frame, and no plain one can be made up.
@@ -109,7 +109,7 @@ class ExampleCode:
 
     @property
     def asked(self) -> tuple[AlternativeCode, ...]:
-        """What the user has to decide before the frame can be decoded; the program takes the first answers."""
+        """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
         codecs = (codec for item in self.view.interfaces for codec in item.codecs)
         return next(codec.asked for codec in codecs if codec.struct is self.struct)
 
@@ -120,7 +120,7 @@ class ExampleCode:
 
     @property
     def received(self) -> list[Received]:
-        """What a receiver takes in for the frame, by order code."""
+        """The lengths of the frame as received, by order code."""
         answers = [item.item.answers[0] for item in self.asked]
         found = received(self.view.device, self.interface)
         return [
@@ -136,7 +136,7 @@ class ExampleCode:
 
     @property
     def struct(self) -> Struct:
-        """That of the frame."""
+        """The struct of the frame."""
         return next(
             codec.struct
             for item in self.view.interfaces
@@ -146,12 +146,12 @@ class ExampleCode:
 
     @property
     def reports(self) -> FrameReports | None:
-        """What tells of the encoder in the frame."""
+        """The reports in the frame, if any."""
         return self.view.reports.of(self.frame.layout, self.struct.name)
 
     @property
     def worth(self) -> tuple[str, ...]:
-        """What the position can be worth, in words, as the verdicts are numbered."""
+        """The verdicts in words, in the order of their numbers."""
         return tuple(WORTH[item] for item in Verdict)
 
     @property
@@ -164,7 +164,7 @@ class ExampleCode:
 
     @property
     def raw(self) -> Raw | None:
-        """What comes over SSI: high till the first clock has stored the position, the word, and the 0 after it."""
+        """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
         mine = next((item for item in self.received if item.variant is self._chosen.variant), None)
         if mine is None or not isinstance(self.interface, Ssi):
             return None
@@ -175,7 +175,7 @@ class ExampleCode:
 
     @property
     def request(self) -> str:
-        """The macro of the request that the frame answers; empty where it has none."""
+        """The macro of the request that the frame answers; empty if there is none."""
         known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
         name = next(sent, "")
@@ -183,7 +183,7 @@ class ExampleCode:
 
     @property
     def polls(self) -> bool:
-        """Whether a main loop can ask for the frame, and carry the procedure out by requests that are all answered."""
+        """True if a main loop can request the frame and carry out the procedure, with a reply to every request."""
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
@@ -192,14 +192,14 @@ class ExampleCode:
 
     @property
     def position(self) -> Positions | None:
-        """The functions that make something of the position in the frame."""
+        """The functions that convert the position in the frame."""
         prefixes = (self.view.prefix, f"{self.view.prefix}_{self.interface.name}")
         found = (item for item in self.view.positions if item.prefix in prefixes)
         return next(found, None) if self._chosen.has_position(self.frame.layout) else None
 
     @property
     def modulus(self) -> str:
-        """After how many counts the position starts again, as a tracker takes it."""
+        """The counts after which the position starts again, for a tracker."""
         where = self.position
         rolls = where is not None and "modulus" in where.names
         return f"{where.prefix}_modulus(&encoder)" if where is not None and rolls else "0U"
@@ -212,7 +212,7 @@ class ExampleCode:
 
     @property
     def repeats(self) -> bool:
-        """Whether two positions can be compared by the shared function, which takes none below 0."""
+        """True if the shared function can compare two positions, which must not be negative."""
         measured = (item.field for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
         return bool(self.counts) and not any(item.number.signed for item in measured)
 
@@ -228,7 +228,7 @@ class ExampleCode:
 
     @property
     def size(self) -> int:
-        """Of the simulated registers in bytes."""
+        """The size of the simulated registers in bytes."""
         return max((128, *(item.last_address + 1 for item in self.view.device.registers)))
 
     @property
@@ -244,7 +244,7 @@ class ExampleCode:
             {item.name: example.arguments[item.name] for item in procedure.arguments} if example is not None else {}
         )
         named = ", ".join(f"{name} {value}" for name, value in values.items())
-        about = f"{procedure.title} [{cite(procedure.source)}]. It changes what the encoder holds."
+        about = f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder."
         heading = ascii_text(procedure.title) + (f": {named}" if named else "")
         return ShownRun(heading, about, code, tuple(values.values()))
 
@@ -256,24 +256,24 @@ class ExampleCode:
         return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)
 
     def _memory(self) -> Iterator[Memory]:
-        """The worked examples, and what is delivered where the procedure writes."""
+        """Yield the worked examples, and the factory defaults of the registers that the procedure writes."""
         written = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
         for register, example in sorted(self._chosen.registers.values(), key=lambda item: item[0].address):
             if register.name in written:
                 delivered = register.default_bytes() or bytes(register.length)
-                yield Memory(register.address, delivered, f"{title(register)}, as delivered")
+                yield Memory(register.address, delivered, f"{title(register)}, factory default")
             else:
                 yield Memory(register.address, example.bytes, title(register))
 
     @staticmethod
     def known(field: Field) -> str:
-        """What the values of a choice mean, where they are few."""
+        """Return the meanings of the values of a choice, if they are few."""
         values = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in field.values)
         return values if len(values) <= _FEW else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
-    """A program for each interface, but for one of whose frames no plain one can be made up."""
+    """Yield a program for each interface, except where no plain frame can be made up."""
     for interface in view.device.interfaces:
         if any(layout.sender == "encoder" for layout in interface.layouts):
             with suppress(codec.EncodeError):

@@ -1,4 +1,4 @@
-"""Expressions of C as trees that print themselves: an operation that is part of another stands in parentheses."""
+"""Expressions of C as trees that print themselves, with parentheses around each operation inside another."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ class Expr:
 
     @property
     def operand(self) -> str:
-        """Its text as part of an operation, or after a cast."""
+        """The text as part of an operation, or after a cast."""
         return str(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Name(Expr):
-    """Whatever a name tells: a local, ``in->flag``, ``bytes[3]``."""
+    """A name: a local, ``in->flag``, ``bytes[3]``."""
 
     text: str
 
@@ -67,14 +67,14 @@ _SUMS = frozenset("+-")
 
 @dataclass(frozen=True, slots=True)
 class Operation(Expr):
-    """Two operands or more, and the operator between each two of them."""
+    """Two or more operands with one operator."""
 
     operator: str
     operands: tuple[Expr, ...]
 
     def __str__(self) -> str:
         first, *others = self.operands
-        # A sum goes on without parentheses, from the left.
+        # A sum continues without parentheses, from the left.
         goes_on = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
         return f" {self.operator} ".join([str(first) if goes_on else first.operand, *(item.operand for item in others)])
 
@@ -85,7 +85,7 @@ class Operation(Expr):
 
 @dataclass(frozen=True, slots=True)
 class Either(Expr):
-    """One of two values: the first where the condition holds."""
+    """One of two values: the first if the condition holds."""
 
     condition: Expr
     then: Expr
@@ -100,12 +100,12 @@ class Either(Expr):
 
 
 def right(of: Expr, by: int) -> Expr:
-    """``of`` shifted to the right, if at all."""
+    """Return ``of`` shifted to the right, unless by 0."""
     return Operation(">>", (of, Number(by))) if by else of
 
 
 def left(of: Expr, by: int | Expr) -> Expr:
-    """``of`` shifted to the left, if at all."""
+    """Return ``of`` shifted to the left, unless by 0."""
     return Operation("<<", (of, Number(by) if isinstance(by, int) else by)) if by else of
 
 
@@ -114,16 +114,16 @@ def masked(of: Expr, mask: int) -> Expr:
 
 
 def joined(operator: str, operands: tuple[Expr, ...]) -> Expr:
-    """The operands under an operator, or the only one alone."""
+    """Return the operands joined by an operator, or the only one."""
     return operands[0] if len(operands) == 1 else Operation(operator, operands)
 
 
 @dataclass(frozen=True)
 class Scope:
-    """How parameters are written: set ones are members of the variant, others functions of it.
+    """The spelling of parameters: set ones are members of the variant, others are functions of it.
 
-    ``largest`` are the greatest values of the set ones. Those that follow from the answer to what the manual leaves
-    open are functions of the argument that ``answers`` names.
+    ``largest`` has the greatest values of the set ones. A parameter that depends on an alternative of the manual is a
+    function of the argument that ``answers`` names.
     """
 
     maker: str
@@ -139,13 +139,13 @@ class Scope:
         return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
 
     def mask(self, width: Expression) -> Expr:
-        """So many ones."""
+        """Return a mask of ``width`` ones."""
         if width.is_constant:
             return Number((1 << width.constant) - 1, hexadecimal=True)
         return Call(f"{self.maker}_mask", (self.of(width),))
 
     def of(self, expression: Expression) -> Expr:
-        """The expression in C, unsigned throughout and never below zero on the way where the result is not."""
+        """Return the expression in C, unsigned. No intermediate result is negative unless the result is."""
         match expression:
             case Expression(-1, (Term(1, (Factor(name, True),)),)):
                 return Call(f"{self.maker}_mask", (self.atom(name),))
@@ -160,9 +160,9 @@ class Scope:
         return joined("-", (joined("+", tuple(plus)), *minus))
 
     def signed(self, expression: Expression) -> Expr:
-        """The expression in 64 bits with a sign.
+        """Return the expression in 64 bits with a sign.
 
-        A power of two is one more than its mask, which fits where the power itself may not.
+        A power of two is written as its mask plus one, since the power itself may not fit.
         """
         masks = [term for term in expression.terms if term.is_power and not term.is_product]
         constant = expression.constant + sum(term.sign for term in masks)
@@ -176,7 +176,7 @@ class Scope:
         return total or Number(0, signed=True)
 
     def _term(self, term: Term) -> Expr:
-        """A product, of 64 bits where 32 may be too few; a parameter alone keeps its own type."""
+        """Return a product, in 64 bits if 32 may be too few. A single parameter keeps its own type."""
         first, *others = (self._factor(item) for item in term.factors)
         if not others:
             return first

@@ -1,4 +1,4 @@
-"""Alarms in C: where the bit of each is."""
+"""Alarms in C: their masks and limits."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
 
 
 def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
-    """The bits of an alarm, and whether they are those of one byte of several; 0 where they have no place."""
+    """Return the bits of an alarm, and a note if they are those of one byte of several; 0 if they have no place."""
     fields = (field for _, layout in device.layouts() for field in layout.fields if field.group == alarm.group)
     field = next((item for item in fields if item.name == alarm.field and item.pieces), None)
     if alarm.group and field is not None and len(field.pieces) == 1:
@@ -42,5 +42,5 @@ def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
         return 0, ""
     register = device.register(alarm.register)
     item = register.layout.field(alarm.field) if alarm.field else register.layout.fields[0]
-    # A flag that moves with the order code has no mask of its own; the register's codec finds it.
+    # A flag that moves with the order code has no mask. The register's codec finds it.
     return item.mask_in_place if item.is_fixed else 0, ""

@@ -1,10 +1,10 @@
 """The C target: headers for firmware, one for each family and one that the families of a manufacturer share.
 
-The headers need C99 or C++11 and no library. Their statements stand in the templates; names, types and expressions are
-made here.
+The headers need C99 or C++11 and no library. The templates have their statements. Names, types and expressions are
+built here.
 
-Names from a spec become C names as they are. A member whose name is reserved has an underscore at its end: the words of
-C to C23 and C++ to C++26, the types of the three headers, and macros without arguments of common compilers and
+Names from a spec become C names unchanged. A member whose name is reserved gets a trailing underscore. Reserved are the
+keywords up to C23 and C++26, the types of the three included headers, and object-like macros of common compilers and
 standard headers.
 """
 
@@ -42,7 +42,7 @@ class Shared(TypedDict):
 
 class Header(Shared):
     generation: Annotated[str, "the number of the generation, which headers that belong together share"]
-    longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 where no family has one"]
+    longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 if no family has one"]
 
 
 class FamilyHeader(Header):
@@ -54,7 +54,7 @@ class Family(Shared):
 
 
 class Receiver(Family):
-    e: Annotated[ReceiverCode, "the program that takes positions out of raw buffers"]
+    e: Annotated[ReceiverCode, "the program that extracts positions from raw buffers"]
 
 
 class Program(Family):
@@ -62,7 +62,7 @@ class Program(Family):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """The headers, their README, and what makes a package of them."""
+    """Return the headers, their README, examples, self-test and package files, by path."""
     files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
@@ -73,7 +73,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         for device in devices:
             if device.name in SHARED_HEADERS:
                 raise TargetError(
-                    f"a family cannot be called '{device.name}': that is the name of a header that all share"
+                    f"a family cannot be called '{device.name}': a header shared by all families has that name"
                 )
             views[device.name] = view = DeviceView(device)
             files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**values, "d": view})
@@ -94,7 +94,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
-    """What C cannot express, the first of each device; and where two parts of a spec, or of two, have one name in C."""
+    """Yield the first thing in each device that C cannot express, and every C name that two parts of specs share."""
     for maker, devices in library.by_manufacturer():
         headers = []
         for device in devices:
@@ -112,7 +112,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 def _names_of(
     library: Library, maker: Manufacturer, devices: Sequence[Device], headers: Iterable[str], options: Options
 ) -> Header:
-    """What all headers of a manufacturer are rendered with; ``headers`` are those that its families share."""
+    """Return the template values of all headers of a manufacturer. ``headers`` are those that its families share."""
     names: Header = {
         "maker": maker,
         "prefix": maker.name,
@@ -132,7 +132,7 @@ def _render(library: Library, template: str, values: Mapping[str, object]) -> st
 
 
 def _json(value: object) -> str:
-    """Text of a spec as a JSON string."""
+    """Return text of a spec as a JSON string."""
     return json.dumps(plain(value))
 
 

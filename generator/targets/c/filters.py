@@ -1,4 +1,4 @@
-"""What templates of the C target can use beside Jinja's own: filters, and tests of what class an operation is."""
+"""Filters for templates of the C target, and tests for the class of an operation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .reserved import c_name
 from .selftest import Work
 from .types import mask, number, string, unsigned
 
-#: Operations of the plan, kinds of fields, and what this target plans beside them.
+#: Operations of the plan, kinds of fields, and further operations of this target.
 TESTS = tests_for(
     *(Kind, Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
     *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
@@ -36,27 +36,27 @@ TESTS = tests_for(
 
 
 def _hex(value: int, digits: int = 2) -> str:
-    """A number as a hexadecimal constant of so many digits at least."""
+    """Return a number as a hexadecimal constant of at least this many digits."""
     return number(value, hexadecimal=True, digits=digits)
 
 
 def _md(text: object) -> str:
-    """Text of a spec as text in Markdown."""
+    """Return text of a spec as Markdown."""
     return markdown_text(in_comment(text))
 
 
 def _digits_type(run: Digits) -> str:
-    """The type that holds a run of decimal digits."""
+    """Return the type that holds a run of decimal digits."""
     return unsigned((run.modulus - 1).bit_length())
 
 
 def _made_of(join: Join) -> str:
-    """Which fields make a number, in words."""
+    """Return in words which fields form a number."""
     return BY_TITLE.sentence(said_of_join(join))
 
 
 def _bytes(count: int) -> str:
-    """So many bytes, in words."""
+    """Return a number of bytes in words."""
     return f"{count} byte{'s' if count > 1 else ''}"
 
 

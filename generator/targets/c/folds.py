@@ -1,7 +1,7 @@
-"""How machines of 32 bits bring a long number down to its CRC, step by step: by folds, or by the table for each byte.
+"""The steps by which a 32-bit processor reduces a long number to its CRC: by folds, or by the table for each byte.
 
-They shift wider numbers slowly. The step that makes the number fit into 32 bits therefore takes what is above and what
-is below its place out of the halves of the wide one.
+Such processors shift wider numbers slowly. The step after which the number fits into 32 bits therefore takes the bits
+above and below its place from the halves of the wide number.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...plan.crc_tables import FoldStep, fold_plan
 
 @dataclass(frozen=True, slots=True)
 class FoldWide:
-    """A step in 64 bits, of ``source`` into ``wide``; ``again`` says that there is a ``wide`` already."""
+    """A step in 64 bits from ``source`` to ``wide``. ``again`` is True if ``wide`` is already declared."""
 
     step: FoldStep
     source: str
@@ -24,7 +24,7 @@ class FoldWide:
 
 @dataclass(frozen=True, slots=True)
 class FoldHalves:
-    """The step from ``source`` in 64 bits to ``v`` in 32."""
+    """The step from ``source`` in 64 bits to ``v`` in 32 bits."""
 
     step: FoldStep
     source: str
@@ -32,14 +32,14 @@ class FoldHalves:
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """A step of ``v``, in 32 bits."""
+    """A step of ``v`` in 32 bits."""
 
     step: FoldStep
 
 
 @dataclass(frozen=True, slots=True)
 class Narrow:
-    """``source``, which fits into 32 bits, becomes ``v``; ``last`` says that it is the CRC."""
+    """The assignment of ``source``, which fits into 32 bits, to ``v``. ``last`` is True if it is the CRC."""
 
     source: str
     last: bool
@@ -49,7 +49,7 @@ FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 
 
 def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
-    """The steps over ``source``, a number of so many bits; they leave the remainder in ``v``."""
+    """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``."""
     for step in steps:
         left = max(step.shift, bits - step.shift + step.back)
         if source == "v":
@@ -70,7 +70,7 @@ def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOpe
 
 @dataclass(frozen=True, slots=True)
 class HalfByte:
-    """A byte of a word in one of its halves, ``low`` or ``high``, which small machines take apart faster."""
+    """A byte of a word in one of its halves, ``low`` or ``high``, which small processors access faster."""
 
     half: str
     left: int
@@ -78,7 +78,7 @@ class HalfByte:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function that finds the CRC of a whole word of so many bits; ``function`` is the one over any bits."""
+    """The function that computes the CRC of a whole word. ``function`` is the one for any number of bits."""
 
     name: str
     function: str
@@ -88,12 +88,12 @@ class WordCrc:
 
     @property
     def at_once(self) -> int:
-        """The bytes that fill the register; the table takes in the others one by one."""
+        """The number of bytes that fill the register at first."""
         return min(max(self.crc.width // 8, 1), self._bytes)
 
     @property
     def one_by_one(self) -> tuple[HalfByte, ...]:
-        """The bytes after them, as they are received."""
+        """The bytes after them, in the order received, for the table."""
         places = range(self._bytes - self.at_once - 1, -1, -1)
         return tuple(_half_byte(place) for place in places)
 
@@ -107,7 +107,7 @@ class WordCrc:
 
     @property
     def last_steps(self) -> tuple[FoldStep, ...]:
-        """What brings a byte down to a CRC of fewer bits."""
+        """The steps that reduce a byte to a CRC of fewer bits."""
         return fold_plan(self.crc.width, self.crc.poly, 8) if self.crc.width < 8 else ()
 
     @property

@@ -1,4 +1,4 @@
-"""Small functions of a variant whose value is one expression: parameters that follow, limits, sizes."""
+"""Small functions of a variant whose value is one expression: derived parameters, limits, sizes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .types import unsigned
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """``uses_variant`` says that the value differs with the order code."""
+    """A function of one expression. ``uses_variant`` is True if the value depends on the order code."""
 
     name: str
     type: str
@@ -21,8 +21,8 @@ class Function:
 
 
 def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
-    """A function for numbers of up to ``largest``, of 32 bits where they fit."""
-    # A product is worked out before anything is taken from it.
+    """Build a function for numbers up to ``largest``, in 32 bits if they fit."""
+    # A product is computed before anything is subtracted from it.
     taken = min(expression.constant, 0) if any(term.is_product for term in expression.terms) else 0
     bits, value = max((largest - taken).bit_length(), 32), scope.of(expression)
     if bits == 32 and any(term.is_power for term in expression.terms):
@@ -31,7 +31,7 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
 
 
 def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
-    """A function for numbers of 64 bits."""
+    """Build a function for numbers of 64 bits."""
     value = scope.of(expression)
     is_wide = bool(expression.terms) and expression.terms[0].is_power
     return Function(name, "uint64_t", value if is_wide else Cast("uint64_t", value), about, not expression.is_constant)

@@ -1,4 +1,4 @@
-"""The generation of headers: those that state the same one belong together, and others do not compile together."""
+"""The generation of headers: a number that keeps headers of different runs from compiling together."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from hashlib import sha256
 from ...model import Manufacturer
 from .. import Options
 
-#: What stands for the generation while it is not known.
+#: Placeholder for the generation in the texts that it is computed from.
 UNKNOWN = "0x00000000U"
 
 
 def generation(maker: Manufacturer, options: Options, shared: Iterable[str]) -> str:
-    """The generation as a number in C, of 32 bits.
+    """Return the generation as a 32-bit number in C.
 
-    It follows from the version, which follows from what changed in the specs, from the options, and from the texts of
-    the headers that all families share, rendered with ``UNKNOWN``. Words of one family do not change it.
+    It is a hash of the version, which follows from the changes in the specs, of the options, and of the texts of the
+    shared headers, rendered with ``UNKNOWN``. The text of a family does not change it.
     """
     settings = [f"{name}={value}" for name, value in sorted(options.items())]
     text = "\0".join([maker.name, maker.version, *settings, *shared])

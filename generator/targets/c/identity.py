@@ -1,4 +1,4 @@
-"""Identification in C: the bytes of the registers that tell what an encoder is, and which order codes answer so."""
+"""Identification in C: the registers that identify an encoder, and the order codes that their contents allow."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .registers import RegisterCode
 
 @dataclass(frozen=True, slots=True)
 class IdentityCode:
-    """What the registers of one interface tell. One with a codec is decoded, one without is compared as a byte."""
+    """The identifying registers of one interface. One with a codec is decoded, one without is compared as a byte."""
 
     prefix: str
     interface: Interface

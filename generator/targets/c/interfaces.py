@@ -1,4 +1,4 @@
-"""One interface in C: its constants, what tells its frames apart, and the codecs of its layouts."""
+"""One interface in C: its constants, the functions that distinguish its frames, and the codecs of its layouts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _KINDS = {"encoder": "reply", "master": "request"}
 
 
 class FrameTeller:
-    """The functions that tell the frames of one sender apart, by the bytes and by the value of the selecting field."""
+    """The functions that distinguish the frames of one sender, by bytes and by the value of the selecting field."""
 
     def __init__(self, context: Context, prefix: str, dispatch: Dispatch) -> None:
         self.dispatch = dispatch
@@ -39,16 +39,16 @@ class FrameTeller:
 
     @property
     def value(self) -> Expr:
-        """The selecting field, taken out of the bytes."""
+        """The selecting field, extracted from the bytes."""
         return of_bytes(self.dispatch.bits.pieces)[1]
 
     def values(self, branch: Branch) -> list[str]:
-        """Those that tell a frame."""
+        """Return the values that select a frame."""
         return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
 
 
 class InterfaceCode:
-    """What the templates print for an interface. ``frames`` are those that are told apart."""
+    """The values that the templates print for an interface. ``frames`` are those selected by a field."""
 
     def __init__(self, context: Context, interface: Interface) -> None:
         self.device, self.interface = context.device, interface
@@ -56,7 +56,7 @@ class InterfaceCode:
         self.upper = self.prefix.upper()
         self.cable = [item for item in interface.facts() if isinstance(item, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
-        #: What is said beside macros.
+        #: Statements that are comments on macros.
         self._said: list[Said] = []
         self.macros = tuple(self._macros())
         self.controls = tuple(self._controls())
@@ -81,7 +81,7 @@ class InterfaceCode:
 
     @property
     def cable_source(self) -> str:
-        """Where the manual has its clocks by cable."""
+        """The source of the clocks by cable length."""
         return cite(tuple(dict.fromkeys(source for item in self.cable for source in item.source)))
 
     @property
@@ -98,7 +98,7 @@ class InterfaceCode:
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _about(self) -> Iterator[Paragraph]:
-        """Of all but the layouts, which tell of themselves."""
+        """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
         yield from (S.sentence(item) for item in said_of(self.device, interface) if item not in self._said)
         path = f"interfaces.{interface.name}"
@@ -112,7 +112,7 @@ class InterfaceCode:
 
     @property
     def timeout_product(self) -> int:
-        """The time-out in nanoseconds times the clock in hertz; 0 where it does not follow the clock."""
+        """The time-out in nanoseconds times the clock in hertz; 0 if it does not depend on the clock."""
         timeout = self.timeout
         if timeout is None or timeout.rule != "follows_clock":
             return 0
@@ -132,7 +132,7 @@ class InterfaceCode:
                     yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
                     yield self._macro("CLOCK_MAX_HZ", fact.max_hz)
                 case CableLength():
-                    self._said.append(about)  # In code.
+                    self._said.append(about)  # A function states it.
                 case Timeout():
                     yield from self._timeout(fact, about)
                 case Port():

@@ -1,4 +1,4 @@
-"""The lengths of frames that come as bits, as constants by order code: array sizes and static asserts take them."""
+"""The lengths of frames carried as bits, as constants by order code, for array sizes and static asserts."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from .variants import CodeRow
 
 
 class LengthCode:
-    """What the template prints of one interface; nothing where none of its frames comes as bits."""
+    """The lengths of one interface; empty if none of its frames is carried as bits."""
 
     def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow]) -> None:
         self.interface = interface
         found = list(received(context.device, interface))
-        #: The frames that the constants are about.
+        #: Names of the frames whose lengths these are.
         self.layouts = tuple(dict.fromkeys(item.layout.name for item in found))
-        #: The answers of the user on which a length depends.
+        #: Names of the answers on which a length depends.
         self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
         self.held = any(item.held for item in found)
-        #: How many bits of acknowledge a buffer has room for; 0 where there is none.
+        #: Number of acknowledge bits that fit into a buffer; 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.maker.name, interface, found))
         self._stems = {id(row.variant): row.macro for row in rows}
@@ -35,7 +35,7 @@ class LengthCode:
         yield from ((item.name, ("interfaces", self.interface.name)) for item in self.macros)
 
     def macros_of(self, item: Received) -> Iterator[Macro]:
-        """How many bits come, and how many bytes they fill."""
+        """Yield the macros of the number of bits and of the bytes of a buffer."""
         names = [item.layout.name] if len(self.layouts) > 1 else []
         names += [answer.name for answer in item.answers]
         stem = "_".join((self._stems[id(item.variant)], self.interface.name, *names))
@@ -44,18 +44,18 @@ class LengthCode:
 
 
 def _register_access(maker: str, interface: Interface, found: Sequence[Received]) -> Iterator[str]:
-    """By when a master has to know its control bit, in the family's own numbers; nothing over another interface."""
+    """Yield the deadlines for the control bit of a master, in the family's own numbers; nothing unless it is BiSS."""
     if not isinstance(interface, Biss) or not found:
         return
     bits, clock = min(item.bits for item in found), interface.clock
-    least = "as delivered" if any(item.held for item in found) else "or more"
+    least = "with factory defaults" if any(item.held for item in found) else "at least"
     times = " and ".join(
         f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
     )
-    yield f"Registers, by {maker}/biss.h: the bit of {maker}_biss_master_next has to be on MA before the last clock of "
-    yield f"the frame whose CDS it follows, {bits} clock periods after that {least}: {times}. The bit of "
-    yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, as the mode of the "
-    yield "SPI sets it. MA shows the inverse of either for the whole time-out"
+    yield f"For registers by {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last clock "
+    yield f"of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
+    yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
+    yield "sends it. MA shows the inverse of the bit for the whole time-out"
     if interface.timeout is not None:
         yield f" ({timeout_words(interface.timeout)})"
     yield "."

@@ -1,4 +1,4 @@
-"""Long lines of C: where code is broken, and a comment moved from behind its line to above it."""
+"""Long lines of C: where code is broken, and when a comment moves from the end of a line to above it."""
 
 from __future__ import annotations
 
@@ -9,53 +9,81 @@ from collections.abc import Iterator, Sequence
 from .comments import COLUMNS, ascii_text, comment, in_comment
 from .types import string
 
-#: Where a long line may be broken, the better places first.
+#: Places where a long line may be broken, the better ones first.
 _CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
 _ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
-#: A comment that begins a line, but for the titles of sections; and one behind a declaration or a macro.
+#: A comment that begins a line, except titles of sections; and one after a declaration or a macro.
 _OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
-_BEHIND = re.compile(r"^(\s*[A-Za-z#][^*]*) /\* (?=[^*]*\*/$)")
-#: The end of a line that the next one goes on.
+_BEHIND = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
+#: The end of a line that the next one continues.
 _OPEN = ("(", " =", " |")
 
 
 def beside(note: object) -> str:
-    """A comment behind a line of code; ``laid_out`` moves it above where it makes the line too long."""
+    """Return a comment for the end of a line. ``laid_out`` moves it above the line if that gets too long."""
     said = in_comment(note)
     return f" /* {said} */" if said else ""
 
 
 def in_lines(parts: Sequence[str], indent: int) -> str:
-    """A call with its arguments on one line, or each on a line where they are too long."""
+    """Return a call with its arguments on one line, or each on its own line if that is too long."""
     margin, whole = " " * indent, " ".join(parts)
     return margin + whole if indent + len(whole) <= COLUMNS else f"\n{margin}    ".join((margin + parts[0], *parts[1:]))
 
 
 def literals(text: object, indent: int) -> str:
-    """A text as a string literal, or as several on a line each where one is too long."""
+    """Return a text as a string literal, or as several on separate lines if it is too long."""
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     parts = [*(string(f"{line} ") for line in lines[:-1]), *map(string, lines[-1:] or [""])]
     return f"\n{' ' * indent}".join(parts)
 
 
 def documented(text: str) -> str:
-    """A header whose comments Doxygen reads: those above a declaration, and those behind one that have the room."""
+    """Mark the comments of a header for Doxygen: those above a declaration, and those after one.
+
+    A comment that becomes too long for the end of its line moves above it.
+    """
     lines: list[str] = []
     in_body = False
     for line in text.splitlines():
         in_body = line == "{" or (in_body and line != "}")
-        lines.append(line if in_body else "/** @file" if line == "/*" and not lines else _documented(line))
+        if in_body:
+            lines.append(line)
+        elif line == "/*" and not lines:
+            lines.append("/** @file")
+        else:
+            lines += _documented(line)
     return "".join(f"{line}\n" for line in lines)
 
 
-def _documented(line: str) -> str:
-    made = line.replace("/*", "/**", 1) if _OPENS.match(line) else _BEHIND.sub(r"\1 /**< ", line)
-    return made if len(made) <= COLUMNS else line
+def _documented(line: str) -> Iterator[str]:
+    if _OPENS.match(line):
+        yield from _one_or_more(line.replace("/*", "/**", 1))
+        return
+    made = _BEHIND.sub(r"\1 /**< ", line)
+    if made == line or len(made) <= COLUMNS:
+        yield made
+        return
+    code, _, note = line.rpartition(" /* ")
+    margin = " " * (len(code) - len(code.lstrip()))
+    yield from _one_or_more(f"{margin}/** {note}")
+    yield code.rstrip()
+
+
+def _one_or_more(line: str) -> Iterator[str]:
+    """Yield a comment on one line, or as a block if the mark for Doxygen makes it too long."""
+    if len(line) <= COLUMNS:
+        yield line
+        return
+    margin = " " * (len(line) - len(line.lstrip()))
+    yield f"{margin}/**"
+    yield f"{margin} * {line.strip().removeprefix('/** ').removesuffix(' */')}"
+    yield f"{margin} */"
 
 
 def laid_out(text: str) -> str:
-    """A file with no line too long, but for comments, macros and initialisers, which stay as they are."""
+    """Break the long lines of a file, except comments, macros and initialisers, which stay unchanged."""
     lines: list[str] = []
     in_comment = False
     for line in text.splitlines():
@@ -69,7 +97,7 @@ def laid_out(text: str) -> str:
 
 
 def _lines(line: str, goes_on: bool) -> Iterator[str]:
-    """A line that is too long as several; ``goes_on`` says that it belongs to the line before."""
+    """Yield a long line as several. ``goes_on`` says that it continues the line before."""
     code, opened, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
     if opened:
@@ -85,7 +113,7 @@ def _lines(line: str, goes_on: bool) -> Iterator[str]:
 
 
 def _broken(line: str, margin: str, hang: str) -> Sequence[str]:
-    """A line broken after an assignment or a question, where that is enough; else between conditions or anywhere."""
+    """Break a line after an assignment or a question mark if that is enough, else between conditions or anywhere."""
     seen = _STRING.sub(lambda text: "x" * len(text[0]), line)
     first, mark, _ = seen.partition(" ? ")
     if not mark or first.count("(") > first.count(")") + 1:
@@ -103,7 +131,7 @@ def _fit(lines: Sequence[str]) -> bool:
 
 
 def _split(line: str, seen: str, margin: str, hang: str, places: re.Pattern[str]) -> list[str]:
-    """The line broken as late as possible at the places that are ``seen`` in it."""
+    """Break the line as late as possible at the places found in ``seen``."""
     lines, current, start = [], margin, 0
     for end in (*(place.start() for place in places.finditer(seen)), len(line)):
         piece = line[start:end]

@@ -1,4 +1,4 @@
-"""Constants of a header: macros with what is said of them."""
+"""Constants of a header: macros with their comments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Macro:
 
 
 def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
-    """The bounds of a time that the manual gives, in microseconds; the first tells of all."""
+    """Yield the bounds of a time in microseconds. The comment on the first describes all."""
     note = S.sentence(said_of(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():

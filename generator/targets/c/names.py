@@ -1,4 +1,4 @@
-"""Every name that a header declares at file scope, and the part of the spec it comes from: two can have one name."""
+"""The names that a header declares at file scope, the parts of the spec that they come from, and clashes of names."""
 
 from __future__ import annotations
 
@@ -24,35 +24,34 @@ _WORDS = {
 }
 
 
-#: A name at file scope, and the part of the spec that it comes from; an empty one for what a header has of itself.
-#: Each part of a header tells its own by ``declared()``.
+#: A name at file scope, and the part of the spec that it comes from; empty for names that every header has.
+#: Each part of a header lists its names in ``declared()``.
 Declared = tuple[str, Path]
 
 
 @dataclass(frozen=True)
 class Clash:
-    """Two parts of a spec whose names are one in C. ``other`` is empty for what every header has."""
+    """Two parts of a spec with the same name in C. ``other`` is empty for names that every header has."""
 
     name: str
     path: Path
     other: Path
 
     def message(self, where: str = "") -> str:
-        """What is wrong and what would be right; ``where`` says where the other part is, as in `` on line 5``."""
-        mine = f"something of it would be called {self.name} in C"
+        """Return what is wrong and how to fix it. ``where`` gives the place of the other part, as in `` on line 5``."""
         if not self.other:
-            return f"{mine}, and the headers have that name for something else; rename it"
-        return f"{mine}, and so would something of {called(self.other)}{where}; rename one of the two"
+            return f"it needs the C name {self.name}, which the headers already use; rename it"
+        return f"it needs the C name {self.name}, and so does {called(self.other)}{where}; rename one of the two"
 
 
 def called(path: Path) -> str:
-    """A part of the spec in words."""
+    """Describe a part of the spec in words."""
     kind = next((step for step in reversed(path) if step in _WORDS), path[0])
     return f"{_WORDS.get(str(kind), str(kind))} '{path[-1]}'" if path[-1] != kind else _WORDS.get(str(kind), str(kind))
 
 
 class Names:
-    """The names of one header. The first part that declares a name has it; every other one is a clash."""
+    """The names of one header. A name belongs to the first part that declares it; any other part is a clash."""
 
     def __init__(self, declared: Iterable[Declared]) -> None:
         self.paths: dict[str, Path] = {}
@@ -66,7 +65,7 @@ class Names:
                 self.clashes.append(Clash(name, self.paths[name], ()))
 
 
-#: What the headers that all families share declare, after the prefix of the manufacturer.
+#: Names in encoder.h, without the prefix of the manufacturer.
 _ENCODER_H = """
     ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
     FAULT_HEAD_MISSING FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_LOST FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT
@@ -78,13 +77,13 @@ _ENCODER_H = """
     run_step run_together run_verify run_write send signed step step_address step_close step_closes step_kind
     step_poll step_read step_send step_verify step_wait step_write to_gray transport verdict wait write write_byte
 """
-#: The same of receive.h.
+#: Names in receive.h, in the same way.
 _RECEIVE_H = """
     RECEIVE_H RECEIVE_RS485_BYTES biss_receive biss_receive_bits biss_receive_cds biss_receive_cds_bits received_bit
     received_bits received_samples received_words16 received_words32 rs485_ask rs485_late rs485_line rs485_reason
     rs485_resume rs485_take ssi_receive ssi_repeats
 """
-#: The same of runner.h, tracker.h and angle.h.
+#: Names in runner.h, tracker.h and angle.h, in the same way.
 _USE_H = """
     ANGLE_H RUNNER_H TODO_BUSY TODO_END TODO_READ TODO_SEND TODO_WAIT TODO_WRITE TRACKER_H TRACKER_REACH_US
     angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees angle_q15 angle_q31 angle_radians
@@ -92,7 +91,7 @@ _USE_H = """
     runner_fail runner_next runner_polled runner_sent runner_start runner_write todo tracker tracker_add
     tracker_config tracker_lose tracker_reach tracker_restart tracker_shorter tracker_speed tracker_start
 """
-#: The same of biss.h, after that and ``biss_``.
+#: Names in biss.h, without that prefix and ``biss_``.
 _BISS_H = """
     ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS LATE_FRAMES NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START
     PHASE_WAIT READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode
@@ -105,7 +104,7 @@ _BISS_H = """
 
 
 def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
-    """The names in the headers that the families of a manufacturer share; those of macros are in capitals."""
+    """Yield the names in the headers that the families of a manufacturer share. Macros are in capitals."""
     names = [*_ENCODER_H.split(), *_RECEIVE_H.split(), *_USE_H.split()]
     names += [f"biss_{name}" for name in _BISS_H.split() if with_biss]
     for name in names:
@@ -113,7 +112,7 @@ def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
 
 
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
-    """The names of members, arguments and locals, as C spells them, and the part of the spec that each comes from."""
+    """Yield the C names of members, arguments and locals, and the part of the spec that each comes from."""
     for parameter in device.parameters:
         yield c_name(parameter.name), ("parameters", parameter.name)
     places: list[tuple[Path, Layout]] = [
@@ -131,7 +130,7 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
 
 
 def clashes(headers: Iterable[tuple[Device, Names]], shared: Iterable[str]) -> Iterator[tuple[Device, Clash]]:
-    """Every clash within these headers, with what all families share (``shared``), and between families."""
+    """Yield every clash within these headers, with the ``shared`` names, and between families."""
     taken: dict[str, Path] = dict.fromkeys(shared, ())
     for device, names in headers:
         for clash in names.clashes:

@@ -1,8 +1,8 @@
-"""Order codes with open parts, and labels that are written otherwise, as a table of patterns that C can look through.
+"""Order codes with open parts, and labels in other spellings, as a table of patterns that C can search.
 
-The regular expression of an open part is written out: ``[0-9]`` becomes the mark ``#``, ``[A-Z]`` ``@``, both together
-``%``, a digit that may be missing ``~``. Whatever else a regular expression can say is not, and the header says which
-parts it knows only as listed.
+The regular expression of an open part is expanded: ``[0-9]`` becomes the mark ``#``, ``[A-Z]`` becomes ``@``, both
+together ``%``, and an optional digit ``~``. Other regular expressions are not supported. The header names the parts of
+which it knows only the listed values.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _MOST = 16
 
 @dataclass(frozen=True)
 class OpenCode:
-    """A pattern for labels; ``code`` is the index of the order code that it stands for, or None where it is refused."""
+    """A pattern for labels. ``code`` is the index of its order code, or None if the label is refused."""
 
     pattern: str
     code: int | None
@@ -41,9 +41,9 @@ class OpenCode:
 
 @dataclass(frozen=True)
 class _Choice:
-    """What may stand for a part: a listed text, or a pattern that the manual leaves open.
+    """A text for a part of an order code: a listed one, or a pattern if the manual leaves it open.
 
-    ``label`` is what stands on the label where that is another text.
+    ``label`` is the text on the label if that differs.
     """
 
     text: str
@@ -56,7 +56,7 @@ class _Choice:
 
 
 def written_out(expression: str) -> tuple[str, ...]:
-    """The patterns of an open part, the longest first; empty where they cannot be written out."""
+    """Return the patterns of an open part, the longest first; empty if it cannot be expanded."""
     found: list[str] = []
     for alternative in expression.split("|"):
         atoms, at = [], 0
@@ -86,15 +86,15 @@ def _repeated(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
-    """The open parts that the table does not know."""
+    """Return the open parts that the table does not contain."""
     return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
 
 
 def open_codes(device: Device) -> tuple[OpenCode, ...]:
-    """What order codes with open parts, and labels that are written otherwise, look like; the first that fits decides.
+    """Return the patterns for order codes with open parts and for labels in other spellings. The first match decides.
 
-    A pattern with an open part fits listed values as well. Where those are of no order code in this combination, a
-    pattern that is refused comes before it.
+    A pattern with an open part also matches listed values. If these are no order code in this combination, a refused
+    pattern comes before it.
     """
     code = device.order_code
     rows = _rows(device, code.pattern, [_choices(part) for part in code.parts], is_listed=True)
@@ -107,7 +107,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
 
 
 def _rows(device: Device, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
-    """The rows of one way to write the code; where it is that of the list, codes without open parts are found there."""
+    """Return the rows of one spelling. For the listed spelling, codes without open parts need no row."""
     names = [part.name for part in device.order_code.parts]
     combinations = [dict(zip(names, values, strict=True)) for values in itertools.product(*choices)]
     found = [(chosen, _stands_for(device, chosen)) for chosen in combinations]
@@ -135,7 +135,7 @@ def _choices(part: CodePart) -> list[_Choice]:
 
 
 def _stands_for(device: Device, chosen: Mapping[str, _Choice]) -> int | None:
-    """The first order code that goes with the listed parts, where the open ones may be open."""
+    """Return the first order code with the listed parts, if the other parts may be open there."""
     for index, variant in enumerate(device.variants):
         if all(item.is_open or variant.parts[name] == item.text for name, item in chosen.items()) and all(
             _open_here(device.order_code.parts, chosen, variant)
@@ -154,7 +154,7 @@ def _open_here(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant
 
 
 def _covers(pattern: Mapping[str, _Choice], chosen: Mapping[str, _Choice]) -> bool:
-    """Whether a label of the codes ``chosen`` would fit ``pattern``, which has more open parts."""
+    """Return True if a label of the codes ``chosen`` would match ``pattern``, which has more open parts."""
     for name, item in pattern.items():
         other = chosen[name]
         if item == other:

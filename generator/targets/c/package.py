@@ -1,4 +1,4 @@
-"""What makes the C folder a package: for CMake, pkg-config, PlatformIO and Zephyr, and programs that show its use."""
+"""The package files of the C folder: for CMake, pkg-config, PlatformIO and Zephyr, and the example programs."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .procedures import ProcedureCode
 from .receivers import ReceiverCode, receiver_codes
 from .reserved import c_name
 
-#: Each file beside headers and programs, and its template; ``{package}`` is the package's name. The folder is laid out
-#: as it is installed.
+#: The other files of the package, and their templates. ``{package}`` is the name of the package. The folder has the
+#: layout of an installation.
 FILES = {
     "README.md": "README.md.jinja",
     "MISRA.md": "MISRA.md.jinja",
@@ -36,11 +36,11 @@ Render = Callable[[str, Mapping[str, object]], str]
 
 
 class Package(TypedDict):
-    package: Annotated[str, "the name of the package, such as acme-encoders"]
+    package: Annotated[str, "the name of the package, for example acme-encoders"]
     namespace: Annotated[str, "the folder of the headers below include"]
     option: Annotated[str, "the name of the package in capitals, for settings"]
     version: Annotated[str, "its version"]
-    title: Annotated[str, "what it is, in a line of plain letters"]
+    title: Annotated[str, "its description in one line of plain letters"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
     makers: Annotated[list[Manufacturer], "the manufacturers"]
     with_biss: Annotated[list[str], "the names of those that have biss.h"]
@@ -58,7 +58,7 @@ def package_files(
     tests: Iterable[str],
     render: Render,
 ) -> dict[str, str]:
-    """The files of the package beside headers and ``tests``, by their path in the C folder."""
+    """Return the files of the package other than headers and ``tests``, by their path in the C folder."""
     programs = [example for _, devices in makers for device in devices for example in example_codes(views[device.name])]
     shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     names = [maker.name for maker, _ in makers]
@@ -102,7 +102,7 @@ def _with_crcs(
     views: Mapping[str, DeviceView],
     wanted: Callable[[CrcCode], bool],
 ) -> list[str]:
-    """The manufacturers, in capitals, some of whose CRCs are such ones."""
+    """Return the manufacturers, in capitals, that have a wanted CRC."""
     return [
         maker.name.upper()
         for maker, devices in makers
@@ -112,7 +112,7 @@ def _with_crcs(
 
 @dataclass(frozen=True)
 class Guide:
-    """What the README shows: names that exist, so that its code compiles."""
+    """The example that the README shows. Its names exist, so that the code compiles."""
 
     example: ExampleCode
     reads: ShownRegister | None
@@ -120,12 +120,12 @@ class Guide:
 
     @property
     def over_biss(self) -> bool:
-        """Whether its registers are reached by a master of the user's."""
+        """True if its registers are accessed by a BiSS master."""
         return isinstance(self.example.interface, Biss)
 
     @property
     def bits(self) -> str:
-        """The macro of the length of its frame, as a receiver takes it."""
+        """The macro of the length of its frame, for a receiver."""
         view, interface = self.example.view, self.example.interface
         mine = next(item for item in self.example.received if item.variant is self.example.row.variant)
         return next(view.lengths[interface.name].macros_of(mine)).name
@@ -139,7 +139,7 @@ class Guide:
 
 
 def guide(examples: Sequence[ExampleCode]) -> Guide | None:
-    """The family with the most interfaces, by the program whose procedure has the most steps."""
+    """Choose the program of the family with the most interfaces whose procedure has the most steps."""
     if not examples:
         return None
     example = max(examples, key=lambda item: (len(item.view.interfaces), item.run.code.count if item.run else 0))
@@ -153,5 +153,5 @@ def _order(version: str) -> tuple[int, ...]:
 
 
 def bare(text: str) -> str:
-    """``text`` with nothing in it that CMake, Kconfig or pkg-config would take for its own."""
+    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config."""
     return " ".join(re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text)).split())

@@ -1,4 +1,4 @@
-"""What a position means beside its counts: turns, degrees, micrometres, where it starts again, how far it has moved."""
+"""The functions that convert positions: to turns, degrees and micrometres, and to the distance moved."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions within a turn. They start again after ``turns``, if the manual says so; ``one_turn`` is a single one.
+    """Positions in angles. They start again at 0 after ``turns``, if the manual says so. ``one_turn`` is a single one.
 
-    ``over`` says in words for which interface, empty where positions mean the same for all.
+    ``over`` names the interface in words; it is empty if positions mean the same for all.
     """
 
     prefix: str
@@ -40,7 +40,7 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """Positions along a scale. They start again after ``modulus``, where the manual says so."""
+    """Positions along a scale. They start again at 0 after ``modulus``, if the manual says so."""
 
     prefix: str
     over: str
@@ -63,7 +63,7 @@ Positions = AnglePositions | LengthPositions
 
 
 def positions(context: Context) -> Iterator[Positions]:
-    """The functions of each interface; one set where all interfaces measure alike."""
+    """Yield the functions of each interface, or one set if all interfaces measure alike."""
     for group in measured(context.device):
         if group.everywhere:
             yield from _positions(context, context.prefix, "", group.measurement)
@@ -77,7 +77,7 @@ def _positions(context: Context, prefix: str, over: str, measurement: Measuremen
     scope, where = context.scope, f"[{cite(measurement.source)}]"
     steps, turns, step = measurement.counts_per_turn, measurement.turns, measurement.step_um
     if steps is not None:
-        about = f"Counts of one revolution{over} {where}."
+        about = f"Return the number of counts in one revolution{over} {where}."
         per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
         one_turn = turns == Expression(1)
         yield AnglePositions(prefix, over, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
@@ -85,8 +85,8 @@ def _positions(context: Context, prefix: str, over: str, measurement: Measuremen
         wide = Number(step.constant, signed=True) if step.is_constant else Cast("int64_t", scope.of(step))
         modulus = None
         if measurement.modulus is not None:
-            about = f"The position{over} starts again at 0 after so many counts {where}."
+            about = f"Return the number of counts after which the position{over} starts again at 0 {where}."
             if measurement.highest is not None:
-                about += f" An offset moves all positions up, to {measurement.highest.render()} at most."
+                about += f" An offset raises all positions, up to {measurement.highest.render()}."
             modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.modulus, about)
         yield LengthPositions(prefix, over, where, modulus, wide, not step.is_constant)

@@ -1,4 +1,4 @@
-"""A procedure in C: a list of steps, constant or written for given arguments, and a function that carries it out."""
+"""A procedure in C: a list of steps, constant or written for the arguments, and a function that carries it out."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ...plan.steps import (
     run_of,
 )
 from .. import TargetError
-from .about import about_procedure, about_run, note_of_read, note_of_step
+from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .context import Context
 from .expr import Cast, Expr, Name, Number, left, masked, right
 from .names import Declared
@@ -35,7 +35,7 @@ from .registers import RegisterCode
 from .reserved import c_name
 from .types import size_of, unsigned
 
-#: What the generated functions call their own arguments and locals.
+#: Names of arguments and locals in the generated functions.
 _TAKEN = frozenset(
     ("variant", "steps", "capacity", "count", "index", "result", "address", "transport", "out", "failure", "bytes")
 )
@@ -46,7 +46,7 @@ _ZERO = Number(0)
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """An elementary step, the one ``at`` this place of the list: one byte of a register, a wait, a request."""
+    """An elementary step at the place ``at`` of the list: one byte of a register, a wait, a request."""
 
     at: int
     op: Operation
@@ -58,7 +58,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Filled:
-    """The struct of a register that an argument is put into: its local, and that of the bytes it is encoded to."""
+    """The struct of a register that takes an argument: its local, and the local of its encoded bytes."""
 
     code: RegisterCode
     argument: str
@@ -68,13 +68,13 @@ class Filled:
 
     @property
     def needs_setter(self) -> bool:
-        """Whether others repeat the member, so that a function sets it."""
+        """True if other members repeat it, so that a function must set it."""
         return self.code.codec is not None and self.member in self.code.codec.set_names
 
 
 @dataclass(frozen=True, slots=True)
 class Whole:
-    """The bytes of a register whose number an argument is, and the struct that they are decoded to."""
+    """The bytes of a register whose whole number is an argument, and the struct that they decode to."""
 
     code: RegisterCode
     local: str
@@ -84,7 +84,7 @@ class Whole:
 
 @dataclass(frozen=True, slots=True)
 class FilledRows:
-    """The steps from this place of the list on that write such bytes, or read them back."""
+    """The steps, from the place ``at`` on, that write such bytes or read them back."""
 
     at: int
     kind: str
@@ -94,17 +94,18 @@ class FilledRows:
 
 @dataclass(frozen=True, slots=True)
 class ArgumentCode:
-    """An argument, and why it is refused."""
+    """An argument, its comment, and the reasons to refuse it."""
 
     given: Given
     type: str
     name: str
+    about: str
     refusals: tuple[ArgumentRefusal, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ReadMember:
-    """The member that takes so many of the bytes that are read, from the ``first`` on."""
+    """A member for ``length`` of the bytes read, from the ``first`` on."""
 
     name: str
     first: int
@@ -113,7 +114,7 @@ class ReadMember:
 
 
 class ProcedureCode:
-    """``function`` carries the procedure out, ``steps`` gives the list of its steps."""
+    """A procedure. ``function`` is the function that carries it out, ``steps`` the one that returns its steps."""
 
     def __init__(
         self, context: Context, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
@@ -132,7 +133,7 @@ class ProcedureCode:
         self.rows = list(self._rows())
         self.count = sum(1 if isinstance(item, (Waits, Sends)) else len(item.pieces) for item in run.operations)
         self.reads = list(self._reads())
-        self.about = about_procedure(context.device, procedure, self._names)
+        self.about = about_procedure(context.device, procedure)
         self.run_about = about_run(context.device, run, read_state)
 
     @property
@@ -141,7 +142,7 @@ class ProcedureCode:
 
     @property
     def read_type(self) -> str:
-        """The struct for what is read; empty where nothing is."""
+        """The struct for the bytes read; empty if there are none."""
         return f"{self.function}_read" if self.reads else ""
 
     @property
@@ -157,16 +158,16 @@ class ProcedureCode:
 
     @property
     def variant(self) -> str:
-        """What functions are given as the variant: where limits follow from what is written before, a copy."""
+        """The variant that functions receive: a copy if limits depend on values written earlier."""
         return "&written" if self._teaching else "variant"
 
     def taker(self, item: Filled | Whole) -> str:
-        """The function by which the copy follows what is written; empty where no limit does."""
+        """Return the function that updates the copy from the bytes written; empty if no limit depends on them."""
         name = item.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
 
     def is_late(self, refusal: ArgumentRefusal) -> bool:
-        """Whether it has to be looked at once the copy has followed."""
+        """Return True if it must be checked after the copy was updated."""
         varies = isinstance(refusal, Beyond) and any(not bound.is_constant for _, bound in refusal.limits.binding)
         return varies and bool(self._teaching)
 
@@ -188,10 +189,11 @@ class ProcedureCode:
         refusals = [*given.refusals, *(refusal for item in given.written for refusal in self._of_byte(item))]
         kept = (item for index, item in enumerate(refusals) if item not in refusals[:index] and not _is_held(item))
         kind = self._type(given.written[0])
-        return ArgumentCode(given, kind, self._names[given.argument.name], tuple(kept))
+        about = about_argument(self.context.device, given.argument)
+        return ArgumentCode(given, kind, self._names[given.argument.name], about, tuple(kept))
 
     def _of_byte(self, item: Writes) -> Iterator[ArgumentRefusal]:
-        """Why an argument is refused that is all of a register of one byte, which nothing encodes."""
+        """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
         match item.value:
             case AsMember(argument, member) if self.registers[item.register.name].is_plain:
                 yield from field_refusals(
@@ -210,7 +212,7 @@ class ProcedureCode:
                 assert_never(item.value)
 
     def _fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
-        """The structs that arguments are put into, by argument and register."""
+        """Yield the structs that take arguments, by argument and register."""
         for given in self.run.arguments:
             argument = given.argument.name
             members = {
@@ -224,7 +226,7 @@ class ProcedureCode:
                 yield (argument, register), filled
 
     def _whole(self) -> Iterator[tuple[tuple[str, str], Whole]]:
-        """The registers of which an argument is the number, where their decoder or a later limit has a say."""
+        """Yield the registers whose whole number is an argument, if their decoder or a later limit checks it."""
         for given in self.run.arguments:
             refusing = {refusal.register.name for refusal in given.refusals if isinstance(refusal, Undecodable)}
             for item in given.written:
@@ -253,7 +255,7 @@ class ProcedureCode:
             elif not item.pieces:
                 raise TargetError(f"'{_place(item)}' moves with the order code; the C target cannot reach it alone")
             elif isinstance(item, Polls) and len(item.pieces) > 1:
-                # Each byte would be right at a time of its own, and never the whole.
+                # The bytes could match one after the other, and never all at the same time.
                 lies = f"'{_place(item)}' lies in {len(item.pieces)} bytes"
                 raise TargetError(f"{lies}, which the C target would wait for one after the other")
             else:
@@ -265,7 +267,7 @@ class ProcedureCode:
 
     @staticmethod
     def _read_back(at: int, item: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
-        """All bytes alike where every bit of them counts, else one by one."""
+        """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if item.pieces == item.write.pieces:
             yield FilledRows(at, "verify", filled, note)
             return
@@ -280,7 +282,7 @@ class ProcedureCode:
         return None
 
     def _bits(self, item: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
-        """What a step writes to a byte, waits for there, or reads back."""
+        """Return the value that a step writes to a byte, waits for, or reads back."""
         if isinstance(item, Reads):
             return Number(0)
         write = item.write if isinstance(item, Verifies) else item
@@ -308,7 +310,7 @@ class ProcedureCode:
 
 
 def _is_held(refusal: ArgumentRefusal) -> bool:
-    """Whether the type of an argument keeps it from being so."""
+    """Return True if the type of the argument already excludes it."""
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 

@@ -1,4 +1,4 @@
-"""A program that follows an axis by the raw buffers of an SPI with DMA, over BiSS."""
+"""A program that tracks an axis from the raw buffers of an SPI with DMA, over BiSS."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .variants import CodeRow
 
 
 class ReceiverCode:
-    """What the template prints: the order code whose frame is the longest, and the example whose frame it is."""
+    """The values that the template prints: the order code with the longest frame, and the example of that frame."""
 
     def __init__(self, example: ExampleCode) -> None:
         view = example.view
@@ -27,7 +27,7 @@ class ReceiverCode:
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """A program for each family whose BiSS frames say what their position is worth."""
+    """Yield a program for each family whose BiSS frames have a verdict."""
     for item in examples:
         told = item.reports is not None and item.reports.verdict
         lengths = item.view.lengths[item.interface.name]

@@ -1,4 +1,4 @@
-"""One register in C: the places of its fields, its limits, and what decodes, encodes, reads and writes it."""
+"""One register in C: the places of its fields, its limits, and the functions that encode, decode and access it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .structs import Struct
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """The limits that are the same for all order codes, with their names, and the others."""
+    """The limits that are the same for all order codes, as macros, and the others as functions."""
 
     macros: tuple[tuple[str, Expr], ...]
     functions: tuple[Function, ...]
@@ -34,7 +34,7 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class Explained:
-    """The bits of a register that tell why a field of another one is set."""
+    """The bits of a register that give the reason why a field of another one is set."""
 
     name: str
     bits: int
@@ -42,7 +42,7 @@ class Explained:
 
 
 class RegisterCode:
-    """What the templates print for a register. ``codec`` is None where the byte itself says all."""
+    """The values that the templates print for a register. ``codec`` is None if the byte itself is the value."""
 
     def __init__(self, context: Context, register: Register) -> None:
         self.context = context
@@ -58,7 +58,7 @@ class RegisterCode:
         refusals = (refused,) if refused is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, (), refusals)
         self.access = Access(self.struct, self.codec is not None, refusals)
-        #: Its own, and those of the things that it can mean.
+        #: Its own limits, and those of each of its meanings.
         self.limits = tuple(self._limits(item) for item in (None, *register.meanings))
         self.explained = tuple(self._explained())
 
@@ -89,12 +89,12 @@ class RegisterCode:
 
     @property
     def is_plain(self) -> bool:
-        """Whether the byte itself says all, so that it needs no struct."""
+        """True if the byte itself is the value, so that it needs no struct."""
         return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.layout.fields[0])
 
     @property
     def expected(self) -> int | None:
-        """What the manual states that the byte holds."""
+        """The value of the byte that the manual states."""
         equals = self.layout.fields[0].equals if self.is_plain else None
         return equals if isinstance(equals, int) else None
 
@@ -105,11 +105,11 @@ class RegisterCode:
             return [*about, about_member(self.struct, self.layout.fields[0])]
         return [*about, *table(self.struct)] if len(self.masked) < len(self.layout.fields) else about
 
-    # -- where its fields are
+    # -- places of its fields
 
     @cached_property
     def _with_masks(self) -> tuple[Field, ...]:
-        """The fields that are picked out of the register as one number; a register's only field is the number."""
+        """The fields that have masks. A register's only field is the register itself."""
         fields = self.layout.fields
         if self.is_plain or self.register.length > 8 or (len(fields) == 1 and not isinstance(fields[0].kind, Choice)):
             return ()
@@ -117,7 +117,7 @@ class RegisterCode:
 
     @property
     def masked(self) -> tuple[Field, ...]:
-        """Those at the same place for every order code."""
+        """The fields at the same place for every order code."""
         return tuple(item for item in self._with_masks if item.is_fixed)
 
     @property
@@ -140,14 +140,14 @@ class RegisterCode:
         limits = limits_of(self.device, self.register, meaning)
         bounded = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
-        sides = (("min", "Least", limits.low), ("max", "Greatest", limits.high))
+        sides = (("min", "least", limits.low), ("max", "greatest", limits.high))
         macros = tuple(
             (f"{stem}_{side}".upper(), NumberExpr(limit.constant, signed=limits.signed))
             for side, _, limit in sides
             if limit is not None and limit.is_constant
         )
         functions = tuple(
-            self._function(f"{stem}_{side}", f"{word} {bounded}: {limit.render()}.", limit, limits.signed)
+            self._function(f"{stem}_{side}", f"Return the {word} {bounded}: {limit.render()}.", limit, limits.signed)
             for side, word, limit in sides
             if limit is not None and not limit.is_constant
         )
@@ -163,7 +163,7 @@ class RegisterCode:
 
 
 def _is_byte(field: Field) -> bool:
-    """Whether a field is no more and no less than the number in a byte."""
+    """Return True if a field is exactly the number in a byte."""
     return (
         isinstance(field.kind, (Choice, Number))
         and field.width == Expression(8)

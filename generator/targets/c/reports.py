@@ -1,4 +1,4 @@
-"""What frames report, in C: an enumeration and texts of all that a family can report, and functions of each frame."""
+"""Reports in C: an enumeration and texts of all reports of a family, and the functions of each frame."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _UNUSED = Name("frame->unused")
 
 
 class FrameReports:
-    """The functions ``verdict`` and ``reports`` of a frame; the name of one that it does not have is empty."""
+    """The functions ``verdict`` and ``reports`` of a frame. The name of one that it does not have is empty."""
 
     def __init__(self, family: Reports, reporting: Reporting, frame: str) -> None:
         self.family, self.reporting, self.frame = family, reporting, frame
@@ -33,24 +33,24 @@ class FrameReports:
         self._every_unused = sum(_bits(op) for op in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
-        """What it declares at file scope."""
+        """Return the names that it declares at file scope."""
         return filter(None, (self.verdict, self.reports))
 
     @property
     def told(self) -> Iterator[Expr]:
-        """What the mask of its reports is made of."""
+        """The terms of the mask of its reports."""
         for told in self.reporting.told:
             says = joined("&&", (*self._holds(told.only), self._says(told.by)))
             yield Either(says, self.family.constant(told.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
-        """Whether the verdict differs with the order code."""
+        """True if the verdict depends on the order code."""
         return any(item.only for _, speaking in self._levels for item in speaking)
 
     @property
     def reports_depend(self) -> bool:
-        """Whether the reports differ with the order code."""
+        """True if the reports depend on the order code."""
         return any(item.only for item in self.reporting.told)
 
     @property
@@ -58,7 +58,7 @@ class FrameReports:
         return self.judgement.worst_first if self.judgement is not None else ()
 
     def _holds(self, only: Only | None) -> tuple[Expr, ...]:
-        """What has to hold of the order code, if anything."""
+        """Return the condition on the order code, if any."""
         if only is None:
             return ()
         member = Name(f"variant->{c_name(only.parameter)}")
@@ -69,12 +69,12 @@ class FrameReports:
 
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
-        """When the position is worth less than ``otherwise``, the worst first."""
+        """The conditions of verdicts worse than ``otherwise``, the worst first."""
         for verdict, speaking in self._levels:
             yield self._any(speaking), verdict
 
     def _any(self, speaking: Sequence[Speaks]) -> Expr:
-        """That one of these speaks; unused bits are looked at together."""
+        """Return the condition that one of these is active. Unused bits are checked together."""
         unused = [item.by for item in speaking if isinstance(item.by, Reserved)]
         flags = [(item.by, item) for item in speaking if isinstance(item.by, Part)]
         said = [
@@ -84,31 +84,31 @@ class FrameReports:
         return joined("||", (*said, *([self._differ(unused)] if unused else [])))
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
-        """That some of these bits are not as the manual has them."""
+        """Return the condition that some of these bits differ from the manual."""
         mask = sum(map(_bits, unused))
         return Operation("!=", (_UNUSED if mask == self._every_unused else masked(_UNUSED, mask), Number(0)))
 
 
 class Reports:
-    """All that a family can report. ``mask`` is the type that has a bit for each."""
+    """All reports of a family. ``mask`` is the type with a bit for each."""
 
     def __init__(self, device: Device, prefix: str) -> None:
         self.all = reports_of(device)
         if len(self.all) > 64:
             wrong = f"the frames have {len(self.all)} flags and fields of unused bits to report"
-            raise TargetError(f"{wrong}; the C target has a bit for 64 at most", ("interfaces",))
+            raise TargetError(f"{wrong}; the C target has bits for at most 64", ("interfaces",))
         self.mask = unsigned(max(len(self.all), 32))
         self.text = f"{prefix}_report_text"
         self.texts = tuple(_texts(device, item) for item in self.all)
         stem = f"{prefix}_report".upper()
         entries = (Entry(f"{stem}_{item.name.upper()}", 1 << item.number, _note(device, item)) for item in self.all)
-        about = "What frames report of the encoder; their functions _reports() give a mask of these bits."
+        about = "Reports of the encoder. The functions _reports() of frames return a mask of these bits."
         digits = (len(self.all) + 3) // 4
         self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
         self._by_frame = {item.codec.layout.name: item for item in reportings(device)}
 
     def declared(self) -> Iterator[Declared]:
-        """What it declares at file scope."""
+        """Yield the names that it declares at file scope."""
         if self.all and self.enumeration.is_enum:
             yield self.enumeration.type, ()
         if self.all:
@@ -117,17 +117,17 @@ class Reports:
             yield entry.name, self._path(report)
 
     def of(self, layout: Layout, frame: str) -> FrameReports | None:
-        """The functions of a frame, if it tells anything."""
+        """Return the functions of a frame, if it has any."""
         reporting = self._by_frame.get(layout.name)
         return FrameReports(self, reporting, frame) if reporting is not None else None
 
     def constant(self, report: Report) -> Expr:
-        """The bit of a report."""
+        """Return the bit of a report."""
         name = Name(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
 
     def _path(self, report: Report) -> Path:
-        """The first frame that makes it."""
+        """Return the path of the first frame with this report."""
         first = next(
             item for item in self._by_frame.values() if any(told.report.number == report.number for told in item.told)
         )
@@ -135,21 +135,21 @@ class Reports:
 
 
 def _texts(device: Device, report: Report) -> tuple[str, ...]:
-    """The members of its text."""
+    """Return the members of its text."""
     field = report.field
     alarm = alarm_of(device, field)
     return (report.name, field.printed_name, meaning(field, alarm), remedy(field, alarm), cite(source(field, alarm)))
 
 
 def _note(device: Device, report: Report) -> str:
-    """What the manual calls it, and where it says what it means."""
+    """Return its name in the manual and the source of its meaning."""
     field = report.field
     unused = ", unused" if isinstance(field.kind, Unused) else ""
     return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
 def _bits(op: Reserved) -> int:
-    """Those of ``unused`` that are the field's."""
+    """Return the bits of ``unused`` that belong to the field."""
     return ((1 << op.bits.widest) - 1) << op.place
 
 

@@ -1,11 +1,11 @@
-"""Names of a spec that C has for something else get an underscore at their end."""
+"""Reserved names: a name of a spec that C uses for something else gets a trailing underscore."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-#: The words of C up to C23 and of C++ up to C++26, those of its technical specifications and of common compilers,
-#: as far as a name of a spec can be one.
+#: The keywords of C up to C23, of C++ up to C++26 and its technical specifications, and of common compilers,
+#: as far as they can be names in a spec.
 _WORDS = """
     alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break case
     catch char char16_t char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval
@@ -16,7 +16,7 @@ _WORDS = """
     synchronized template this thread_local throw true try typedef typeid typename typeof typeof_unqual union
     unsigned using virtual void volatile wchar_t while xor xor_eq
 """
-#: Types and macros of the three headers that ours include.
+#: Types and macros of the three headers that the generated ones include.
 _TYPES = (
     "intmax_t intptr_t max_align_t nullptr_t offsetof ptrdiff_t size_t uintmax_t uintptr_t unreachable "
     + " ".join(
@@ -26,14 +26,14 @@ _TYPES = (
         for bits in (8, 16, 32, 64)
     )
 )
-#: Macros without arguments that compilers predefine, or headers of C, of Windows, Qt, POSIX and small machines.
+#: Object-like macros of compilers, and of headers of C, Windows, Qt, POSIX and small processors.
 _MACROS = """
     assert bool cdecl complex emit environ errno far foreach forever fortran hpux huge hyper i386 i860 i960
     imaginary interface interrupt linux m68k math_errhandling max mc68000 min mips near noreturn pascal pdp11 pixel
     powerpc quad sgi signals signgam slots small sparc stdcall stderr stdin stdout sun timezone tzname ultrix unix
     vax vector vms
 """
-#: What avr-libc maps to the function for double.
+#: Names that avr-libc maps to the function for double.
 _MATH = " ".join(
     f"{name}f"
     for name in """
@@ -45,5 +45,5 @@ RESERVED = frozenset(f"{_WORDS} {_TYPES} {_MACROS} {_MATH}".split())
 
 
 def c_name(name: str, taken: Iterable[str] = ()) -> str:
-    """``name`` as the name of a member or argument."""
+    """Return ``name`` as the name of a member or argument."""
     return name + "_" if name in RESERVED or name in taken else name

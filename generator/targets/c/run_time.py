@@ -1,4 +1,4 @@
-"""Parameters that registers hold at run time: what takes them over into the variant from the bytes of a register."""
+"""Parameters that registers hold at run time: the functions that update a variant from the bytes of a register."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .names import Declared
 from .reserved import c_name
 from .types import unsigned
 
-#: What the function that reads the registers calls its own arguments and locals.
+#: Names of arguments and locals in the function that reads the registers.
 _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
 
 
 class HeldValue:
-    """A parameter, and the local that it is taken into."""
+    """A parameter held by a register, and its local."""
 
     def __init__(self, context: Context, held: Held) -> None:
         parameter, field = held.parameter, held.field
@@ -37,7 +37,7 @@ class HeldValue:
 
     @property
     def is_outside(self) -> Expr | None:
-        """Whether the value is none that the parameter can have."""
+        """The condition that the parameter cannot have the value; None if it can have any."""
         name, low, high = Name(self.local), self.held.low, self.held.high
         sides = (("<", low), (">", high))
         found = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)
@@ -45,13 +45,13 @@ class HeldValue:
 
 
 class Taker:
-    """The function that takes over what a register holds."""
+    """The function that updates a variant from the content of a register."""
 
     def __init__(self, context: Context, held: HeldBy, access: Access) -> None:
         register = held.register
         self.name = f"{context.prefix}_take_{register.name}"
         names = ", ".join(item.parameter.name for item in held.parameters)
-        self.about = f"Takes over into the variant what the register {title(register)} holds: {names}."
+        self.about = f"Update a variant from the content of the register {title(register)}: {names}."
         self.values = tuple(HeldValue(context, item) for item in held.parameters)
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access

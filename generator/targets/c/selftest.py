@@ -1,6 +1,6 @@
-"""A self-test that a user compiles with his own compiler: each worked example, as a function that tells if it holds.
+"""A self-test that users compile with their own compiler: a function for each worked example.
 
-The checks of a family are numbered from 1 in the order of its spec; a number tells what failed.
+The checks of a family are numbered from 1 in the order of its spec. The number returned is that of the failed check.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from .types import number, string
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """A member of a struct and what it has to be; ``text`` has its characters where it is one."""
+    """A member of a struct and its expected value. ``text`` is True if it is a text."""
 
     member: str
     value: str
@@ -45,7 +45,7 @@ class Expected:
 
 @dataclass(frozen=True, slots=True)
 class FrameCheck:
-    """A frame or register that decodes to this, and encodes to the same again; or is refused for ``fault``."""
+    """A frame or register that decodes to the expected values and encodes to the same, or fails with ``fault``."""
 
     codec: StructCodec
     variant: str
@@ -66,7 +66,7 @@ class CrcCheck:
 
 @dataclass(frozen=True, slots=True)
 class ProcedureCheck:
-    """The registers that a procedure writes, in this order: address and byte."""
+    """The writes of a procedure in order: address and byte."""
 
     code: ProcedureCode
     variant: str
@@ -93,7 +93,7 @@ Work = ConstantCheck | FrameCheck | CrcCheck | ProcedureCheck | MeasureCheck
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """``about`` names the example and its source."""
+    """A numbered check. ``about`` names the example and its source."""
 
     number: int
     about: str
@@ -101,7 +101,7 @@ class Check:
 
 
 class SelfTest:
-    """The checks of a family; examples that no function of the header concerns are left out."""
+    """The checks of a family, without examples that concern no function of the header."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view
@@ -111,7 +111,7 @@ class SelfTest:
 
     @property
     def is_used(self) -> Mapping[str, bool]:
-        """Which helpers the checks need."""
+        """The helpers that the checks need."""
         frames = [item.work for item in self.checks if isinstance(item.work, FrameCheck)]
         return {
             "bytes": any(item.data and not item.fault for item in frames),
@@ -154,7 +154,7 @@ class SelfTest:
                 assert_never(example)
 
     def _variant(self, order_code: str) -> str:
-        """The macro of an order code; of one that is a label, that of the code it stands for."""
+        """Return the macro of an order code, or of the first one if it is not a listed code."""
         device = self.view.device
         codes = [item.code for item in device.variants]
         at = codes.index(order_code) if order_code in codes else 0
@@ -184,7 +184,7 @@ class SelfTest:
                 )
 
     def _answers(self, item: StructCodec, example: FrameExample) -> str:
-        """The answers that the example takes, the first where it says nothing."""
+        """Return the answers for the example, the first one where it states none."""
         found = ""
         for asked in item.asked:
             names = [answer.name for answer in asked.item.answers]
@@ -200,7 +200,7 @@ class SelfTest:
             yield FrameCheck(code.codec, variant, "", _bytes(example.bytes), "", expected, "")
 
     def _expected(self, of: StructCodec, key: str, values: Mapping[str, int | str | bool]) -> Iterator[Expected]:
-        """The members; what has none is always the same, and is seen to when the frame is decoded and encoded."""
+        """Yield the members. Fields without one are constant and checked by decoding and encoding the frame."""
         members = set(_members(of))
         for name, value in values.items():
             if name not in members:
@@ -216,7 +216,7 @@ class SelfTest:
                 yield Expected(c_name(name), number(value))
 
     def _named(self, key: str, field: Field, value: str) -> str:
-        """The enumerator of a value by its name; its number where it has none."""
+        """Return the enumerator of a value by its name, or its number if it has none."""
         found = next(item.value for item in field.values if item.name == value)
         choice = self.view.context.choices.get((key, field.name))
         return choice.names.get(found, number(found)) if choice is not None else number(found)
@@ -245,7 +245,7 @@ class SelfTest:
 
 
 def _members(of: StructCodec) -> Iterator[str]:
-    """The names of what a struct holds, as the spec has them."""
+    """Yield the names of the members of a struct, as in the spec."""
     yield from (whole.join.name for whole in of.plan.wholes)
     for part in of.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
@@ -280,7 +280,7 @@ def selftest_files(
     views: Mapping[str, DeviceView],
     render: Callable[[str, Mapping[str, object]], str],
 ) -> dict[str, str]:
-    """The files of the self-test, by their path in the C folder."""
+    """Return the files of the self-test, by their path in the C folder."""
     tests = {device.name: SelfTest(views[device.name]) for _, devices in makers for device in devices}
     tests = {name: test for name, test in tests.items() if test.checks}
     files = {}

@@ -16,7 +16,7 @@ from .unused import Unused
 
 
 class Struct:
-    """One layout, its names and its types; a register of one plain byte has one as well, but it is not printed."""
+    """One layout, its names and its types. A register of one plain byte has one as well, which is not printed."""
 
     def __init__(
         self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None
@@ -33,13 +33,13 @@ class Struct:
         self.unused = Unused(self.reader)
         if self.plan.by_word and layout.widest > 64:
             wrong = f"'{layout.name}' has {layout.widest} bits and fields that move"
-            raise TargetError(f"{wrong}; the C target can place them in 64 bits only", self.path)
+            raise TargetError(f"{wrong}; the C target can place them only within 64 bits", self.path)
         if self.plan.alternatives and register is not None:
             wrong = f"'{layout.name}' depends on what the manual leaves open"
-            raise TargetError(f"{wrong}; the C target has an argument for it in frames only", self.path)
+            raise TargetError(f"{wrong}; the C target has an argument for it only in frames", self.path)
         if self.unused.width > 64:
             wrong = f"'{layout.name}' has unused bits in {-(-self.unused.width // 8)} bytes"
-            raise TargetError(f"{wrong}; the C target holds those of 8 bytes at most", self.path)
+            raise TargetError(f"{wrong}; the C target holds those of at most 8 bytes", self.path)
         for item in (part.field for part in self.plan.parts):
             if not isinstance(item.kind, Text):
                 self.type_of(item)
@@ -49,7 +49,7 @@ class Struct:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """Where the layout stands in the spec."""
+        """The path of the layout in the spec."""
         if self.register is not None:
             return ("registers", self.register.name)
         (kind,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
@@ -67,7 +67,7 @@ class Struct:
         return self.context.choices.get((owner, field.name))
 
     def enumeration(self, field: Field) -> Enumeration | None:
-        """Its enumeration, where that is a type."""
+        """Return the enumeration of a field, if that is a type."""
         choice = self.choice(field)
         return choice if choice is not None and choice.is_enum else None
 
@@ -82,14 +82,14 @@ class Struct:
         return unsigned(max(field.widest, field.number.zero_means.bit_length()))
 
     def member_type(self, name: str) -> str:
-        """The type of the member that a field or join has, by its name in the spec."""
+        """Return the type of the member of a field or join, by its name in the spec."""
         whole = next((item for item in self.plan.wholes if item.join.name == name), None)
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
-        """Whether ``name`` is none of these values.
+        """Return the condition that ``name`` is none of these values.
 
-        ``is_raw`` says that it is the bits as read, a number rather than one of the field's enumeration.
+        ``is_raw`` is True if it holds the bits as read, which are a number rather than of the field's enumeration.
         """
         choice = self.choice(field)
         kind = self.reader.value(self.plan.bits_of(field.name))[0] if is_raw and self.enumeration(field) else ""

@@ -1,4 +1,4 @@
-"""How headers write what is said: as running text, but for errata, which a header tells once, at its end."""
+"""The style of comments in headers: running text, with each erratum explained once, at the end of the header."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ...say.text import BY_TITLE, Said, Style
 
 
 class InHeader(Style):
-    """An erratum stands where it bites by its name, and with what is used where wrong bytes could be sent."""
+    """A style that names an erratum where it matters, with the value used if wrong bytes could be sent."""
 
     def sentence(self, item: Said) -> str:
         if item.brief is None:

@@ -8,14 +8,14 @@ _PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter no
 
 
 def string(text: object) -> str:
-    """``text`` as a string literal."""
+    """Return ``text`` as a string literal."""
     return (
         '"' + "".join(chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in str(text).encode("utf-8")) + '"'
     )
 
 
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
-    """``value`` as an unsigned constant."""
+    """Return ``value`` as an unsigned constant."""
     text = f"0x{value:0{digits}X}" if hexadecimal else str(value)
     return f"UINT64_C({text})" if value > 0xFFFFFFFF or (hexadecimal and digits > 8) else f"{text}U"
 
@@ -26,14 +26,14 @@ def signed_number(value: int) -> str:
 
 
 def mask(width: int) -> str:
-    """A constant of ``width`` ones."""
+    """Return a constant of ``width`` ones."""
     return number((1 << width) - 1, hexadecimal=True)
 
 
 def size_of(bits: int) -> int:
-    """The bits of the smallest unsigned type for ``bits`` bits."""
+    """Return the width of the smallest unsigned type for ``bits`` bits."""
     if bits > 64:
-        raise TargetError(f"a number of {bits} bits; the C target holds numbers in 64 bits at most")
+        raise TargetError(f"a number of {bits} bits; the C target holds numbers of at most 64 bits")
     return next(size for size in (8, 16, 32, 64) if bits <= size)
 
 
@@ -42,5 +42,5 @@ def signed(bits: int) -> str:
 
 
 def unsigned(bits: int) -> str:
-    """The smallest unsigned type for ``bits`` bits."""
+    """Return the smallest unsigned type for ``bits`` bits."""
     return f"uint{size_of(bits)}_t"

@@ -1,6 +1,6 @@
-"""The unused bits of a layout in C: one member for all of them, which a decoder gathers and an encoder puts back.
+"""The unused bits of a layout in C: one member for all of them, which a decoder fills and an encoder writes back.
 
-In bytes each bit keeps its place in its byte, so that whole bytes are moved and nothing in them.
+In bytes, each bit keeps its place in its byte, so that only whole bytes are shifted.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ _GIVEN = Name("in->unused")
 
 @dataclass(frozen=True, slots=True)
 class Moved:
-    """Unused bits that go together: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word without one.
+    """Unused bits shifted together: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
 
-    ``mask``, and ``value``, which the manual has, are as they stand in the member.
+    ``mask`` and ``value``, the value in the manual, have the places of the member.
     """
 
     byte: int | None
@@ -31,12 +31,12 @@ class Moved:
 
 
 class Unused:
-    """The member ``unused`` of a struct; it is none where the layout has no such bits."""
+    """The member ``unused`` of a struct; false if the layout has no unused bits."""
 
     def __init__(self, reader: Reader) -> None:
         self.reader, self.plan = reader, reader.plan
         self.width = self.plan.layout.unused_width
-        #: Where one of them moves or is wider with another order code, each is taken alone.
+        #: If one of them depends on the order code, each is extracted alone.
         self.single = () if all(op.bits.are_fixed for op in self.plan.reserved) else self.plan.reserved
         fixed = () if self.single else self.plan.reserved
         self.moved = tuple(_together(item for op in fixed for item in _moved(op, self.plan.by_word)))
@@ -50,30 +50,30 @@ class Unused:
 
     @property
     def depends(self) -> bool:
-        """Whether an encoder needs the variant for it."""
+        """True if an encoder needs the variant for it."""
         return bool(self.single)
 
     # -- decoding
 
     @property
     def gathered(self) -> Expr:
-        """The member, out of the word, or out of bytes where the fields are taken one by one."""
+        """The member, from the word, or from bytes if the fields are extracted one by one."""
         parts = (*map(self._taken, self.moved), *map(self._taken_alone, self.single))
         return Cast(self.type, _turned(joined("|", parts), _documented(sum(item.value for item in self.moved))))
 
     def at_place(self, item: Moved, byte: Expr) -> Expr:
-        """A byte, moved to where its bits are in the member."""
+        """Return a byte shifted to the place of its bits in the member."""
         return left(Cast(self.work, byte), -item.shift) if item.shift else byte
 
     def told(self, bits: Expr) -> Expr:
-        """The member, of bytes that are at their places."""
+        """Return the member from bytes that are at their places."""
         mask, value = sum(item.mask for item in self.moved), sum(item.value for item in self.moved)
         found = _turned(masked(bits, mask), _documented(value))
         return found if self.type == self.work else Cast(self.type, found)
 
     @property
     def work(self) -> str:
-        """The type in which a decoder puts bytes together."""
+        """The type in which a decoder assembles bytes."""
         return unsigned(max(self.width, 32))
 
     def _taken(self, item: Moved) -> Expr:
@@ -87,14 +87,14 @@ class Unused:
         if not op.place:
             return _turned(bits, documented)
         turned = _turned(Cast(self.work, bits), documented)
-        # The mask of a width that varies has 64 bits.
+        # The mask of a variable width has 64 bits.
         return left(turned if op.bits.width.is_constant else Cast(self.work, turned), op.place)
 
     # -- encoding
 
     @property
     def refused(self) -> Expr | None:
-        """That the member has a bit which is none of the unused ones; None where its type has no such bit."""
+        """The condition that the member has a bit other than the unused ones; None if its type has no such bit."""
         varying = [op for op in self.single if not op.bits.width.is_constant]
         fixed = sum(_ones(op) for op in self.plan.reserved if op.bits.width.is_constant)
         if not varying:
@@ -106,7 +106,7 @@ class Unused:
 
     @property
     def in_word(self) -> Iterator[Expr]:
-        """What a word has of it."""
+        """The terms of a word that come from it."""
         is_all = len(self.moved) + len(self.single) == 1
         for item in self.moved:
             bits = _turned(_GIVEN if is_all else masked(_GIVEN, item.mask), _documented(item.value))
@@ -118,7 +118,7 @@ class Unused:
 
     @property
     def in_bytes(self) -> Iterator[tuple[int, Expr]]:
-        """What bytes have of it."""
+        """The terms of bytes that come from it."""
         for item in self.moved:
             assert item.byte is not None
             mask, value = item.mask >> -item.shift, item.value >> -item.shift
@@ -128,7 +128,7 @@ class Unused:
                 yield piece.byte, _shifted(_in_byte(right(self._given(op), piece.left), piece.mask), -piece.right)
 
     def given(self, field: Field) -> Expr:
-        """The bits of one field."""
+        """Return the bits of one field."""
         return next(self._given(op) for op in self.plan.reserved if op.field is field)
 
     def _given(self, op: Reserved) -> Expr:
@@ -137,7 +137,7 @@ class Unused:
     # -- both
 
     def _documented(self, op: Reserved) -> Expr | None:
-        """The same of a field that may be narrower with this order code."""
+        """Return the value in the manual of a field that may be narrower with this order code."""
         value = _documented(op.value)
         if value is None or op.bits.width.is_constant:
             return value
@@ -145,7 +145,7 @@ class Unused:
 
 
 def _moved(op: Reserved, by_word: bool) -> Iterator[Moved]:
-    """The bits of a field, in the word or byte by byte."""
+    """Yield the bits of a field, in the word or byte by byte."""
     if by_word:
         yield Moved(None, op.bits.low.constant - op.place, _ones(op), op.value << op.place)
         return
@@ -156,7 +156,7 @@ def _moved(op: Reserved, by_word: bool) -> Iterator[Moved]:
 
 
 def _together(items: Iterable[Moved]) -> Iterator[Moved]:
-    """The same, those that go the same way as one."""
+    """Merge those with the same shift."""
     ways: dict[tuple[int | None, int], Moved] = {}
     for item in items:
         known = ways.get((item.byte, item.shift), replace(item, mask=0, value=0))
@@ -166,25 +166,25 @@ def _together(items: Iterable[Moved]) -> Iterator[Moved]:
 
 
 def _in_byte(bits: Expr, mask: int) -> Expr:
-    """These bits of a number; those above a byte are cut off with it."""
+    """Return these bits of a number. A later cast drops those above a byte."""
     return bits if mask == 0xFF else masked(bits, mask)
 
 
 def _ones(op: Reserved) -> int:
-    """The bits of the member that a field can have."""
+    """Return the bits of the member that a field can have."""
     return ((1 << op.bits.widest) - 1) << op.place
 
 
 def _documented(value: int) -> Expr | None:
-    """What the manual has; None where that is 0."""
+    """Return the value in the manual; None if that is 0."""
     return Number(value, hexadecimal=True) if value else None
 
 
 def _turned(bits: Expr, by: Expr | None) -> Expr:
-    """The bits but for those turned round that ``by`` has."""
+    """Return the bits with those in ``by`` inverted."""
     return Operation("^", (bits, by)) if by is not None else bits
 
 
 def _shifted(of: Expr, by: int) -> Expr:
-    """``of`` shifted to the right, or by less than 0 to the left."""
+    """Return ``of`` shifted to the right, or to the left if ``by`` is negative."""
     return left(of, -by) if by < 0 else right(of, by)

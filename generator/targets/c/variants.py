@@ -1,4 +1,4 @@
-"""Order codes in C: the variant with its parameters, that of each order code, and the parts that are left open."""
+"""Order codes in C: the variant with its parameters, the variant of each order code, and the open parts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .types import number
 
 @dataclass(frozen=True, slots=True)
 class CodeRow:
-    """An order code, the macro of its variant and the values that it stands for."""
+    """An order code, the macro of its variant, and the values of that macro."""
 
     variant: Variant
     macro: str
@@ -30,7 +30,7 @@ class VariantCode:
     def __init__(self, context: Context) -> None:
         self.context, self.device = context, context.device
         self.parameters = self.device.set_parameters
-        #: But for those that the functions of positions tell by their own names.
+        #: Without those that the functions of positions return.
         self._named = [item for item in self._in_order_of_use() if item.name not in also_measured(self.device)]
         self.derived: Sequence[Function] = [self._derived(item) for item in self._named]
         self.rows = [self._row(item) for item in self.device.variants]
@@ -56,18 +56,18 @@ class VariantCode:
 
     @property
     def refuses(self) -> bool:
-        """Whether a pattern stands for labels that are no order code."""
+        """True if a pattern matches labels that are not an order code."""
         return any(item.code is None for item in self.patterns)
 
     def bits(self, item: OpenCode) -> str:
-        """The parts that a pattern leaves open."""
+        """Return the parts that a pattern leaves open."""
         return " | ".join(map(self._unlisted, item.unlisted)) or "0U"
 
     def _unlisted(self, part: str) -> str:
         return f"{self.context.PREFIX}_UNLISTED_{part.upper()}"
 
     def _in_order_of_use(self) -> list[Parameter]:
-        """The parameters that follow from others, each after those that it needs."""
+        """Return the derived parameters, each after those that it needs."""
         left = {item.name: item for item in self.device.parameters if item.equals is not None}
         ordered: list[Parameter] = []
         while left:
@@ -94,5 +94,5 @@ class VariantCode:
 
 
 def _value(item: Parameter, variant: Variant) -> str:
-    """A parameter of an order code; a code, which has no unit and takes more than a byte, as the manuals print it."""
+    """Return a parameter of an order code. A code (no unit, more than a byte) is in hexadecimal, as in the manuals."""
     return number(variant.parameters.get(item.name, 0), hexadecimal=not item.unit and item.largest > 0xFF, digits=4)
