@@ -150,7 +150,7 @@ def test_what_nobody_sees_or_turns_a_text_around_is_refused(
     assert [problem.splitlines()[0] for problem in problems] == [
         (
             f"spec.yaml:2:{4 if escaped else 6}: not-text: "
-            f"the character U+{ord(character):04X} has no place in a text; remove {'its escape' if escaped else 'it'}"
+            f"the character U+{ord(character):04X} is not allowed in text; remove {'its escape' if escaped else 'it'}"
         )
     ]
 

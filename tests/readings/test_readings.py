@@ -121,7 +121,7 @@ def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathli
     assert told() == []
 
 
-NO_PROSE = "a second reading holds facts and no words for people, so leave it out"
+NO_PROSE = "a second reading has only facts, no prose; leave it out"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ NO_PROSE = "a second reading holds facts and no words for people, so leave it ou
         (
             "device: twice",
             "device: thrice",
-            "3:9: device-name: the device is called 'thrice' and the file 'twice'; give both the same name",
+            "3:9: device-name: the device is called 'thrice', but the file 'twice'; use the same name",
         ),
         ("movement: rotary\n", "", "2:1: missing-key: 'movement' is missing; a second reading needs it"),
         ("    length: 2\n", "", "114:5: missing-key: 'length' is missing; a register needs it"),
@@ -155,7 +155,7 @@ def test_a_spec_with_faults_is_not_compared(folder: pathlib.Path) -> None:
 
 def test_it_belongs_to_its_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "twice.second.yaml"]) == 1
-    assert "this is a second reading; give twice.yaml, the spec to which it belongs" in capsys.readouterr().out
+    assert "this is a second reading; give twice.yaml, the spec that it belongs to" in capsys.readouterr().out
     assert main(["check", "twice.second.yaml", "twice.yaml"]) == 0
 
 
