@@ -135,7 +135,7 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                 report.add(
                     "selector-place",
                     path,
-                    f"'{layout.selector}' moves with the order code; bits that identify a frame must have a fixed place",
+                    f"'{layout.selector}' moves with the order code; bits that identify a frame need a fixed place",
                 )
                 continue
             name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))

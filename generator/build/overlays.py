@@ -132,7 +132,7 @@ def _overlay(document: Document) -> Overlay:
 
 
 def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
-    """The changes as outputs tell them: one by one, or of an edition all that have one reason."""
+    """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
     numbers: Counter[str] = Counter()
     for (kind, name, _), found in groupby(laid, key=_one_story):
         items = list(found)

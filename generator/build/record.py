@@ -20,7 +20,7 @@ _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tupl
 
 
 def parse_sources(text: str) -> Sources:
-    """Parse sources such as ``6.4 p.35; it: 6.4 p.36``. A page range such as ``p.14-15`` remains part of the section."""
+    """Parse sources such as ``6.4 p.35; it: 6.4 p.36``. A page range such as ``p.14-15`` belongs to the section."""
     found = []
     for piece in text.split(";"):
         match = _SOURCE.fullmatch(piece)

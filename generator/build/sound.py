@@ -27,7 +27,7 @@ Item = tuple[str, str]
 
 @dataclass(frozen=True)
 class Sound:
-    """The faulty parts of a spec: ``places`` with their parents, and ``items`` by name with those that depend on them."""
+    """The faulty parts of a spec: ``places`` with their parents, and ``items`` by name with their dependents."""
 
     places: frozenset[Path]
     items: frozenset[Item]

@@ -59,7 +59,7 @@ class Document:
         return f"{self.file}\0{self.family}" if self.family else self.file
 
     def line(self, number: int, file: str = "") -> str:
-        """Return a line, counted from 1, of the document's file or one of ``others``, or an empty string after the end."""
+        """Return a line, counted from 1, of the document's file or one of ``others``. Empty after the last line."""
         lines = self.others.get(file, ()) if file else self.lines
         return lines[number - 1] if 0 < number <= len(lines) else ""
 
@@ -124,7 +124,7 @@ class Document:
             mark = child
 
     def original(self, path: Path) -> Path:
-        """Return the path in the data as read, with indices for names and original indices for those of pruned lists."""
+        """Return the path in the data as read, with indices for names and original indices for pruned lists."""
         node: Any = self.data
         result: Path = ()
         for given in path:

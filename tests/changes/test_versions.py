@@ -184,7 +184,7 @@ def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
     (folder / "demo.changes.json").write_text(text, encoding="utf-8")
     _, report = load_library([folder])
     wrong = (
-        "this is not what was written; take back your edit, or remove the file and write it: codewheel diff --record"
+        "this file was edited; undo the edit, or remove the file and write it again: codewheel diff --record"
     )
     place = f"{folder}/demo.changes.json:1:1: changes-file"
     assert [problem.format() for problem in report.problems] == [f"{place}: {wrong}"]

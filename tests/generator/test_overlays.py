@@ -195,7 +195,7 @@ def test_what_the_spec_lacks_under_an_overlay_is_told_in_the_overlay(tmp_path: P
     )
     assert said == [
         (
-            f"o0.yaml:2:10: undefined-reference: with this overlay over it, amm5.yaml:{line}, "
+            f"o0.yaml:2:10: undefined-reference: with this overlay, amm5.yaml:{line}, "
             "examples.serial_number.register: there is no register 'serial_number'; known: preset, "
             "preset_setting_enable, command, device_id, manufacturer_id"
         )
@@ -208,7 +208,7 @@ def test_two_overlays_may_not_set_one_place(tmp_path: Path) -> None:
     assert laid(tmp_path, text, other)[1] == [
         "o1.yaml:6:10: overlay-conflict: o0.yaml:6 changes the same place; keep one of the two"
     ]
-    assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is called 'mine' as well"
+    assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is also called 'mine'"
 
 
 def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path) -> None:
@@ -224,7 +224,7 @@ def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path
 def test_order_codes_of_a_special_model_exist(tmp_path: Path) -> None:
     text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC2]}\nchanges:")
     said = laid(tmp_path, text + "  - set: registers.command.note\n    to: A\n" + OWN)[1]
-    assert said == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is no listed order code of the family"]
+    assert said == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is not a listed order code of the family"]
 
 
 def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 HERE = pathlib.Path(__file__).parent
 MADE_UP = sorted((HERE / "specs").glob("*.yaml"))
-MEND = "; the manual decides; where it prints both, an erratum has them under 'readings'"
+MEND = "; check the manual; if it prints both, add an erratum with both under 'readings'"
 
 
 @pytest.fixture
