@@ -48,7 +48,7 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     known = sound_so_far(report)
     for example in device.examples:
         for below, wrong in _faults(device, example) if known.holds(example) and _is_built(device, example) else ():
-            message = f"example '{example.name}' is wrong: {wrong}"
+            message = f"example '{example.name}' does not match: {wrong}"
             report.add("example-contradicts", ("examples", example.name, *below), message)
 
 

@@ -1,4 +1,4 @@
-"""The story of a revision, as the page on transcribing tells it: one register moves, in two readings, one at a time."""
+"""The revision described on the page on transcribing: one register moves, in one reading after the other."""
 
 from __future__ import annotations
 

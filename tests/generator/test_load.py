@@ -69,8 +69,8 @@ def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path
 def test_a_package_with_a_name_of_pythons_own(tmp_path: Path) -> None:
     assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + "python_package: json\n") == [
         (
-            "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': that is a name of Python's own; "
-            "take 'json_encoders'"
+            "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': Python uses that name; "
+            "write 'json_encoders'"
         )
     ]
 

@@ -111,10 +111,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         ),
         (
             "  - add: registers.command.wait_at_least_ms\n    value: 40\n" + OWN,
-            (
-                "o0.yaml:6:10: overlay-unused: there is a 'registers.command.wait_at_least_ms' already; "
-                "change it with 'set'"
-            ),
+            ("o0.yaml:6:10: overlay-unused: 'registers.command.wait_at_least_ms' already exists; change it with 'set'"),
         ),
         (
             "  - add: registers\n    value: {name: command}\n" + OWN,
@@ -124,7 +121,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
             "  - remove: registers.nothing\n" + OWN,
             (
                 "o0.yaml:6:13: overlay-unused: there is nothing at 'registers.nothing': 'registers' has no 'nothing'; "
-                "there are: preset, preset_setting_enable, serial_number, command, device_id, manufacturer_id"
+                "known: preset, preset_setting_enable, serial_number, command, device_id, manufacturer_id"
             ),
         ),
         (
@@ -134,7 +131,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: registers.command.note\n    to: A\n    remove: registers.command\n" + OWN,
             (
-                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; give it one of set, add, remove, "
+                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; use one of set, add, remove, "
                 "unknown and also"
             ),
         ),
@@ -149,10 +146,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         ),
         (
             "  - set: device\n    to: other\n" + OWN,
-            (
-                "o0.yaml:6:10: overlay-change: 'device' is not for an overlay; it changes what a manual says of the "
-                "encoder"
-            ),
+            ("o0.yaml:6:10: overlay-change: an overlay cannot change 'device', only facts about the encoder"),
         ),
         (
             "  - set: ../../etc/passwd\n    to: x\n" + OWN,
@@ -217,7 +211,7 @@ def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path
         "o0.yaml:3:5: undefined-reference: there is no family 'am36' among the specs that were read; known: amm5"
     ]
     assert laid(tmp_path, text.replace("of: amm5", "of: ../amm5.yaml"))[1][0].startswith(
-        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name has lower case letters"
+        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name has lower-case letters"
     )
 
 

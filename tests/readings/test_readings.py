@@ -109,8 +109,8 @@ def test_an_explanation_without_a_disagreement_is_told(folder: pathlib.Path) -> 
     changed(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
     (found,) = told()
     assert found.endswith(
-        "readings-unused: nothing that this erratum affects is 'default' in the second reading and "
-        "'nothing' here; leave it out, or correct it"
+        "readings-unused: no fact affected by this erratum is 'default' in the second reading and "
+        "'nothing' here; correct or remove it"
     )
 
 
@@ -257,7 +257,7 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
     assert "twice.coverage.json:1:1: coverage-file: the counts are not those of the readings" in capsys.readouterr().out
     kept.write_text("{}", encoding="utf-8")
     assert main(["check"]) == 1
-    assert "twice.coverage.json:1:1: coverage-file: this is not what was written" in capsys.readouterr().out
+    assert "twice.coverage.json:1:1: coverage-file: the file is not as written" in capsys.readouterr().out
 
 
 def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None:
