@@ -1,4 +1,4 @@
-"""Checking: the schema, then every rule, all problems in one go."""
+"""Check documents against the schema, then against every rule, and report all problems at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .rules.order_code import is_whole
 from .schema import Checked, FileKind, check_schema, holder, shape_of, without
 from .second_reading import family_of, filled
 
-#: What stands for keys at the top that are missing, so that the rest can be built and looked at.
+#: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
 _STAND_INS: dict[str, Any] = {
     "title": "",
     "movement": "rotary",
@@ -25,11 +25,11 @@ _NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "pa
 
 
 def check_document(document: Document, report: Report) -> dict[str, Any] | None:
-    """Checks a document and adds what is wrong with it to ``report``.
+    """Check a document and add its problems to ``report``.
 
     Returns:
-        The data without what is at fault: it can be built, as far as it goes, to find what else is wrong. Of a device
-        whose order codes or parameters are at fault both are empty. None where nothing can be built.
+        The data without the broken parts, which can be built to find further problems. If the order codes or
+        parameters of a device are broken, both are empty. None if nothing can be built.
     """
     checked = check_schema(document, report)
     if checked is None:
@@ -44,23 +44,23 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
 
 
 def check_overlay(document: Document, report: Report) -> bool:
-    """Checks an overlay by itself, before it is laid over a spec; whether it can be."""
+    """Check an overlay by itself and return True if it can be applied to a spec."""
     checked = check_schema(document, report, FileKind.OVERLAY)
     return checked is not None and checked.complete and not checked.cut and not report.faults(document)
 
 
 def check_second(document: Document, report: Report) -> dict[str, Any] | None:
-    """Checks a second reading, which has no words for people; stand-ins take their place.
+    """Check a second reading. Stand-ins replace the prose that it lacks.
 
     Returns:
-        As of ``check_document``.
+        The same as ``check_document``.
     """
     checked = check_schema(document, report, FileKind.SECOND)
     return _check_device(checked, document, report) if checked is not None else None
 
 
 class _Noting(DocumentReport):
-    """Notes the places of which a rule speaks."""
+    """A report that records the places mentioned by a rule."""
 
     def __init__(self, report: Report, document: Document) -> None:
         super().__init__(report, document)
@@ -88,7 +88,7 @@ def _check_device(checked: Checked, document: Document, report: Report) -> dict[
 
 
 def _with_words(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
-    """The data with stand-ins for the words that a second reading has not."""
+    """Return the data with stand-ins for the prose that a second reading lacks."""
     if kind is not FileKind.SECOND:
         return data
     made: dict[str, Any] = filled(data, shape_of(FileKind.DEVICE.value))
@@ -96,7 +96,7 @@ def _with_words(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
 
 
 def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
-    """The data with stand-ins for what is missing at the top and at the top of an interface."""
+    """Return the data with stand-ins for missing keys at the top level and at the top level of an interface."""
     whole = {
         "device": document.family or family_of(document.file),
         **_STAND_INS,

@@ -1,4 +1,4 @@
-"""A spec as it was read: plain data, and where each value stands in the file."""
+"""A spec as read: plain data, and the place of each value in the file."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-#: A place inside a spec: keys of maps, and for lists an index or the name of an item.
+#: Place in a spec: keys of maps, and for lists an index or the name of an item.
 Path = tuple[str | int, ...]
 
-#: Keys by which an item of a list is called, the first that it has.
+#: Keys that name an item of a list. The first one present counts.
 _ITEM_KEYS = ("name", "id", "revision", "contact")
 _WRITTEN = re.compile(r"(?:[&!]\S*\s+)*([-+]?[0-9][0-9A-Za-z]*)")
 _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
@@ -18,9 +18,9 @@ _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
 
 @dataclass(slots=True)
 class Mark:
-    """Where a value and its key begin, counted from 1, and the same for what is inside. A list item is its own key.
+    """Start of a value and of its key, counted from 1, with the marks of its children. A list item is its own key.
 
-    ``file`` is empty for what stands in the document's own file; an overlay brings values of another.
+    ``file`` is empty for values in the document's own file. Values from an overlay have another file.
     """
 
     line: int
@@ -33,14 +33,14 @@ class Mark:
 
 @dataclass
 class Document:
-    """A spec as it was read.
+    """A spec as read.
 
-    ``data`` consists of dict, list, str, int, float, bool and None. ``broken`` lists the places about which the reader
-    has already complained; what stands there is only a stand-in. ``doubtful`` lists those where something was left out,
-    such as a key that comes twice. ``kept`` is filled by the schema check: for a list that lost items,
-    the original index of each item that stayed, so that paths into the pruned data still find their lines.
-    ``others`` are the lines of other files from which changes came. ``family`` is the name of a family that was made
-    of the one in the file, such as an older edition; empty for the one that the file holds.
+    ``data`` consists of dict, list, str, int, float, bool and None. ``broken`` lists the places that the reader has
+    already reported. Their values are only stand-ins. ``doubtful`` lists places where something was left out, such as
+    a duplicate key. ``kept`` is filled by the schema check: for a list that lost items, it has the original index of
+    each remaining item, so that paths into the pruned data still find their lines. ``others`` has the lines of other
+    files that changes came from. ``family`` is the name of a family derived from the one in the file, such as an older
+    edition. It is empty for the family in the file.
     """
 
     file: str
@@ -55,24 +55,24 @@ class Document:
 
     @property
     def key(self) -> str:
-        """What tells it from every other document, also from one that was made of the same file."""
+        """Key that identifies the document, also among those derived from the same file."""
         return f"{self.file}\0{self.family}" if self.family else self.file
 
     def line(self, number: int, file: str = "") -> str:
-        """The text of a line, counted from 1, of the own file or of one of ``others``; empty beyond the end."""
+        """Return a line, counted from 1, of the document's file or one of ``others``. Empty after the last line."""
         lines = self.others.get(file, ()) if file else self.lines
         return lines[number - 1] if 0 < number <= len(lines) else ""
 
     def file_of(self, path: Path) -> str:
-        """The file in which that stands for which ``position`` gives the line; empty for the own file."""
+        """Return the file to which the line from ``position`` belongs, or an empty string for the document's file."""
         found = [mark.file for _, mark in self._walk(path)]
         return found[-1] if found else ""
 
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
-        """Line and column of what stands at ``path``, both from 1; of its nearest ancestor where there is nothing.
+        """Return line and column, both from 1, of the value at ``path``, or of its nearest ancestor if there is none.
 
-        A str in the place of a list index picks the item of that name. With ``at_key`` the key counts, not its value;
-        an ancestor is always found by its key, since that is where a reader would look for what is missing.
+        A str instead of a list index selects the item of that name. With ``at_key``, the position is that of the key.
+        The position of an ancestor is always that of its key, where a reader would look for a missing value.
         """
         mark, found = self.marks, 0
         for _, child in self._walk(path):
@@ -84,19 +84,23 @@ class Document:
         return mark.line, mark.column
 
     def written(self, path: Path) -> str:
-        """Return the number at ``path`` as it is spelled in the file, without tag and anchor; empty where no
-        number is written there, such as at an alias."""
+        """Return the number at ``path`` as spelled in the file, without tag and anchor.
+
+        The result is empty if no number is written there, such as at an alias.
+        """
         line, column = self.position(path)
         found = _WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
         return found[1] if found is not None else ""
 
     def has(self, path: Path) -> bool:
-        """Whether something stands at ``path``."""
+        """Return True if there is a value at ``path``."""
         return len(list(self._walk(path))) == len(path)
 
     def name_path(self, path: Path) -> str:
-        """The path as a message shows it: ``procedures.preset.steps[3]``.
-        A list item goes by its name where it has one, else it is counted from 1."""
+        """Return the path as shown in messages: ``procedures.preset.steps[3]``.
+
+        A list item is shown by its name, or by its number from 1 if it has none.
+        """
         text = ""
         node: Any = self.data
         for step in self.original(path):
@@ -110,7 +114,7 @@ class Document:
         return text.removeprefix(".")
 
     def _walk(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
-        """Each step of the path that exists, with its mark."""
+        """Yield each existing step of the path with its mark."""
         mark = self.marks
         for step in self.original(path):
             child = mark.children.get(step)
@@ -120,7 +124,7 @@ class Document:
             mark = child
 
     def original(self, path: Path) -> Path:
-        """The path in the data as read: names of items as indices, indices of pruned lists as original ones."""
+        """Return the path in the data as read, with indices for names and original indices for pruned lists."""
         node: Any = self.data
         result: Path = ()
         for given in path:
@@ -139,7 +143,7 @@ class Document:
 
 
 def label_of(item: Any) -> str | None:
-    """By what an item of a list is called, if it has a name of some sort."""
+    """Return the label of a list item, or None if it has none."""
     if not isinstance(item, dict):
         return None
     key = next((key for key in _ITEM_KEYS if key in item), None)

@@ -1,7 +1,7 @@
-"""Which files below a folder are specs.
+"""Find the specs in a folder.
 
-A file that is given by name is always read. Below a folder lie other YAML files too, such as those of CI;
-a spec is known by its keys.
+A file given by name is always read. Folders also contain other YAML files, such as those of CI, so specs are
+recognised by their keys.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from .schema import keys_of
 from .second_reading import is_second
 
 SUFFIXES = (".yaml", ".yml")
-#: Any one of these at the top makes a YAML file a spec.
+#: Any of these keys at the top level makes a YAML file a spec.
 NAMING_KEYS = frozenset({"codewheel", "device", "manufacturer", "master", "overlay"})
-#: What makes a folder a virtual environment, in which nobody keeps specs but where codewheel's own may lie.
+#: File that marks a virtual environment. It may contain codewheel's own specs, but none of the user's.
 _ENVIRONMENT = "pyvenv.cfg"
-#: As much of a file as is looked at.
+#: Number of bytes inspected at the start of a file.
 _LOOKED_AT = 2**20
 _CONTENT = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
 _KEY = rb"""["']?([a-z_]+)["']?[ \t]*:(?=\s|$)"""
@@ -28,17 +28,17 @@ _KEY = rb"""["']?([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """The files below a folder in sorted order: those to read, and the YAML files that are no specs."""
+    """Files below a folder in sorted order: the specs, and the other YAML files, which are skipped."""
 
     specs: tuple[Path, ...]
     passed_over: tuple[Path, ...]
 
 
 def below(folder: Path) -> Found:
-    """Every ``*.yaml`` and ``*.yml`` in the folder and below it.
+    """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
-    Left out are names that begin with a dot, virtual environments, files that generate wrote, and second readings.
-    What cannot be read counts as a spec: reading it says why.
+    Names that begin with a dot, virtual environments, generated files and second readings are left out. Unreadable
+    files are treated as specs, so that reading them reports the reason.
     """
     files = sorted(_files_below(folder, set()))
     specs = {path for path in files if _is_spec(path)}
@@ -46,7 +46,7 @@ def below(folder: Path) -> Found:
 
 
 def own_specs(folder: Path) -> list[Path]:
-    """The specs that lie in the folder itself, if there is one of a device among them, else none."""
+    """Return the specs directly in the folder if at least one describes a device, otherwise an empty list."""
     try:
         named = (path for path in folder.iterdir() if path.suffix in SUFFIXES and not path.name.startswith("."))
         files = sorted(path for path in named if not is_second(path))
@@ -66,12 +66,12 @@ def is_folder(path: Path) -> bool:
 
 
 def _files_below(folder: Path, visited: set[tuple[int, int]]) -> Iterator[Path]:
-    """The YAML files below a folder; a folder that links lead back to is entered once."""
+    """Yield the YAML files below a folder. A folder reached again through links is entered only once."""
     try:
         status = os.stat(folder)
         names = os.listdir(folder)
     except OSError:
-        # Handed on as if it were a file: reading it says why it cannot be read.
+        # Treated as a file, so that reading it reports why it cannot be read.
         yield folder
         return
     if (status.st_dev, status.st_ino) in visited or (visited and _ENVIRONMENT in names):
@@ -89,7 +89,7 @@ def _files_below(folder: Path, visited: set[tuple[int, int]]) -> Iterator[Path]:
 
 
 def _generated(folder: Path) -> set[Path]:
-    """The files of a target's folder that generate wrote."""
+    """Return the generated files in a target's folder."""
     from ..write import WriteError, listed_in
 
     try:
@@ -104,7 +104,7 @@ def _is_spec(path: Path) -> bool:
 
 
 def _names_a_spec(keys: frozenset[str] | None) -> bool:
-    """Whether a file with these keys at its top is a spec: it says so, or its name was forgotten."""
+    """Return True if a file with these keys at the top level is a spec, even if the naming key is missing."""
     return keys is not None and (bool(keys & NAMING_KEYS) or _has_parts_of_a_device(keys))
 
 
@@ -117,20 +117,20 @@ def _is_device(keys: frozenset[str] | None) -> bool:
 
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
-    """Two of the keys that only specs of devices have; other tools, too, have a single one such as ``parameters``."""
+    """Return True for two or more keys of devices only. Other tools may share one, such as ``parameters``."""
     return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
 
 
 def _keys(path: Path) -> frozenset[str] | None:
-    """The keys at the top of a YAML file; None where it cannot be read.
+    """Return the keys at the top level of a YAML file, or None if it cannot be read.
 
-    Found in its text, since a spec with an error in its syntax is one nevertheless, and others' files need not be read.
+    The keys are found in the text, because a spec with a syntax error is still a spec, and other files need no parsing.
     """
     try:
         if not path.is_file():
             return None
         with open(path, "rb") as file:
-            # UTF-16 is no spec's encoding, but such a file is to be refused and not passed over.
+            # Specs are not UTF-16, but such a file must be rejected and not skipped.
             text = re.sub(rb"\r\n?", b"\n", file.read(_LOOKED_AT).replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe"))
     except (OSError, ValueError):
         return None

@@ -1,4 +1,4 @@
-"""What someone meant who wrote a number as manuals do, or a key in another unit: 48h, 10 MHz, x^6 + x + 1, min_khz."""
+"""Hints for numbers written as in manuals, or keys with another unit: 48h, 10 MHz, x^6 + x + 1, min_khz."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any
 
 from .problems import meant
 
-#: Each unit as the basic one of its kind and a power of ten.
+#: Base unit and power of ten of each unit.
 _UNITS = {
     "hz": ("hz", 0), "khz": ("hz", 3), "mhz": ("hz", 6), "ghz": ("hz", 9),
     "ps": ("s", -12), "ns": ("s", -9), "us": ("s", -6), "µs": ("s", -6), "ms": ("s", -3), "s": ("s", 0),
     "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6), "mm": ("m", -3), "cm": ("m", -2), "m": ("m", 0),
     "mv": ("v", -3), "v": ("v", 0),
 }  # fmt: skip
-#: What to write if a value does not fit the only unit there is.
+#: Alternatives if a value does not fit the only supported unit.
 _INSTEAD = {
     "step_um": ": leave 'measurement' out and state the step as a characteristic; positions are then counts",
 }
@@ -29,12 +29,12 @@ _GROUPED = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
 _PLAIN = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
 _WITH_UNIT = re.compile(r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[pnuµm]?s|[nuµmc]?m|m?V)")
 _POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
-#: Characters of a text that can be a number; a longer one is none.
+#: Longest text, in characters, that is tried as a number.
 _LONGEST = 100
 
 
 def number_hint(key: str, value: Any) -> str:
-    """What to write in place of ``value`` under ``key``, where a whole number belongs; empty where nobody can know."""
+    """Return what to write instead of ``value`` under ``key``, which takes a whole number. Empty if unclear."""
     if isinstance(value, float):
         if value.is_integer() and abs(value) < 2**64:
             return f"; write {int(value)}"
@@ -57,7 +57,7 @@ def number_hint(key: str, value: Any) -> str:
 
 
 def _fraction_hint(key: str, value: float) -> str:
-    """What to do about ``at_least_us: 0.03``: a bound is rounded so that who keeps to it keeps to the manual."""
+    """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value."""
     unit = _unit(key)
     wrong = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
     if "at_least" in key or key.startswith("min_"):
@@ -74,11 +74,11 @@ def _polynomial_hint(text: str) -> str:
     if top > 64:
         return ""
     rest = sum(1 << power for power in set(powers) - {top})
-    return f"; write {rest:#x}, which leaves x^{top} out, and 'width: {top}'"
+    return f"; write {rest:#x}, which omits x^{top}, and 'width: {top}'"
 
 
 def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
-    """What to write in place of a key that exists in another unit only, as ``min_khz: 200`` for ``min_hz: 200000``."""
+    """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``."""
     stem, _, unit = key.rpartition("_")
     if not stem or unit.lower() not in _UNITS:
         return ""
@@ -92,7 +92,7 @@ def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         or_else = f". If that is not a whole number{_INSTEAD[right]}" if right in _INSTEAD else ""
         return f"; the unit is {wanted}: write '{right}'{or_else}"
-    # By its shortest decimal form: 0.05 is five hundredths here, not the binary fraction next to it.
+    # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
     converted = _converted(Fraction(str(value)), unit.lower(), others[right])
     if converted is None:
         shown = f"{value} {_word(unit.lower())}"
@@ -109,7 +109,7 @@ def _word(unit: str) -> str:
 
 
 def _converted(number: Fraction, unit: str, wanted: str) -> int | None:
-    """The number in another unit of its kind, or None where it is none there or not whole."""
+    """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
     if unit not in _UNITS or wanted not in _UNITS or _UNITS[unit][0] != _UNITS[wanted][0]:
         return None
     exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[wanted][1])

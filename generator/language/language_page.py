@@ -1,7 +1,6 @@
-"""The reference page of the spec language, made from its JSON Schemas.
+"""The reference page of the spec language, generated from its JSON Schemas.
 
-``python -m codewheel.language.language_page`` prints it; with a path it writes the page there,
-which is what ``make spec-page`` does.
+``python -m codewheel.language.language_page`` prints the page, or writes it to the given path as ``make spec-page`` does.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from .second_reading import NO_FACTS, PROSE
 Shape = Mapping[str, Any]
 
 _INTRODUCTION = """\
-A spec is one YAML file for one manual, read beside it. It says what the manual says, in the manual's order and with the
-manual's names; what can be worked out, such as masks and totals, is left to the tool. Scalars are those of YAML 1.2:
-`7:0` is text, `no` is text, `0x1F` is a number. A key may stand once in its map.
+A spec is one YAML file for one manual. It is read next to the manual, so it keeps the manual's order and names. Leave
+anything that can be calculated, such as masks and totals, to the tool. Scalars follow YAML 1.2: `7:0` is text, `no` is
+text, `0x1F` is a number. Duplicate keys are errors.
 
-A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position stand in the
-order in which they are sent: the first is the most significant, or, with `byte_order: low_byte_first`, the least. Units
-are part of a key (`min_hz`, `at_least_us`); a number with another unit does not fit under it.
+A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
+sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
+part of a key (`min_hz`, `at_least_us`). Convert numbers in other units.
 
 The first line of a file lets an editor complete and explain keys while you type:
 
@@ -34,21 +33,21 @@ The first line of a file lets an editor complete and explain keys while you type
 # yaml-language-server: $schema=../../generator/language/device.schema.json
 ```
 
-`codewheel check FILE` says everything that is wrong, with file, line and column."""
+`codewheel check FILE` reports all problems, with file, line and column."""
 
 
 _SECOND = """\
-`FAMILY.second.yaml` beside a device file is what another reader read in the same manual. It is written in the same
-language and read by `codewheel check` alone, which tells what the two have differently. It holds facts: of the keys
-above it has all but `manufacturer`, those for people, and parts that tell, work out or explain.
+`FAMILY.second.yaml` next to a device file is an independent transcription of the same manual by another reader. It uses
+the same language. Only `codewheel check` reads it, and reports the differences between the two. It contains facts, so
+it has all the keys above except `manufacturer`, keys for prose, and parts that explain or calculate.
 
-For people: {prose}.
+Keys for prose: {prose}.
 
 Parts: {lists}."""
 
 
 def spec_page() -> str:
-    """The page as ``docs/spec-language.md`` holds it."""
+    """Return the content of ``docs/spec-language.md``."""
     device, maker, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
     lines = [
         "<!-- Made from generator/language/*.schema.json by: make spec-page -->",
@@ -73,13 +72,13 @@ def spec_page() -> str:
 
 
 def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[str]:
-    """The files beside a device file."""
+    """Return the sections on all files other than the device file."""
     return [
         "## The manufacturer file",
         "",
         paragraph(text(maker["description"])),
         "",
-        "It lies beside the device files as `manufacturer.yaml`.",
+        "It is in the same folder as the device files and is called `manufacturer.yaml`.",
         "",
         _properties(maker, {}),
         "",
@@ -87,7 +86,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         paragraph(text(overlay["description"])),
         "",
-        "[A page of its own](overlays.md) shows one at work.",
+        "See [Overlays](overlays.md) for an example.",
         "",
         _properties(overlay, overlay["$defs"]),
         "",
@@ -104,7 +103,7 @@ def _coded(words: Iterable[str]) -> str:
 
 
 def _in_order(schema: Shape) -> list[str]:
-    """The definitions in the order in which a reader of the page meets them; each once."""
+    """Return the definitions, each once, in the order of their first use on the page."""
     found: list[str] = []
 
     def visit(shape: Any) -> None:
@@ -138,12 +137,12 @@ def _properties(shape: Shape, definitions: Shape) -> str:
 
 
 def _referred(shape: Shape) -> str:
-    """The name of the definition that a shape refers to, or empty."""
+    """Return the name of the definition that a shape refers to, or an empty string."""
     return str(shape.get("$ref", "")).removeprefix("#/$defs/")
 
 
 def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """A row for each key, and below it one for each key of what it holds where that has no section of its own."""
+    """Yield a row for each key, followed by rows for its inner keys if they have no section of their own."""
     required = shape.get("required", ())
     for name, inner in shape.get("properties", {}).items():
         limits = _limits(inner)
@@ -159,7 +158,7 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
 
 
 def _kind(shape: Shape) -> str:
-    """What a value is, in words, with a link where it has a section of its own."""
+    """Return the type of a value in words, with a link if it has its own section."""
     reference = _referred(shape)
     if reference:
         return link(code(reference), f"#{reference}")

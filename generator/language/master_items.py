@@ -1,10 +1,10 @@
-"""The items of a master record: the names that rules of master descriptions use, and what each holds."""
+"""The items of a master record: the names used in master descriptions, and their meaning."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-#: The items that are words, with the words that they can be.
+#: Items that are words, with their possible values.
 WORDS: Mapping[str, tuple[str, ...]] = {
     "interface": ("biss", "ssi"),
     "movement": ("rotary", "linear"),
@@ -12,10 +12,10 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "status_active": ("low", "high", "mixed", "none"),
 }
 
-#: The items that are whole numbers, or None where the manual does not say, each in words.
+#: Descriptions of the items that are whole numbers, or None if the manual does not say.
 NUMBERS: Mapping[str, str] = {
     "multiturn_bits": "multiturn bits",
-    "singleturn_bits": "singleturn bits; of a linear encoder all bits of the position",
+    "singleturn_bits": "singleturn bits, or all position bits of a linear encoder",
     "position_bits": "position bits, multiturn and singleturn",
     "padding_left": "zero bits before the position",
     "padding_right": "zero bits between position and status",
@@ -24,19 +24,19 @@ NUMBERS: Mapping[str, str] = {
     "data_and_status_bits": "data bits and status bits",
     "crc_bits": "CRC bits",
     "frame_bits": "all bits from the first of the data to the last of the CRC",
-    "crc_polynomial": "CRC polynomial with its top bit; 0 without a CRC",
+    "crc_polynomial": "CRC polynomial with its top bit, 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
     "crc_polynomial_without_last_1": "CRC polynomial without its last 1",
     "crc_start": "start value of the CRC",
-    "crc_inverted": "1 where the CRC is sent inverted",
-    "clock_min_hz": "slowest clock that the encoder takes, in Hz",
-    "clock_max_hz": "fastest clock that the encoder takes, in Hz",
+    "crc_inverted": "1 if the CRC is sent inverted",
+    "clock_min_hz": "slowest clock of the encoder, in Hz",
+    "clock_max_hz": "fastest clock of the encoder, in Hz",
     "timeout_us": "longest time-out of the encoder, in µs, BiSS",
     "busy_us": "longest processing time before the start bit, in µs, BiSS",
     "pause_us": "shortest pause between two readings, in µs, SSI",
-    "counts_per_turn": "counts in a revolution",
-    "turns": "revolutions that are told apart",
-    "step_um": "length of a count, in µm",
-    "supply_min_mv": "lowest supply voltage that the encoder takes, in mV",
-    "supply_max_mv": "highest supply voltage that the encoder takes, in mV",
+    "counts_per_turn": "counts per revolution",
+    "turns": "distinguishable revolutions",
+    "step_um": "length of one count, in µm",
+    "supply_min_mv": "lowest supply voltage of the encoder, in mV",
+    "supply_max_mv": "highest supply voltage of the encoder, in mV",
 }

@@ -1,4 +1,4 @@
-"""What the schema check says: each keyword of JSON Schema in words for someone who is transcribing a manual."""
+"""Messages of the schema check, which explain each keyword of JSON Schema to someone who transcribes a manual."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TYPES = {
     "boolean": "true or false",
 }
 _SUM = "a whole number, or a sum such as singleturn_bits + 8"
-#: What keys take that are a number or a text of some kind.
+#: Accepted values of keys that take a number or text.
 _NUMBER_OR_TEXT = {
     **dict.fromkeys(("bits", "min", "max", "counts_per_turn", "turns", "step_um", "modulus"), _SUM),
     "at": "a bit number, or a range such as 7:6",
@@ -26,22 +26,20 @@ _NUMBER_OR_TEXT = {
     "equals": "a whole number, a sum such as singleturn_bits + 8, or text",
 }
 
-#: Every pattern of the two schemas in words.
+#: Every pattern of the schemas in words.
 PATTERNS = {
     "^[a-z][a-z0-9]*(_[a-z0-9]+)*$": (
-        "a name has lower case letters and digits, a letter first, and single underscores between them"
+        "a name has lower-case letters and digits, a letter first, and single underscores between them"
     ),
-    "^[a-z][a-z0-9]*$": "it has lower case letters and digits, a letter first",
-    "^[a-z]{2}$": "a language code has two lower case letters, as in en",
+    "^[a-z][a-z0-9]*$": "it has lower-case letters and digits, a letter first",
+    "^[a-z]{2}$": "a language code has two lower-case letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is year-month-day, as in 2024-05-10",
     "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is year-month-day, as in 2024-05-10, or the year alone",
     '^https?://[^\\s<>"|`^{}\\[\\]\\\\]+$': (
-        "an address begins with https:// and has no spaces, quotes, bars or brackets but round ones; "
+        "an address begins with https:// and has no spaces, quotes, bars or brackets except ( ); "
         "write these as %20, %7C and so on"
     ),
-    "^[0-9A-Fa-f]{2}( [0-9A-Fa-f]{2})*$": (
-        "bytes are two hexadecimal digits each, parted by single spaces, as in 1A 00 3F"
-    ),
+    "^[0-9A-Fa-f]{2}( [0-9A-Fa-f]{2})*$": ("bytes are two hex digits each, separated by single spaces, as in 1A 00 3F"),
     "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$": "first and last address are written as in 0x4B-0x4D",
     "^0x[0-9A-Fa-f]{1,4}(-0x[0-9A-Fa-f]{1,4})?( bit [0-9]{1,3})?( = (0x[0-9A-Fa-f]{1,16}|[0-9]{1,3}))?$": (
         "a write is an address and a byte as in 0x48 = 0x01, an address and a bit as in 0x49 bit 2 = 0, or addresses"
@@ -51,19 +49,18 @@ PATTERNS = {
     "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$": (
         "a value of an order code has letters and digits, and single slashes between them"
     ),
-    "^[A-Za-z0-9\\[\\]{},?+*-]+$": "it has letters, digits, classes in brackets and counts only, as in [A-Z]{2}",
+    "^[A-Za-z0-9\\[\\]{},?+*-]+$": "use only letters, digits, classes in brackets and counts, as in [A-Z]{2}",
     "^[a-z][a-z0-9_]*\\.[a-z][a-z0-9_]*$": "it names a register and its field, as in configuration.output_code",
     "^[A-Za-z0-9_.-]+$": "a file name has letters, digits, '_', '.' and '-'",
     "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path is names joined by dots, as in registers.preset",
-    "^S[A-Z0-9]+$": "a special model is called as on its label after the slash, as in S042",
+    "^S[A-Z0-9]+$": "a special model is named by its label after the slash, as in S042",
     "^[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*(\\.[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*)*$": (
-        "a place is keys and names joined by dots, items without a name by their number, as in "
-        "procedures.set_preset.steps[3]"
+        "a place is keys and names joined by dots, unnamed items by number, as in procedures.set_preset.steps[3]"
     ),
     "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version is three numbers joined by dots, as in 0.1.0",
 }
 
-#: What one item of a list, or one entry of a map of names, is called where cutting the plural s does not give it.
+#: Names for one item of a list or map, where cutting the plural s does not give the singular.
 _ITEMS = {
     "errata": "an erratum",
     "before": "a change",
@@ -82,27 +79,25 @@ _ITEMS = {
 }
 
 
-#: Maps in which an unknown key is no slip but something that codewheel does not do.
+#: Maps in which an unknown key is not a typo but an unsupported feature.
 _ALL_THERE_IS: dict[str | int, str] = {
-    "interfaces": (
-        "codewheel is for encoders with ssi, biss or rs485 (requests and replies of the kind of Tamagawa's T-format), "
-        "and no others"
-    ),
+    "interfaces": ("codewheel supports only ssi, biss and rs485 (requests and replies like Tamagawa's T-format)"),
 }
 
 
-#: Keys by the names that they had in earlier versions of the language.
+#: Current names of keys, by their names in earlier versions of the language.
 _RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
-#: After a key that a device file has and a second reading has not.
-_NO_PROSE = "; a second reading holds facts and no words for people, so leave it out"
+#: Follows a key that device files have and second readings do not.
+_NO_PROSE = "; a second reading has only facts, no prose; leave it out"
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value.
+    """A problem with its rule, place and message.
 
-    ``alone`` where what holds the place is none the worse for it: a key too many, or words that are missing.
+    ``at_key`` is set if the key is wrong, not its value. ``alone`` is set if the parent can still be used, as with an
+    extra key or missing prose.
     """
 
     rule: str
@@ -113,7 +108,7 @@ class Finding:
 
 
 def explain(error: Any, kind: str) -> Iterator[Finding]:
-    """The findings that one error of the validator stands for.
+    """Yield the findings for one error of the validator.
 
     Args:
         error: A ``jsonschema.ValidationError``.
@@ -154,23 +149,23 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 def _key_hint(error: Any, path: Path, key: str) -> str:
     known = error.schema["properties"]
     if _RENAMED.get(key) in known:
-        return f"; it is called '{_RENAMED[key]}' by now"
+        return f"; it is now called '{_RENAMED[key]}'"
     near = meant(key, list(known))
     if near:
         return f"; did you mean '{near}'?"
     if path and path[-1] in _ALL_THERE_IS:
         return f"; {_ALL_THERE_IS[path[-1]]}"
     if " " in key.strip():
-        return "; no key has spaces: if this belongs to a text, put the whole text in quotes"
+        return "; keys have no spaces: if this is part of a text, put the whole text in quotes"
     return key_hint(key, error.instance[key], known)
 
 
 def _all_known(error: Any, key: str) -> str:
-    return suggestion(key, error.schema["properties"], "known are")
+    return suggestion(key, error.schema["properties"], "known keys")
 
 
 def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
-    """One finding for all keys that are missing here, but for those that an unknown key is a misspelling of."""
+    """Yield one finding for all missing keys, except those of which an unknown key is a misspelling."""
     known = error.schema["properties"]
     unknown = [key for key in error.instance if key not in known]
     misspelt = [
@@ -188,7 +183,7 @@ def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
-    """Who needs a key: ``a register`` for items and named entries, else the key of the map itself."""
+    """Return what needs a key: ``a register`` for items and named entries, otherwise the key of the map itself."""
     if not path:
         return {"second": "a second reading", "overlay": "an overlay"}.get(kind, f"a {kind} file")
     schema_path = list(error.absolute_schema_path)
@@ -203,7 +198,7 @@ def _item(plural: str) -> str:
 
 
 def _subject(path: Path) -> str:
-    """What a message speaks of: the key, or the list that an item is in."""
+    """Return the subject of a message: the key, or the list that contains the item."""
     if path and isinstance(path[-1], int):
         return f"an item of '{path[-2]}'"
     return f"'{path[-1]}'" if path else "the file"
@@ -225,9 +220,9 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
 def _enum(error: Any, subject: str) -> tuple[str, str]:
     hint = ""
     if not isinstance(error.instance, (dict, list)):
-        hint = suggestion(str(error.instance), map(str, error.validator_value), "it is one of")
+        hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:
-        hint = f"; it is one of {', '.join(map(str, error.validator_value))}"
+        hint = f"; use one of {', '.join(map(str, error.validator_value))}"
     return "not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}"
 
 
@@ -249,11 +244,11 @@ def _range(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _long(error: Any, subject: str) -> tuple[str, str]:
-    return "too-long", f"{subject} has {len(error.instance)} characters; it may have {error.validator_value}"
+    return "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
 
 
 def _empty(error: Any, subject: str) -> tuple[str, str]:
-    return "too-short", f"{subject} is empty; say something or leave it out"
+    return "too-short", f"{subject} is empty; fill it in or leave it out"
 
 
 def _few(error: Any, subject: str) -> tuple[str, str]:
@@ -267,7 +262,7 @@ def _few(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _many(error: Any, subject: str) -> tuple[str, str]:
-    return "too-long", f"{subject} has {len(error.instance)} entries; it may have {error.validator_value}"
+    return "too-long", f"{subject} has {len(error.instance)} entries; the limit is {error.validator_value}"
 
 
 _MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
@@ -285,5 +280,5 @@ _MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
     "maxItems": _many,
 }
 
-#: The keywords of JSON Schema that the schemas may use; a message exists for each.
+#: Keywords of JSON Schema that the schemas may use. Each has a message.
 KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_MESSAGES))

@@ -1,8 +1,8 @@
-"""Overlays: changes laid over a spec, each with its reason and its source.
+"""Overlays: changes applied to a spec, each with its reason and its source.
 
-The result is a document like any other. Its values know the file that they come from, so that whatever is wrong with
-them later is told in the overlay. What cannot be laid is told here: a place where nothing is, a value that is there
-already, two changes of the same place.
+The result is a document like any other. Its values know the file that they come from, so that later problems with
+them are reported in the overlay. Changes that cannot be applied are reported here: a place that does not exist, a
+value that is already there, two changes of the same place.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from .places import (
 from .problems import Report, quoted, suggestion
 from .rules.values import bad_source
 
-#: The end of the name of an overlay that is found beside its spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
+#: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"
-#: What a change may do, one of them at a time.
+#: Kinds of changes. Each change has exactly one.
 KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
-#: What says which family a spec is, and what is no part of what a manual says of the encoder.
+#: Keys that identify the family, or that are not statements of the manual about the encoder.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
-#: A value as a comment shows it.
+#: Longest value shown in a comment, in characters.
 _LONGEST_SHOWN = 120
 
 
 class LayerKind(Enum):
-    """Who lays changes over a spec: an overlay of the user's, or another edition of the manual."""
+    """Origin of changes: an overlay of the user, or another edition of the manual."""
 
     OVERLAY = "overlay"
     EDITION = "edition"
@@ -49,7 +49,7 @@ class LayerKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """A list of changes that is laid over a spec: where it stands, and what outputs call it."""
+    """A list of changes to a spec, with its place and the name used for it in outputs."""
 
     document: Document
     path: Path
@@ -64,7 +64,7 @@ class Layer:
 
 @dataclass(frozen=True, slots=True)
 class Laid:
-    """One change that was made: what was there, what is there now, and what it touches as an erratum would say."""
+    """One applied change: the old value, the new value, and the affected paths as in an erratum."""
 
     layer: Layer
     number: int
@@ -79,7 +79,7 @@ class Laid:
 
 
 class Laying:
-    """A spec while layers are laid over it, one after the other."""
+    """A spec to which layers are applied one after the other."""
 
     def __init__(self, base: Document, report: Report) -> None:
         self._base, self._report = base, report
@@ -89,7 +89,7 @@ class Laying:
         self.laid: list[Laid] = []
 
     def document(self, family: str = "") -> Document:
-        """The spec as it is now, as that of ``family``, if it is to be of another name."""
+        """Return the spec in its current state, renamed to ``family`` if given."""
         data, marks = self._data, self._marks
         if self.laid:
             data = _with_affected(data, self._base.data)
@@ -102,7 +102,7 @@ class Laying:
         )
 
     def lay(self, layers: Sequence[Layer]) -> None:
-        """Lays the changes of layers over the spec; two of them may not change the same place."""
+        """Apply the changes of layers to the spec. Two of them must not change the same place."""
         self._set = {}
         for layer in layers:
             if layer.document.file != self._base.file:
@@ -114,7 +114,7 @@ class Laying:
                     self._change(layer, number, kinds[0], change)
                 elif len(kinds) != 1:
                     said = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-                    wrong = f"this change {said}; give it one of set, add, remove, unknown and also"
+                    wrong = f"this change {said}; use one of set, add, remove, unknown and also"
                     self._tell("overlay-change", layer, (number,), wrong)
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
@@ -122,17 +122,17 @@ class Laying:
         needed = _VALUE_OF.get(kind)
         for key in _VALUE_OF.values():
             if (key in change) != (key == needed):
-                verb = "needs" if key == needed else "has no"
+                verb = "needs" if key == needed else "takes no"
                 self._tell("overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}")
                 return False
         return True
 
     def _documents(self, layer: Layer) -> None:
-        """Takes over the documents that a layer cites."""
+        """Add the documents that a layer cites."""
         for key, item in (layer.document.data.get("documents", {}) if layer.kind is LayerKind.OVERLAY else {}).items():
             known = self._data.get("documents", {})
             if key in known and known[key] != item:
-                wrong = f"{quoted(key)} is another document in the spec; call this one otherwise"
+                wrong = f"{quoted(key)} is a different document in the spec; rename this one"
                 self._report.add("overlay-conflict", layer.document, ("documents", key), wrong, at_key=True)
                 continue
             marks = from_file(layer.document.marks.children["documents"], layer.document.file)
@@ -152,7 +152,7 @@ class Laying:
         for index, text in enumerate(texts):
             place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
             if text.partition(".")[0] in _FIXED:
-                wrong = f"{quoted(text)} is not for an overlay; it changes what a manual says of the encoder"
+                wrong = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
                 self._tell("overlay-change", layer, place, wrong)
             elif kind == "add":
                 self._added(layer, place, text, change)
@@ -173,12 +173,12 @@ class Laying:
         there = value_at(self._data, path)
         name = label_of(value)
         if not isinstance(there, list):
-            self._tell("overlay-unused", layer, place, f"there is a {quoted(text)} already; change it with 'set'")
+            self._tell("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
         elif name is not None and name in map(label_of, there):
-            wrong = f"{quoted(text)} has {quoted(name)} already; change it with 'set'"
+            wrong = f"{quoted(text)} already has {quoted(name)}; change it with 'set'"
             self._tell("overlay-unused", layer, place, wrong)
         else:
-            self._put(layer, place, (*path, len(there)), f"{_short(text)} without it")
+            self._put(layer, place, (*path, len(there)), f"{_short(text)} without this item")
 
     def _changed(self, layer: Layer, place: Path, text: str, kind: str) -> None:
         try:
@@ -190,7 +190,7 @@ class Laying:
             return
         there = value_at(self._data, path)
         if kind == "set" and _same(layer.changes[place_number(place)]["to"], there):
-            wrong = f"the spec has {_shown(there, self._written(path))} here already; leave the change out"
+            wrong = f"the spec already has {_shown(there, self._written(path))} here; leave the change out"
             self._tell("overlay-unused", layer, place, wrong)
         elif kind == "set":
             self._put(layer, place, path, f"{_short(text)}: {_shown(there, self._written(path))}")
@@ -201,7 +201,7 @@ class Laying:
             self._note(layer, place, _short(text), "", touched, kind != "unknown")
 
     def _put(self, layer: Layer, place: Path, path: Path, was: str) -> None:
-        """Puts the value of a change at a path."""
+        """Put the value of a change at a path."""
         number = place_number(place)
         key = _VALUE_OF[str(place[1])]
         value = layer.changes[number][key]
@@ -215,8 +215,8 @@ class Laying:
         self.laid.append(Laid(layer, place_number(place), was, now, (affects,) if affects else (), is_known))
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
-        """Whether no other change touches the place, something above it or below it."""
-        path = named(self._data, at)  # Indices change when an item goes.
+        """Return True if no other change touches the place, its parents or its children."""
+        path = named(self._data, at)  # Indices change when an item is removed.
         for other, (first, number) in self._set.items():
             shared = min(len(other), len(path))
             if other[:shared] == path[:shared]:
@@ -229,14 +229,14 @@ class Laying:
         return True
 
     def _written(self, path: Path) -> str:
-        """The line of the spec from the value on."""
+        """Return the line of the spec, starting at the value."""
         mark = mark_at(self._marks, path)
         lines = self._others[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
     def _tell_nothing(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
         below = self._base.name_path(nothing.found) or "the spec"
-        hint = suggestion(nothing.step, nothing.known, "there are")
+        hint = suggestion(nothing.step, nothing.known, "known")
         wrong = f"there is nothing at {quoted(text)}: {quoted(below)} has no {quoted(nothing.step)}{hint}"
         self._tell("overlay-unused", layer, place, wrong.replace("'the spec'", "the spec"))
 
@@ -249,7 +249,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def place_number(place: Path) -> int:
-    """Which change of its layer a place is in, counted from 0."""
+    """Return the number of the change that contains a place, counted from 0."""
     return int(place[0])
 
 
@@ -258,7 +258,7 @@ def _short(text: str) -> str:
 
 
 def _shown(value: Any, written: str) -> str:
-    """A value for a reader; a number as it is written, maps and lists in braces and brackets."""
+    """Return a value as text: numbers as written in the file, maps and lists in braces and brackets."""
     if isinstance(value, int) and not isinstance(value, bool):
         word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""
         return word if word.startswith("0x") else str(value)
@@ -281,12 +281,12 @@ def _characteristics(data: Mapping[str, Any]) -> set[str]:
 
 
 def _without_steps(node: Any, gone: Collection[str]) -> Any:
-    """The same where no remedy names steps by hand that a layer took away."""
+    """Return the data without references of remedies to removed steps by hand."""
     if isinstance(node, list):
         return [_without_steps(item, gone) for item in node]
     if not isinstance(node, dict):
         return node
-    # Below these are names of fields, not words of ours.
+    # These contain field names, not keys of the language.
     made = {key: item if key in ("join", "when") else _without_steps(item, gone) for key, item in node.items()}
     if isinstance(made.get("by_hand"), list):
         made["by_hand"] = [name for name in made["by_hand"] if name not in gone]
@@ -294,7 +294,7 @@ def _without_steps(node: Any, gone: Collection[str]) -> Any:
 
 
 def _with_affected(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
-    """The data with errata that speak only of what is there: a place that a layer took away is none any more."""
+    """Return the data with errata that refer only to existing places, not to those removed by a layer."""
     errata = data.get("errata")
     if not isinstance(errata, list):
         return data

@@ -1,7 +1,7 @@
-"""Places in a spec as an overlay names them, and what is put there or taken away.
+"""Places in a spec as named by an overlay, and functions to put values there or remove them.
 
-Nothing is changed in place: along the path each map and list is copied, with its marks, so that the spec
-as it was read stays as it is. What is put in keeps the marks of the file that it comes from.
+Nothing is modified in place. Each map and list along the path is copied, with its marks, so that the spec remains as
+read. New values keep the marks of the file that they come from.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import Any
 from .document import Mark, Path, label_of
 
 _STEP = re.compile(r"\[([0-9]+)\]|\.?([^.\[\]]+)")
-#: Lists and maps that the path of an erratum leaves out: what is in them is called by its name.
+#: Lists and maps that the path of an erratum omits, because their items are identified by name.
 _LEFT_OUT = frozenset("layouts fields values parts steps arguments meanings data_ids contacts timings".split())
 _UNNAMED = re.compile(r"[^a-z0-9_]")
 
-#: Gives what a map or list is to be, of what it is.
+#: Function from a map or list to its replacement.
 _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 
 
 class NothingThere(LookupError):
-    """There is nothing at a path; ``step`` is what is missing, ``known`` what could have stood there."""
+    """No value at a path. ``step`` is the missing step, ``known`` are the possible ones."""
 
     def __init__(self, step: str, known: list[str], found: Path) -> None:
         super().__init__(step)
@@ -32,15 +32,15 @@ class NothingThere(LookupError):
 
 
 def steps_of(text: str) -> tuple[str | int, ...]:
-    """``procedures.preset.steps[3]`` as keys, names and places counted from 0."""
+    """Split ``procedures.preset.steps[3]`` into keys, names and indices counted from 0."""
     return tuple(int(number) - 1 if number else word for number, word in _STEP.findall(text))
 
 
 def resolve(data: Any, text: str) -> Path:
-    """The path to what a text names, with an index for each item of a list.
+    """Return the path for a place given as text, with an index for each list item.
 
     Raises:
-        NothingThere: A step leads nowhere.
+        NothingThere: A step does not exist.
     """
     path: Path = ()
     for step in steps_of(text):
@@ -54,7 +54,7 @@ def resolve(data: Any, text: str) -> Path:
 
 
 def _inside(data: Any) -> dict[str | int, str | int]:
-    """What may follow in a path, and the key or index that it stands for."""
+    """Return the possible next steps of a path, each with its key or index."""
     if isinstance(data, dict):
         return {key: key for key in data}
     if not isinstance(data, list):
@@ -66,7 +66,7 @@ def _inside(data: Any) -> dict[str | int, str | int]:
 
 
 def named(data: Any, path: Path) -> Path:
-    """The path with the names of items in the place of their indices; its last step need not lead anywhere yet."""
+    """Return the path with names of items instead of indices. The last step need not exist yet."""
     found: Path = ()
     for step in path:
         inside: Any = data[step] if isinstance(step, int) or step in data else None
@@ -76,27 +76,27 @@ def named(data: Any, path: Path) -> Path:
 
 
 def value_at(data: Any, path: Path) -> Any:
-    """What stands at a path that leads somewhere."""
+    """Return the value at an existing path."""
     for step in path:
         data = data[step]
     return data
 
 
 def mark_at(mark: Mark, path: Path) -> Mark:
-    """The mark of what stands at a path that leads somewhere."""
+    """Return the mark of the value at an existing path."""
     for step in path:
         mark = mark.children[step]
     return mark
 
 
 def from_file(mark: Mark, file: str) -> Mark:
-    """A mark and all inside as one of another file."""
+    """Return the mark and its children, assigned to another file."""
     children = {key: from_file(child, file) for key, child in mark.children.items()}
     return replace(mark, children=children, file=file)
 
 
 def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
-    """Data and marks with a value at ``path``: in the place of what is there, at a new key, or after the last item."""
+    """Return data and marks with a value at ``path``: replaced, at a new key, or appended to a list."""
 
     def edit(holder: Any, held: Mark) -> tuple[Any, Mark]:
         key = path[-1]
@@ -108,7 +108,7 @@ def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any
 
 
 def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
-    """Data and marks without what stands at ``path``."""
+    """Return data and marks without the value at ``path``."""
 
     def edit(holder: Any, held: Mark) -> tuple[Any, Mark]:
         key = path[-1]
@@ -135,9 +135,9 @@ def _edited(data: Any, mark: Mark, path: Path, edit: _Edit) -> tuple[Any, Mark]:
 
 
 def as_affected(data: Any, path: Path) -> str:
-    """A path as an erratum has it: ``registers.preset`` or ``interfaces.biss.word.crc``.
+    """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
-    It ends before the first step that has no name there; empty where the first has none.
+    The path ends before the first step without a name. It is empty if the first step has none.
     """
     words: list[str] = []
     for depth, step in enumerate(path):
@@ -151,7 +151,7 @@ def as_affected(data: Any, path: Path) -> str:
 
 
 def leads_somewhere(data: Any, affected: str) -> bool:
-    """Whether a path of an erratum names something in these data."""
+    """Return True if a path of an erratum refers to something in the data."""
     nodes = [data]
     for step in affected.split("."):
         nodes = [found for node in nodes for found in _named(node, step)]
@@ -159,7 +159,7 @@ def leads_somewhere(data: Any, affected: str) -> bool:
 
 
 def _named(node: Any, step: str) -> list[Any]:
-    """What a step of an erratum's path may mean below ``node``: a key, a name, or a name in one of its lists."""
+    """Return the matches of a step of an erratum's path below ``node``: by key, by name, or by name in a list."""
     if isinstance(node, list):
         return [item for item in node if isinstance(item, dict) and item.get("name") == step]
     if not isinstance(node, dict):

@@ -1,7 +1,7 @@
-"""Problems in a spec: where, what is wrong, and what would be right.
+"""Problems in a spec: the place, the error and the correction.
 
-Nothing raises on a broken spec. Every step adds to a :class:`Report` and goes on with what is left,
-so that one run tells all.
+A broken spec never raises an exception. Every step adds to a :class:`Report` and continues with the remaining data,
+so that one run reports everything.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from typing import Any
 from .document import Document
 from .document import Path as Path
 
-#: Keys on which nothing else in a spec depends.
+#: Keys for prose, on which nothing else in a spec depends.
 WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "names", "why"))
 _LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
-#: Known words that a message lists.
+#: Largest number of known words listed in a message.
 _FEW_CHOICES = 9
 _BETWEEN = re.compile(r"[_\s-]")
 _DIGITS = re.compile(r"[0-9]+")
-#: Units at the end of a key. Two words that differ in their unit are not one word misspelt: the number would be wrong.
+#: Units at the end of a key. Keys with different units are never typos of each other: the number would be wrong.
 UNITS = frozenset("hz khz mhz ghz ps ns us ms s nm um mm cm m mv v ma a bits bytes".split())
 
 
 @dataclass(frozen=True, order=True, slots=True)
 class Problem:
-    """One finding. ``line`` and ``column`` count from 1; ``text`` is the offending line, empty where there is none."""
+    """One finding. ``line`` and ``column`` count from 1. ``text`` is the offending line, or empty."""
 
     file: str
     line: int
@@ -41,9 +41,9 @@ class Problem:
     text: str
 
     def format(self, width: int = 80) -> str:
-        """The problem as lines of text without a last line break: place and message, path, offending line, a caret.
+        """Return the problem as lines of text without a final line break: place and message, path, line and caret.
 
-        Control characters are made visible, so that a hostile spec cannot move the cursor of a terminal.
+        Control characters are escaped, so that a hostile spec cannot move the cursor of a terminal.
         """
         lines = [f"{visible(self.file)}:{self.line}:{self.column}: {self.rule}: {visible(self.message)}"]
         if self.path:
@@ -55,14 +55,14 @@ class Problem:
         return "\n".join(lines)
 
     def to_json(self) -> dict[str, str | int]:
-        """The problem as a flat JSON object with the names of the attributes."""
+        """Return the problem as a flat JSON object with the names of the attributes."""
         return {name: getattr(self, name) for name in ("file", "line", "column", "rule", "path", "message", "text")}
 
 
 class Report:
-    """Collects problems over all documents of a run.
+    """The problems of all documents of a run.
 
-    ``files`` are those that were read, ``passed_over`` those in folders that are no specs.
+    ``files`` lists the files that were read, ``passed_over`` those in folders that are not specs.
     """
 
     def __init__(self) -> None:
@@ -74,15 +74,15 @@ class Report:
     def add(
         self, rule: str, document: Document, path: Path, message: str, *, at_key: bool = False, in_words: bool = False
     ) -> None:
-        """Adds a problem at ``path`` of ``document``.
+        """Add a problem at ``path`` of ``document``.
 
         Args:
             rule: The stable name of the rule.
-            document: The document that is at fault.
-            path: Where in it; a part of it that does not exist stands for its nearest ancestor.
-            message: What is wrong, and what would be right.
+            document: The document with the problem.
+            path: The place in it. If it does not exist, its nearest ancestor is used.
+            message: The error and its correction.
             at_key: Point at the key rather than at its value.
-            in_words: Only words are at fault: all that is made of the place can be relied on.
+            in_words: Only prose is affected, so that everything built from the place is reliable.
         """
         if not in_words and path and path[-1] not in WORDS_ONLY:
             self._faults.setdefault(document.key, set()).add(document.original(path))
@@ -94,26 +94,26 @@ class Report:
     def add_at(
         self, file: str, line: int, column: int, rule: str, message: str, *, path: str = "", text: str = ""
     ) -> None:
-        """Adds a problem at a place of a file, for what is wrong before there is a document."""
+        """Add a problem at a place of a file, for errors before a document exists."""
         self._problems.add(Problem(file, line, column, rule, path, message, text))
 
     def mark(self, document: Document, paths: Iterable[Path]) -> None:
-        """Notes places of a document as at fault without a word on them: what was left out with a part of it."""
+        """Mark places of a document as faulty without a message, such as parts that were cut out with others."""
         self._faults.setdefault(document.key, set()).update(
             path for path in paths if path and path[-1] not in WORDS_ONLY
         )
 
     def faults(self, document: Document) -> frozenset[Path]:
-        """Where a document is at fault so far, as paths into the data as read; slips in mere words left out."""
+        """Return the faulty places of a document so far, as paths into the data as read, without those in prose."""
         return frozenset(self._faults.get(document.key, ()))
 
     def for_document(self, document: Document) -> DocumentReport:
-        """The view of this report through which rules speak about one document."""
+        """Return a view of this report for the rules that check one document."""
         return DocumentReport(self, document)
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """All problems, each once, by file, line, column and rule."""
+        """All problems, each once, sorted by file, line, column and rule."""
         return tuple(sorted(self._problems))
 
     def __len__(self) -> int:
@@ -124,27 +124,27 @@ class Report:
 
 
 class DocumentReport:
-    """What a rule gets: the report, with the document filled in."""
+    """A report bound to one document, as passed to rules."""
 
     def __init__(self, report: Report, document: Document) -> None:
         self._report = report
         self.document = document
 
     def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
-        """Adds a problem at ``path``; see :meth:`Report.add`."""
+        """Add a problem at ``path``, as :meth:`Report.add` does."""
         self._report.add(rule, self.document, path, message, at_key=at_key)
 
     def faults(self) -> frozenset[Path]:
-        """Where the document is at fault so far; see :meth:`Report.faults`."""
+        """Return the faulty places of the document so far, as :meth:`Report.faults` does."""
         return self._report.faults(self.document)
 
     def __len__(self) -> int:
-        """How many problems there are so far, over all documents."""
+        """Return the number of problems so far, over all documents."""
         return len(self._report)
 
 
 def quoted(value: Any) -> str:
-    """A value of a spec as a message shows it: text in quotes and not too long, a container by its kind."""
+    """Return a value as shown in messages: text in quotes and shortened, a container by its kind."""
     if isinstance(value, str):
         return f"'{value}'" if len(value) <= _LONGEST_QUOTE else f"'{value[: _LONGEST_QUOTE - 3]}...'"
     if isinstance(value, bool):
@@ -157,25 +157,25 @@ def quoted(value: Any) -> str:
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
+    """Join words as ``a``, ``a and b`` or ``a, b and c``."""
     items = list(words)
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} {last} {items[-1]}" if items else ""
 
 
 def missing(keys: Iterable[str], owner: str) -> str:
-    """What to say of keys that are missing, and of what needs them."""
+    """Return the message about missing keys and the item that needs them."""
     named = [quoted(key) for key in keys]
     are, them = ("is", "it") if len(named) == 1 else ("are", "them")
     return f"{listed(named)} {are} missing; {owner} needs {them}"
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str:
-    """What to say after an unknown word: the known one that it is a slip of, or all where they are few, or nothing.
+    """Return the hint after an unknown word: the likely known word, a short list of all known words, or nothing.
 
     Args:
-        word: What was written.
-        known: What could have been written.
-        otherwise: The word before the list of all.
+        word: The unknown word.
+        known: The known words.
+        otherwise: The text before the list of all known words.
     """
     choices = [item for item in dict.fromkeys(known) if item != word]
     near = meant(word, choices)
@@ -187,7 +187,7 @@ def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str
 
 
 def meant(word: str, choices: Sequence[str]) -> str:
-    """The one choice that ``word`` is a slip or an abbreviation of, or empty."""
+    """Return the one choice that ``word`` misspells or abbreviates, or an empty string."""
     if len(word) > _LONGEST_QUOTE:
         return ""
     for alike in (_is_spelling, _is_slip, _is_abbreviation):
@@ -198,20 +198,20 @@ def meant(word: str, choices: Sequence[str]) -> str:
 
 
 def _is_spelling(word: str, known: str) -> bool:
-    """The same but for capitals, underscores, hyphens and spaces."""
+    """Return True if two words differ only in capitals, underscores, hyphens and spaces."""
     return _BETWEEN.sub("", word).lower() == _BETWEEN.sub("", known).lower()
 
 
 def _alike(one: str, other: str) -> int:
-    """How many characters two words have in common, from the first on."""
+    """Return the length of the common prefix of two words."""
     pairs = takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))  # up to the end of the shorter
     return sum(1 for _ in pairs)
 
 
 def _is_slip(word: str, known: str) -> bool:
-    """One letter too many, missing or wrong, or two that changed places; and not another word of the trade.
+    """Return True for one extra, missing or wrong letter, or two swapped ones, unless it is likely a different word.
 
-    Short words, first letters, digits and units are seldom slips: spi is not ssi, reset not preset,
+    Differences in short words, first letters, digits and units are rarely typos: spi is not ssi, reset not preset,
     biss_4 not biss_6, min_khz not min_hz.
     """
     if abs(len(word) - len(known)) > 1 or not _same_sense(word, known):
@@ -238,7 +238,7 @@ def _is_abbreviation(word: str, known: str) -> bool:
 
 
 def visible(text: str) -> str:
-    """The text with every character that a terminal would act on written as an escape."""
+    """Return the text with every character that controls a terminal written as an escape."""
     return "".join(map(_visible_character, text))
 
 
@@ -258,14 +258,14 @@ def _columns(text: str) -> int:
 
 
 def _window(text: str, column: int, width: int) -> tuple[str, int]:
-    """The part of a line to show without its indentation, and the offset of the caret in it.
+    """Return the part of a line to show, without its indentation, and the offset of the caret in it.
 
-    A line that is too long is scrolled so that the caret stands in sight, with more of what comes before it than after.
+    A line that is too long is cut so that the caret is visible, with more text before it than after.
     """
     indent = len(text) - len(text.lstrip(" "))
     stripped = text.strip(" ")
     caret = max(0, min(column - 1 - indent, len(stripped)))
-    # One character takes a column at least, so nothing further off can be shown; a line may have millions.
+    # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
     first = max(0, caret - width)
     before = [_visible_character(character) for character in stripped[first:caret]]
     after = [_visible_character(character) for character in stripped[caret : caret + width + 1]]
@@ -280,7 +280,7 @@ def _window(text: str, column: int, width: int) -> tuple[str, int]:
 
 
 def _fitting(pieces: Sequence[str], room: int) -> int:
-    """How many of the pieces, from the first on, fit into so many columns."""
+    """Return how many leading pieces fit into ``room`` columns."""
     used = 0
     for count, piece in enumerate(pieces):
         used += _columns(piece)

@@ -1,8 +1,8 @@
-"""Reading: from YAML files to plain data that knows where each value stands.
+"""Read YAML files into plain data that knows the place of each value.
 
-PyYAML does the syntax; scalars are resolved here, by the YAML 1.2 core schema.
-PyYAML's own resolver follows YAML 1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false:
-none of that is what someone means who transcribes a manual. Nothing after this module knows YAML.
+PyYAML handles the syntax. Scalars are resolved here, by the YAML 1.2 core schema. PyYAML's own resolver follows YAML
+1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false. A person who transcribes a manual means none of
+these. No module after this one knows YAML.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Refused, parse
 
 
 def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
-    """Reads one file; what is wrong with it goes into ``report``.
+    """Read one file and add its problems to ``report``.
 
     Args:
         path: The file.
-        report: Gets every problem.
-        shown_as: The name to show for the file; its path as given, unless said.
+        report: Receives all problems.
+        shown_as: The name to show for the file. Default: its path as given.
 
     Returns:
-        The document, or None where nothing of the file can be used. A document may come with problems.
+        The document, or None if nothing in the file can be used. A document may have problems.
     """
     file = shown_as if shown_as is not None else str(path)
     report.files.append(file)
@@ -42,7 +42,7 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     forbidden = FORBIDDEN.search(text)
     if forbidden is not None:
         before = LINE_BREAK.split(text[: forbidden.start()])
-        message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} has no place in a text; remove it")
+        message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove it")
         shown = "" if "\0" in text else lines[len(before) - 1]
         report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=shown)
         return None
@@ -65,10 +65,10 @@ def _document(file: str, text: str, lines: tuple[str, ...], report: Report) -> D
 
 
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
-    """Reads files and whole folders, each file once.
+    """Read files and whole folders, each file once.
 
-    A folder stands for the specs in it and below it, in sorted order; ``spec_files`` knows which files are specs.
-    A file that is given is read whatever it holds, but for a second reading: it belongs to a spec.
+    A folder stands for the specs in it and below it, in sorted order. ``files.below`` finds them. A file given by name
+    is always read, except for a second reading, which belongs to a spec.
     """
     documents = []
     seen: set[str] = set()
@@ -77,17 +77,15 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
         if is_second(given) and not files.is_folder(given):
             spec = given.with_name(f"{family_of(str(given))}{given.suffix}")
             if spec not in asked:
-                message = f"this is a second reading; give {spec.name}, the spec to which it belongs"
+                message = f"this is a second reading; give {spec.name}, the spec that it belongs to"
                 report.add_at(str(given), 1, 1, "second-reading", message)
             continue
         found = files.below(given) if files.is_folder(given) else files.Found((given,), ())
         report.passed_over += map(str, found.passed_over)
         if not found.specs:
             count = len(found.passed_over)
-            others = f"; {count} other YAML file{'s were' if count > 1 else ' was'} passed over" if count else ""
-            message = (
-                "the folder holds no spec, a .yaml file with one of the keys 'device', 'manufacturer' and 'master'"
-            )
+            others = f"; {count} other YAML file{'s were' if count > 1 else ' was'} skipped" if count else ""
+            message = "no spec (a .yaml file with the key 'device', 'manufacturer' or 'master') in this folder"
             report.add_at(str(given), 1, 1, "no-specs", message + others)
         for path in found.specs:
             real = os.path.realpath(path) if "\0" not in str(path) else str(path)
@@ -100,15 +98,15 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
 
 
 def _content(path: pathlib.Path) -> bytes:
-    """The bytes of a file.
+    """Return the bytes of a file.
 
     Raises:
-        Refused: It cannot be read, is no regular file, or is too large.
+        Refused: The file cannot be read, is not a regular file, or is too large.
     """
     try:
         mode = os.stat(path).st_mode
         if not stat.S_ISREG(mode):
-            kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
+            kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
             raise Refused(1, 1, "unreadable", f"this is {kind}; a spec is a .yaml file")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
@@ -119,15 +117,15 @@ def _content(path: pathlib.Path) -> bytes:
             1, 1, "unreadable", f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
         ) from None
     if len(content) > MAX_BYTES:
-        raise Refused(1, 1, "too-large", f"the file is larger than {MAX_BYTES // 2**20} MB; one spec holds one manual")
+        raise Refused(1, 1, "too-large", f"the file is larger than {MAX_BYTES // 2**20} MB; one spec covers one manual")
     return content
 
 
 def _text(content: bytes) -> str:
-    """The text of a file.
+    """Return the text of a file.
 
     Raises:
-        Refused: It is not UTF-8.
+        Refused: The file is not UTF-8.
     """
     try:
         return content.decode("utf-8").removeprefix("\ufeff")
@@ -138,4 +136,4 @@ def _text(content: bytes) -> str:
 
 
 def _not_text(content: bytes, otherwise: str) -> str:
-    return "this is a binary file; a spec is a text in UTF-8" if b"\0" in content[:65536] else otherwise
+    return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else otherwise

@@ -1,7 +1,7 @@
-"""The schema check: is a document written in the language, word by word?
+"""The schema check, which validates each key and value of a document.
 
-The JSON Schemas are what editors use; jsonschema does the walking. The messages are our own,
-since those of a validator speak of instances and properties to someone who is transcribing a manual.
+Editors use the same JSON Schemas. jsonschema walks through the data. The messages are our own, because those of a
+validator talk about instances and properties to someone who is transcribing a manual.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from .messages import Finding, explain
 from .problems import WORDS_ONLY, Path, Report
 from .second_reading import facts_only
 
-#: A source that no rule objects to.
+#: A source that passes every rule.
 _SOME_SOURCE = "Cover"
-#: Problems of one document after which the rest is not worth reading.
+#: Largest number of problems reported for one document.
 MAX_PROBLEMS = 200
 
 
 class FileKind(Enum):
-    """The kinds of files, each with a schema of its name; that of second readings is made from that of devices."""
+    """Kinds of files, each with a schema of its name. The one of second readings is derived from that of devices."""
 
     DEVICE = "device"
     SECOND = "second"
@@ -41,12 +41,12 @@ class FileKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What the schema check leaves.
+    """Result of the schema check.
 
-    ``data`` is a deep copy without what is broken: it keeps to the schema,
-    but for keys that are missing at the top or at the top of an interface. ``complete`` says that none is. ``cut``
-    are the places that were cut out, ``given`` the words that stand in for missing ones, by the place of the item.
-    Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
+    ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
+    level or at the top level of an interface. ``complete`` is set if none is. ``cut`` has the places that were removed,
+    ``given`` the stand-ins for missing prose, by the place of the item. The document records which list items were
+    removed, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]
@@ -57,20 +57,21 @@ class Checked:
 
 
 def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> Checked | None:
-    """Checks a document against the schema of its kind, adds a problem for each fault, and cuts the faults out.
+    """Check a document against the schema of its kind, report each error, and remove the broken parts.
 
     Args:
         document: The document.
-        report: Gets every problem.
-        kind: What it is; without it, what its keys say.
+        report: Receives all problems.
+        kind: The kind of file. Default: derived from its keys.
 
     Returns:
-        What is left, or None where the document is no device, manufacturer or master file, or has too many faults.
+        The remaining data, or None if the document is not a device, manufacturer or master file, or has too many
+        errors.
     """
     kind = kind or _kind(document.data)
     if kind is None:
         message = (
-            "'device' is missing; a device file names its family with it, a manufacturer file has 'manufacturer' alone"
+            "'device' is missing; it names the family of a device file. A manufacturer file has only 'manufacturer'"
         )
         report.add("missing-key", document, (), message)
         return None
@@ -87,7 +88,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
             "too-many-problems",
             document,
             findings[MAX_PROBLEMS].path,
-            "from here on there are more problems; they are told when these are mended",
+            "there are more problems from here on; they are reported once these are fixed",
         )
         return None
     if not findings and not cut:
@@ -99,7 +100,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
 
 @functools.cache
 def load_schema(kind: str) -> dict[str, Any]:
-    """The JSON Schema of this name, such as ``device``; to be read, not changed."""
+    """Load the JSON Schema of this name, such as ``device``. Do not modify the result."""
     if kind == FileKind.SECOND.value:
         return facts_only(load_schema(FileKind.DEVICE.value))
     text = resources.files("codewheel.language").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
@@ -109,12 +110,12 @@ def load_schema(kind: str) -> dict[str, Any]:
 
 @functools.cache
 def keys_of(kind: str) -> frozenset[str]:
-    """The keys that may stand at the top of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
+    """Return the keys allowed at the top level of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
     return frozenset(load_schema(kind)["properties"])
 
 
 def _kind(data: dict[str, Any]) -> FileKind | None:
-    """A file with a key that only device files have is one, even where ``device`` itself is missing or misspelt."""
+    """Return the kind of a file. Any key of devices only makes it one, even if ``device`` is missing or misspelt."""
     shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
         return FileKind.MASTER
@@ -128,7 +129,7 @@ def _kind(data: dict[str, Any]) -> FileKind | None:
 def without(
     document: Document, cut: Collection[Path], given: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
 ) -> dict[str, Any]:
-    """A document's data without these places and with these words; the document knows which list items are gone."""
+    """Return the data without these places and with these stand-ins. The document records the removed list items."""
     document.kept.clear()
     data: dict[str, Any] = _without(document.data, cut, (), document.kept)
     for path, words in given.items():
@@ -139,7 +140,7 @@ def without(
 
 
 def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> Checked:
-    """Removes what holds the broken places, and what cannot do without that, until the rest keeps to the schema."""
+    """Remove the items with broken places, and all that depend on them, until the rest follows the schema."""
     given: dict[Path, Mapping[str, str]] = {}
     while True:
         data = without(document, cut, given)
@@ -168,20 +169,20 @@ def _is_of_words(finding: Finding) -> bool:
 
 
 def _lacks_words(error: Any) -> bool:
-    """Whether only words are missing: with others in their place all the rest of the item can be looked at."""
+    """Return True if only prose is missing. With stand-ins for it, the rest of the item can be checked."""
     return WORDS_ONLY.issuperset(key for key in error.validator_value if key not in error.instance)
 
 
 def _can_be_incomplete(path: Path) -> bool:
-    """The file as a whole, and an interface: one missing key shall not keep us from checking all the rest."""
+    """Return True for the whole file and for an interface, where one missing key must not prevent further checks."""
     return not path or (len(path) == 2 and path[0] == "interfaces")
 
 
 def holder(path: Path) -> Path:
-    """What to cut out for a fault at ``path``: the nearest list item, all that holds a field, else the place.
+    """Return what to remove for an error at ``path``: the nearest list item, the parent of a field, or the place.
 
-    A width or a key that is merely gone would look like another fault: the item would lack it,
-    or bits would lack a field. Words are not missed.
+    Removing only a width or a key would cause further errors, such as a missing key or bits without a field. Prose
+    can be removed alone.
     """
     if path[-1:] and path[-1] in WORDS_ONLY:
         return path
@@ -202,7 +203,7 @@ def _without(value: Any, cut: Collection[Path], path: Path, kept: dict[Path, tup
 
 
 def _found(data: Any, path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
-    """What stands in pruned data at a path into the data as read; None where it is gone."""
+    """Return the value in pruned data at a path into the data as read, or None if it was removed."""
     for end, step in enumerate(path):
         if isinstance(data, list) and isinstance(step, int):
             places = kept.get(path[:end], range(len(data)))
@@ -220,7 +221,7 @@ def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
 
 
 def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
-    """One finding for each place, those of the reader left out; not many more than are shown."""
+    """Return one finding for each place, without those of the reader, and not many more than are shown."""
     found: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
@@ -233,15 +234,15 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
 
 @functools.cache
 def _validator(kind: str) -> Any:
-    """A validator stricter than JSON Schema in two points, where that lets through what the language refuses."""
+    """Return a validator that is stricter than JSON Schema in two points."""
 
     def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
-        # With the search of JSON Schema a name could end in a line break.
+        # JSON Schema searches for the pattern, so that a name could end in a line break.
         if isinstance(instance, str) and not re.fullmatch(expected, instance.replace("\n", "\0")):
             yield ValidationError("pattern")
 
     def integer(_: Any, instance: Any) -> bool:
-        # For JSON Schema 1.0 is an integer.
+        # In JSON Schema, 1.0 is an integer.
         return isinstance(instance, int) and not isinstance(instance, bool)
 
     types = Draft202012Validator.TYPE_CHECKER.redefine("integer", integer)
@@ -251,14 +252,14 @@ def _validator(kind: str) -> Any:
 
 @functools.cache
 def shape_of(kind: str) -> dict[str, Any]:
-    """The JSON Schema of a kind of files without references; to be read, not changed."""
+    """Return the JSON Schema of a kind of file without references. Do not modify the result."""
     schema = load_schema(kind)
     made: dict[str, Any] = _inlined(schema, schema.get("$defs", {}))
     return made
 
 
 def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
-    """The schema with every reference replaced by its definition, which halves the time; none refers to itself."""
+    """Return the schema with every reference replaced by its definition, which halves the time. None is recursive."""
     if isinstance(schema, list):
         return [_inlined(item, definitions) for item in schema]
     if not isinstance(schema, dict):

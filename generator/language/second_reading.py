@@ -1,7 +1,7 @@
-"""The language of second readings: the words of a device file that are facts, without those that are for people.
+"""The language of second readings: the keys of a device file that are facts, without those for prose.
 
-It is made from the schema of device files, so that a word has to be described once. What a device file needs besides is
-filled in with stand-ins, so that the rules and the build find in a second reading what they find in a device file.
+It is derived from the schema of device files, so that each key is described only once. Other required keys of a device
+file are filled in with stand-ins, so that rules and build can treat a second reading like a device file.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-#: What a second reading is called, beside the file that it belongs to: ``encoder.second.yaml``.
+#: Suffix of a second reading, next to the file that it belongs to: ``encoder.second.yaml``.
 SUFFIX = ".second"
 
-#: Keys for people, wherever they stand.
+#: Keys for prose, at any place.
 PROSE = frozenset(
     """
     source alignment_source output_code_source meaning note title names where changes content why
@@ -21,36 +21,36 @@ PROSE = frozenset(
     hexadecimal profile signals
     """.split()
 )
-#: Parts of a device file that tell, work out or explain.
+#: Parts of a device file that explain or calculate.
 NO_FACTS = frozenset("documents lost_figures tables leds characteristics examples errata editions".split())
-#: Keys that a spec has to have, and of which its second reading says nothing.
+#: Keys that a spec must have and its second reading does not need.
 _NOT_NEEDED = frozenset(("manufacturer",))
 
 _SOME_SOURCE = "Cover"
 
 
 def is_second(file: Path | str) -> bool:
-    """Whether a file is a second reading by its name."""
+    """Return True if the name of a file is that of a second reading."""
     return PurePath(file).stem.endswith(SUFFIX)
 
 
 def beside(spec: Path) -> Path:
-    """Where the second reading of a spec would stand."""
+    """Return the path of the second reading of a spec."""
     return spec.with_name(f"{spec.stem}{SUFFIX}{spec.suffix}")
 
 
 def counts_beside(spec: Path) -> Path:
-    """Where it would be kept how often the facts of a spec were read."""
+    """Return the path of the file that counts the readings of the facts of a spec."""
     return spec.with_name(f"{spec.stem}.coverage.json")
 
 
 def family_of(file: str) -> str:
-    """The name that the family in a file has: the stem, or of a second reading that of its spec."""
+    """Return the name of the family in a file: the stem, without the suffix of a second reading."""
     return PurePath(file).stem.removesuffix(SUFFIX)
 
 
 def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
-    """The schema of second readings, from that of device files."""
+    """Derive the schema of second readings from that of device files."""
     made: dict[str, Any] = _without_prose(schema)
     made["properties"] = {key: item for key, item in made["properties"].items() if key not in NO_FACTS}
     made["required"] = [key for key in made["required"] if key not in _NOT_NEEDED]
@@ -58,12 +58,12 @@ def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def is_prose(key: str) -> bool:
-    """Whether a device file has this key, and a second reading does not."""
+    """Return True if device files have this key and second readings do not."""
     return key in PROSE or key in NO_FACTS
 
 
 def _without_prose(schema: Any) -> Any:
-    """A part of the schema without the keys for people."""
+    """Return a part of the schema without the keys for prose."""
     if isinstance(schema, list):
         return [_without_prose(item) for item in schema]
     if not isinstance(schema, dict):
@@ -80,7 +80,7 @@ def _without_prose(schema: Any) -> Any:
 
 
 def filled(data: Any, schema: Mapping[str, Any]) -> Any:
-    """Checked data of a second reading, with a stand-in for each word that ``schema``, that of device files, needs."""
+    """Return checked data of a second reading, with a stand-in for each key required by ``schema`` of device files."""
     if isinstance(data, list):
         return [filled(item, schema.get("items", {})) for item in data]
     if not isinstance(data, dict):

@@ -1,6 +1,6 @@
-"""Syntax errors of YAML in words of use to someone who is transcribing, at the place that is to be mended.
+"""Syntax errors of YAML, explained for someone who transcribes a manual, at the place to correct.
 
-PyYAML says where its parser stopped. A quote or a bracket that was left open is higher up, often by many lines.
+PyYAML reports where its parser stopped. An open quote or bracket is higher up, often by many lines.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ import yaml
 _RULE = "yaml-syntax"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
-_NO_COMMA = "a comma, or the bracket that closes, is missing before this"
+_NO_COMMA = "a comma or closing bracket is missing before this"
 _COMMENT = re.compile(r"\s#")
 
 
 def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]:
-    """Line, column, rule and message for an error of the parser."""
+    """Return line, column, rule and message for an error of the parser."""
     lines = _LINE_BREAK.split(text)
     mark: Any = error.problem_mark or error.context_mark
     problem, context = error.problem or "not understood", error.context or ""
     opened: Any = error.context_mark
-    # The mark of this problem is wherever the search for the colon ended.
+    # The mark of this problem is where the search for the colon ended.
     if opened is not None and problem == "could not find expected ':'":
         return *_place(opened), _RULE, _keyless(_character(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
@@ -50,11 +50,11 @@ def _character(lines: list[str], mark: Any) -> str:
 def _keyless(character: str) -> str:
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
-    return "a key without a colon, or a text that goes on without being indented"
+    return "a key without a colon, or a text continued without indentation"
 
 
 def _last_quoted(text: str, mark: Any) -> Any:
-    """The text in quotes after which the parser stumbled, if they are to blame: of several lines, or ending there."""
+    """Return the quoted text before the error if it may be the cause: it spans several lines, or ends there."""
     last = None
     try:
         for token in yaml.scan(text, Loader=_LOADER):
@@ -63,7 +63,7 @@ def _last_quoted(text: str, mark: Any) -> Any:
             if isinstance(token, yaml.ScalarToken) and token.style in ("'", '"') and token.end_mark.line == mark.line:
                 last = token
     except yaml.YAMLError:
-        pass  # The error that is being explained; what came before it has been seen.
+        pass  # This is the error to explain. Everything before it has been scanned.
     if last is None or last.end_mark.line > last.start_mark.line:
         return last
     return last if last.end_mark.column == mark.column else None
@@ -71,7 +71,7 @@ def _last_quoted(text: str, mark: Any) -> Any:
 
 def _about_quote(token: Any) -> str:
     if token.end_mark.line > token.start_mark.line:
-        return f"the quote that opens here closes on line {token.end_mark.line + 1} only; close it on this line"
+        return f"the quote that opens here closes only on line {token.end_mark.line + 1}; close it on this line"
     if token.style == "'":
         return "an apostrophe inside '...' ends the text; put the text in double quotes"
     return 'a quote inside "..." ends the text; put the text in single quotes, or write \\" for the quote inside'
@@ -82,12 +82,12 @@ def _about_bracket(lines: list[str], opened: Any, mark: Any) -> str:
     closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
     at_end = mark.line >= len(lines) - 1 and not _character(lines, mark)
     wrong = (
-        f"the '{bracket}' that opens here is not closed up to "
+        f"the '{bracket}' that opens here is not closed by "
         f"{'the end of the file' if at_end else f'line {mark.line + 1}'}"
     )
     if _COMMENT.search(lines[opened.line], opened.column):
         return f"{wrong}: a '#' after a space begins a comment; put the text in quotes"
-    return f"{wrong}; close it with '{closing}', or add the comma that is missing"
+    return f"{wrong}; close it with '{closing}', or add the missing comma"
 
 
 def _message(problem: str, character: str, at_end: bool) -> str:

@@ -1,6 +1,6 @@
-"""Slips in YAML that are plain to see, mended while reading: one problem each, and the rest is read as it was meant.
+"""Obvious mistakes in YAML, fixed while reading: each is reported once, and the rest is read as intended.
 
-Without this a comma in a text would look like an unknown key, and a forgotten dash like a whole item of duplicate keys.
+Without this, a comma in a text would look like an unknown key, and a missing dash like an item full of duplicate keys.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .problems import quoted
 
 _DIGITS = re.compile("[0-9]+")
 _THOUSANDS = re.compile("[0-9]{3}")
-#: Events to look ahead; a value of more is no slip.
+#: Number of events to look ahead. A longer value is not a mistake.
 _FURTHEST = 2000
 
 #: Called with an event, a rule and a message.
@@ -26,7 +26,7 @@ Complain = Callable[[Any, str, str], None]
 
 @dataclass(slots=True)
 class _Open:
-    """A map or list that is open. ``nodes`` counts what it holds so far, keys and values alike."""
+    """An open map or list. ``nodes`` counts its keys and values so far."""
 
     is_map: bool
     flow: bool
@@ -40,13 +40,13 @@ class _Open:
 
 
 class Mended:
-    """The events of a parser with slips mended.
+    """The events of a parser with mistakes fixed.
 
     Args:
         events: The events as they come.
         lines: The lines of the text.
-        is_text: Whether an unquoted scalar is a text, not a number or the like.
-        complain: Told of every slip.
+        is_text: Returns True if an unquoted scalar is text, not a number or the like.
+        complain: Called for each mistake.
     """
 
     def __init__(
@@ -92,13 +92,13 @@ class Mended:
         return self._ahead[index]
 
     def _dash_before(self, key: Any, item: _Open) -> Iterator[Any]:
-        """The end of the item and the start of the next, where its keys begin anew: first the first, then another."""
+        """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one."""
         if not item.in_list or item.flow or len(item.keys) < 2 or key.value != next(iter(item.keys)):
             return
         if self._key_after_next() not in item.keys:
             return
-        wrong = f"the keys of this item begin anew: {quoted(key.value)} is already on line {item.keys[key.value]}"
-        message = f"{wrong}; put '-' before it if another item begins here"
+        wrong = f"the keys of this item repeat: {quoted(key.value)} is already on line {item.keys[key.value]}"
+        message = f"{wrong}; put '-' before it if a new item begins here"
         self._complain(key, "duplicate-key", message)
         item.keys.clear()
         yield yaml.MappingEndEvent(key.start_mark, key.start_mark)
@@ -118,7 +118,7 @@ class Mended:
         return following.value if isinstance(following, yaml.ScalarEvent) else None
 
     def _skip_rest(self, value: Any) -> None:
-        """A comma ends an unquoted text or number in {...}; what follows it would be a key without a value."""
+        """Skip what follows a comma in an unquoted text or number in {...}: it would be a key without a value."""
         if value.style or value.tag or value.anchor:
             return
         first, number = None, _DIGITS.fullmatch(value.value) is not None
@@ -135,7 +135,7 @@ class Mended:
             self._complain(first, "yaml-syntax", _about_comma(first, value.value if number else ""))
 
     def _is_rest(self, key: Any, value: Any) -> bool:
-        """Whether this is a key without a colon, and nothing."""
+        """Return True for a key without a colon and without a value."""
         if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
             return False
         if key.style or value.style or value.value:
@@ -152,5 +152,5 @@ def _line(event: Any) -> int:
 def _about_comma(rest: Any, number: str) -> str:
     if number:
         return f"a number has no commas; write {number}"
-    rule = "A comma ends an unquoted text inside {...}: if this is part of the text, put the whole in quotes"
+    rule = "A comma ends an unquoted text inside {...}: if this is part of the text, quote the whole text"
     return f"{quoted(rest.value)} has no colon. {rule}"

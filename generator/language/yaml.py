@@ -1,7 +1,7 @@
-"""The YAML side of reading: events of PyYAML to data and marks, within bounds.
+"""Convert events of PyYAML to data and marks, within bounds.
 
-Built on events, not on PyYAML's nodes: depth and aliases can then be bounded before anything is built, so that no file,
-however hostile, costs more than its own size.
+Events are used instead of PyYAML's nodes, so that depth and aliases are bounded before anything is built. The cost of
+any file, even a hostile one, is then limited by its size.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from .syntax import explain
 from .typos import Mended
 
 MAX_BYTES = 4 * 2**20
-#: Values in a spec, those that aliases repeat counted each time. The largest manuals come to some 20,000.
+#: Largest number of values in a spec, including repetitions by aliases. The largest manuals need some 20,000.
 MAX_VALUES = 200_000
-#: Maps and lists inside each other. The language needs 9.
+#: Largest nesting depth of maps and lists. The language needs 9.
 MAX_DEPTH = 60
-#: Digits of a number. 64 bits need 20.
+#: Largest number of digits in a number. 64 bits need 20.
 MAX_DIGITS = 40
 
-# Besides what YAML forbids: line breaks of YAML 1.1 that are none in 1.2 (they would shift the line numbers),
-# characters that reorder the text around them, and those that nobody sees (a spec, and the comments made from it,
-# would read other than they are).
+# Forbidden in addition to YAML's own rules: line breaks of YAML 1.1 that are not in 1.2 (they would shift the line
+# numbers), characters that reorder the text around them, and invisible ones (a spec, and the comments generated from
+# it, would look different from their content).
 _UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff"
 FORBIDDEN = re.compile(f"[^\t\n\r\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]|[{_UNSEEN}]")
 
@@ -51,8 +51,10 @@ _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
 
 
 class Refused(Exception):
-    """Something that cannot be read. ``rule`` and ``message`` are those of a problem;
-    the path is given where the rest of the file can be read."""
+    """Something that cannot be read.
+
+    ``rule`` and ``message`` are those of a problem. The path is given if the rest of the file can be read.
+    """
 
     def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
         super().__init__(message)
@@ -61,7 +63,7 @@ class Refused(Exception):
 
 @dataclass(slots=True)
 class _Value:
-    """A value that was read: its data, its mark, and what it adds when an alias repeats it."""
+    """A value that was read: its data, its mark, and its count and depth for repetition by an alias."""
 
     data: Any
     mark: Mark
@@ -72,22 +74,22 @@ class _Value:
 def parse(
     text: str, complain: Callable[[Refused], None], stand_in: Callable[[Path], None]
 ) -> tuple[dict[str, Any], Mark]:
-    """The data of a YAML text, and its marks.
+    """Parse a YAML text and return its data and marks.
 
     Args:
-        text: The text, free of characters that YAML forbids.
-        complain: Called with what is wrong but does not keep the rest from being read, such as a duplicate key.
-        stand_in: Called with the path of each value that could not be read and that None stands for.
+        text: The text, without characters that YAML forbids.
+        complain: Called with each error that does not prevent reading the rest, such as a duplicate key.
+        stand_in: Called with the path of each value that could not be read and was replaced by None.
 
     Raises:
-        Refused: Nothing can be read: broken syntax, too deep, too many values, no map.
+        Refused: Nothing can be read: broken syntax, too deep, too many values, not a map.
     """
     try:
         return _Parser(text, complain, stand_in).document()
     except yaml.MarkedYAMLError as error:
         raise Refused(*explain(error, text)) from None
     except yaml.YAMLError as error:
-        raise Refused(1, 1, "yaml-syntax", f"this is no YAML: {str(error).splitlines()[0]}") from None
+        raise Refused(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
 
 
 class _Parser:
@@ -132,7 +134,7 @@ class _Parser:
         return value.data, value.mark
 
     def _value(self, event: Any, path: Path, depth: int) -> _Value:
-        """The value that begins with ``event``.
+        """Return the value that begins with ``event``.
 
         Raises:
             Refused: A bound is exceeded, or an alias cannot be followed.
@@ -144,7 +146,7 @@ class _Parser:
             raise _refused(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} deep")
         anchor = event.anchor
         if anchor is not None:
-            self._anchors[anchor] = None  # Open: an alias to it from inside would have no end.
+            self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         mark = Mark(line, column, line, column)
         if isinstance(event, yaml.ScalarEvent):
@@ -161,15 +163,13 @@ class _Parser:
             raise _refused(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
         value = self._anchors[event.anchor]
         if value is None:
-            raise _refused(
-                event, "alias", f"the alias '*{event.anchor}' stands inside what it repeats; that has no end"
-            )
+            raise _refused(event, "alias", f"the alias '*{event.anchor}' is inside the value that it repeats")
         self._add(value.count, event)
         if depth + value.depth > MAX_DEPTH:
             raise _refused(
                 event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} deep through this alias"
             )
-        # The values keep the place where they are written; only the item itself is found at the alias.
+        # The values keep the place where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
 
@@ -206,7 +206,7 @@ class _Parser:
                 self._refuse(
                     event,
                     "duplicate-key",
-                    f"the key {quoted(key)} is already on line {first}; keep one of the two",
+                    f"duplicate key {quoted(key)}, already on line {first}; keep one of them",
                     (*path, key),
                 )
                 continue
@@ -216,8 +216,10 @@ class _Parser:
         return _Value(result, mark, count, deepest + 1)
 
     def _key(self, event: Any, path: Path, depth: int) -> str | None:
-        """The key as written, or None where there is no usable one.
-        Keys are never numbers: an order code part ``01`` stays ``01``."""
+        """Return the key as written, or None if it is not usable.
+
+        Keys are never numbers: an order code part ``01`` remains ``01``.
+        """
         if not isinstance(event, yaml.ScalarEvent):
             self._value(event, (), depth + 1)
             self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
@@ -231,15 +233,15 @@ class _Parser:
         return str(event.value)
 
     def _scalar(self, event: Any, path: Path) -> Any:
-        """The value of a scalar by the core schema; None, noted as a stand-in, where it has none."""
+        """Return the value of a scalar by the core schema, or None, noted as a stand-in, if it is not valid."""
         text, tag = event.value, event.tag
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
-        if forbidden is not None:  # Only an escape in double quotes can bring one in.
+        if forbidden is not None:  # Only an escape in double quotes can contain one.
             return self._unusable(
                 event,
                 path,
                 "not-text",
-                f"the character U+{ord(forbidden[0]):04X} has no place in a text; remove its escape",
+                f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape",
             )
         if tag in ("!", f"{_CORE}str") or (tag is None and event.style):
             return text
@@ -250,11 +252,11 @@ class _Parser:
                 event,
                 path,
                 "number-too-long",
-                f"a number of {len(text)} digits is no value of an encoder; quote it if it is a text",
+                f"a number of {len(text)} digits is too long; quote it if it is text",
             )
         value = _resolved(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
-            return self._unusable(event, path, "tag", f"{quoted(text)} is no {_short(tag)}")
+            return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
         return value
 
     def _unusable(self, event: Any, path: Path, rule: str, message: str) -> None:
@@ -268,7 +270,7 @@ class _Parser:
 
 
 def _resolved(text: str) -> str | int | float | bool | None:
-    """An unquoted scalar by the core schema of YAML 1.2."""
+    """Resolve an unquoted scalar by the core schema of YAML 1.2."""
     if text in _NULL:
         return None
     if text in _BOOLEAN:

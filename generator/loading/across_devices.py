@@ -1,4 +1,4 @@
-"""What a manufacturer has at the same place in every device: where two differ, one of them is a slip."""
+"""Compare facts that all devices of a manufacturer share. If two differ, one of them is a mistake."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from ..language.document import Document
 from ..language.problems import Path, Report, quoted
 from ..language.rules.walk import Spec, by_name, explained, items, mapping
 
-#: What a register or a CRC of one name has in common, with the form in which a message shows a number.
+#: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
 _COMMON = {
     "registers": {"address": "{:#04x}", "length": "{}", "bank": "{}", "access": "{}", "byte_order": "{}"},
     "crcs": {"width": "{}", "poly": "{:#x}", "init": "{:#x}", "refin": "{}", "refout": "{}", "xorout": "{:#x}"},
 }
-#: A path to a fact, and the fact as a message shows it.
+#: Path to a fact, and the fact as shown in messages.
 _Fact = tuple[Path, str]
 
 
 def check_alike(documents: Sequence[Document], report: Report) -> None:
-    """Reports what differs between two devices of a manufacturer whose file lists it under ``alike``."""
+    """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     devices = [item for item in documents if "device" in item.data and not report.faults(item)]
     for maker in documents:
         listed = mapping(maker.data, "alike") if "device" not in maker.data and not report.faults(maker) else {}
@@ -30,7 +30,7 @@ def check_alike(documents: Sequence[Document], report: Report) -> None:
 
 
 def _compare(kind: str, name: str, having: Sequence[Document], report: Report) -> None:
-    """Holds each device against the first that has the fact."""
+    """Compare each device with the first one that has the fact."""
     first: dict[tuple[str, ...], tuple[Document, _Fact]] = {}
     for document in sorted(having, key=lambda item: item.file):
         for key, fact in _facts(kind, by_name(document.data, kind)[name]):
@@ -40,15 +40,14 @@ def _compare(kind: str, name: str, having: Sequence[Document], report: Report) -
                 continue
             line = other.position((kind, name, *place))[0]
             wrong = (
-                f"this is {fact[1]}, and {shown} in {PurePath(other.file).name}:{line}; by the manufacturer's file"
-                f" {quoted(name)} is alike in all devices. Where it is not, an erratum that affects {'.'.join(named)}"
-                " says why"
+                f"this is {fact[1]}, but {shown} in {PurePath(other.file).name}:{line}; by the manufacturer's file"
+                f" {quoted(name)} is the same in all devices. If not, add an erratum that affects {'.'.join(named)}"
             )
             report.add("not-alike", document, (kind, name, *fact[0]), wrong)
 
 
 def _facts(kind: str, item: Spec) -> Iterator[tuple[tuple[str, ...], _Fact]]:
-    """What an item has in common with others of its name, by the path that an erratum would have."""
+    """Yield the shared facts of an item, by the path that an erratum would have."""
     for key, form in _COMMON[kind].items():
         if key in item:
             yield (key,), ((key,), _shown(form, item[key]))

@@ -1,8 +1,7 @@
-"""From checked data to the model.
+"""Build the model from checked data.
 
-What rules cannot see in the text is found here, while the model comes together: bits that overlap, limits that do not
-fit, examples that contradict their layout. A part that cannot be built is reported and left out, so that one run shows
-every problem.
+Problems that rules cannot see in the text are found here: bits that overlap, limits that do not fit, examples that
+contradict their layout. A part that cannot be built is reported and left out, so that one run shows every problem.
 """
 
 from __future__ import annotations
@@ -57,9 +56,9 @@ from .valid_parts import sound_so_far
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
-    """The family that a checked device file describes, or None where an expression has no value.
+    """Return the family described by a checked device file, or None if an expression has no value.
 
-    What could not be built is missing from the result; the caller uses it only when nothing was reported.
+    Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
     definitions = _definitions(raw)
     order_code = _order_code(raw["order_code"])
@@ -110,8 +109,8 @@ def _device(
     alternatives: tuple[Alternative, ...],
     context: Context,
 ) -> Device:
-    """The family, still without its procedures, which need the built device."""
-    # Interfaces come first, registers next: so is the order in which problems are reported.
+    """Return the family without its procedures, which need the built device."""
+    # Interfaces come before registers, which determines the order of the reported problems.
     interfaces, registers = build_interfaces(raw, context), _registers(raw, context)
     parameters = raw["parameters"].items()
     return record(
@@ -194,10 +193,13 @@ def _variants(
 def _parameter_sets(
     raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant], alternatives: Sequence[Alternative]
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
-    """By interface, every set of parameters that a layout has to suit: the order codes', the bounds of those held in
-    registers, one by one and together, and each answer of an alternative with them."""
+    """Return, by interface, every set of parameters that a layout must support.
+
+    These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
+    of these with each answer of an alternative.
+    """
     kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
-    if not variants:  # Nothing is known of parameters; what does without them can be looked at all the same.
+    if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
         return MappingProxyType({kind: ({},) for kind in kinds})
     found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
     answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
@@ -206,7 +208,7 @@ def _parameter_sets(
         for name, item in raw["parameters"].items()
         if "read_from" in item
     }
-    # One by one first: the fewest parameters that show a fault are told.
+    # One by one first, so that messages name as few parameters as possible.
     singles = ({name: value} for name, values in bounds.items() for value in values)
     held = [{}, *singles, *(corners(bounds) if len(bounds) > 1 else ())]
     seen: set[tuple[str, tuple[int, ...]]] = set()
@@ -219,7 +221,7 @@ def _parameter_sets(
             if key not in seen:
                 seen.add(key)
                 known.append(resolve_parameters(given, definitions))
-    # An interface that no order code selects has been reported; its layouts are looked at with the parameters of the
+    # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
     # others.
     every = [parameters for known in found.values() for parameters in known]
     return MappingProxyType({kind: known or every for kind, known in found.items()})
@@ -270,9 +272,9 @@ def _register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
 
 
 def _check_limits(register: Register, path: Path, context: Context) -> None:
-    """Whether the limits fit what they bound, and the default fits the limits and the named values.
+    """Check that the limits fit their field, and that the default fits the limits and the named values.
 
-    Only the first thing wrong is reported, by the first order code that shows it.
+    Only the first problem is reported, for the first order code that has it.
     """
     for parameters in context.parameter_sets.get(register.interface, ()):
         placed = register.layout.place(parameters)
@@ -283,12 +285,12 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
             return
 
 
-#: Something wrong with a register: the rule, the key that it stands at, the message.
+#: A problem of a register: the rule, the key with the problem, the message.
 _Wrong = tuple[str, str, str]
 
 
 def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> tuple[int, int, int]:
-    """The lowest and the highest value as stored, and what a stored zero means."""
+    """Return the lowest and the highest value as stored, and the meaning of a stored zero."""
     item = placed.field(bounded(register))
     zero_means = item.field.number.zero_means if item is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
@@ -320,14 +322,14 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
     elif not low <= (value or zero_means) <= max(high, zero_means):
         wrong = f"{value} is outside the limits {low} to {high}"
     elif named and default not in named and not register.clears_itself:
-        wrong = f"{default:#x} is none of the values {', '.join(f'{item:#x}' for item in named)}"
+        wrong = f"{default:#x} is not one of the values {', '.join(f'{item:#x}' for item in named)}"
     else:
         return None
     return "default-does-not-fit", "default", f"the default {wrong}"
 
 
 def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
-    """The part of the default that the limits bound, with its sign."""
+    """Return the part of the default that the limits apply to, with its sign."""
     width = bounded_width(register, placed)
     join = next((item for item in register.layout.joins if item.name == bounded(register)), None)
     if join is not None:
@@ -339,7 +341,7 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
 
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
-    """Whether each printed control byte is what its data ID encodes to."""
+    """Check that each printed control byte is the encoding of its data ID."""
     interface = device.over(Rs485)
     if interface is None or not sound_so_far(report).has_frames:
         return
@@ -350,7 +352,7 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         path: Path = ("interfaces", interface.name, "data_ids", item.name)
         layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
         if layout is None:
-            wrong = f"no layout is sent or received for data ID {item.id:X}; add it to a layout's 'when'"
+            wrong = f"no layout is for data ID {item.id:X}; add it to the 'when' of a layout"
             report.add("undefined-reference", path, wrong)
             continue
         placed = layout.place(variant.parameters)
@@ -360,5 +362,5 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         except codec.EncodeError:
             continue  # a layout that cannot be encoded with zeros is found by other rules
         if made != item.control:
-            wrong = f"the control field of data ID {item.id:X} is {made:#04x} by its fields; the manual's"
-            report.add("control-mismatch", (*path, "control"), f"{wrong} {item.control:#04x} does not agree")
+            wrong = f"the control field of data ID {item.id:X} is {made:#04x} by its fields"
+            report.add("control-mismatch", (*path, "control"), f"{wrong}, but {item.control:#04x} in the manual")

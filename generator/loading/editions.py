@@ -1,7 +1,7 @@
-"""Editions of a manual: the family as it was before a revision, or as far as a later one is public.
+"""Editions of a manual: the family before a revision, or as far as a later one is public.
 
-The spec transcribes one revision. What it says under ``editions`` is laid over it step by step: the changes ``before``
-each revision on the way back to an older one, or those of ``then`` on the way to a newer one.
+The spec transcribes one revision. Its ``editions`` are applied to it step by step: the changes ``before`` each revision
+on the way back to an older one, or those of ``then`` on the way to a newer one.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ Raw = Mapping[str, Any]
 
 
 class UnknownEdition(ValueError):
-    """There is no such edition; the message says which there are."""
+    """No such edition. The message lists the existing ones."""
 
 
 def editions(raw: Raw) -> tuple[ManualEdition, ...]:
-    """The editions that can be asked for, oldest first; none where the spec tells of no change."""
+    """Return the editions that can be selected, oldest first, or none if the spec lists no changes."""
     known = {item["revision"]: item for item in raw.get("editions", ())}
     if not known:
         return ()
@@ -41,25 +41,23 @@ def editions(raw: Raw) -> tuple[ManualEdition, ...]:
 
 
 def chosen(device: Device, wanted: str) -> str:
-    """The revision of an edition that is named by its revision, or by a date on which it was the latest.
+    """Return the revision of an edition given by its revision, or by a date on which it was the latest.
 
     Raises:
-        UnknownEdition: There is none.
+        UnknownEdition: There is no such edition.
     """
     names = [item.revision for item in device.editions] or [device.manual.revision]
     if wanted in names:
         return wanted
-    # A year alone does not tell which edition was the latest on a day of it.
+    # A year alone does not determine which edition was the latest on a given day.
     dated = [item for item in device.editions if _DATE.fullmatch(item.date)]
     if _DATE.fullmatch(wanted) and dated:
         then = [item.revision for item in dated if item.date <= wanted]
         if then:
             return then[-1]
-        raise UnknownEdition(
-            f"the first edition, {dated[0].revision}, is of {dated[0].date}; there is none of {wanted}"
-        )
+        raise UnknownEdition(f"the first edition, {dated[0].revision}, is of {dated[0].date}, after {wanted}")
     raise UnknownEdition(
-        f"the spec of {device.name} tells of no edition {quoted(wanted)}; there {_are(names)} {listed(names)}"
+        f"the spec of {device.name} has no edition {quoted(wanted)}; there {_are(names)} {listed(names)}"
         + (", or a date such as 2020-03-31" if dated else "")
     )
 
@@ -69,13 +67,13 @@ def _are(names: Sequence[str]) -> str:
 
 
 def edition_of(family: Family, revision: str, build: Build, report: Report) -> Family | None:
-    """The family in the edition of this revision; what is wrong with it is told in the spec.
+    """Return the family in the edition of this revision. Its problems are reported in the spec.
 
     Args:
-        family: The family as its spec has it.
+        family: The family as in its spec.
         revision: One of its editions.
         build: Builds the family of a document.
-        report: Gets what cannot be laid over the spec, and what is wrong then.
+        report: Receives changes that cannot be applied, and problems of the result.
     """
     laying = Laying(family.document, report)
     before = len(report)
@@ -110,7 +108,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
 
 
 def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
-    """The lists of changes on the way to a revision: where each stands, and what outputs call it."""
+    """Yield the lists of changes on the way to a revision: index, key and name in outputs."""
     order = [item.revision for item in family.device.editions]
     own, wanted = order.index(family.device.manual.revision), order.index(revision)
     listed_ = {item["revision"]: (index, item) for index, item in enumerate(family.document.data.get("editions", ()))}
@@ -123,11 +121,11 @@ def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
 
 
 def notes(raw: Raw) -> Iterator[Erratum]:
-    """What was otherwise in other editions, for the family of the spec: beside what it has instead."""
+    """Yield the differences of other editions, as errata of the family of the spec."""
     for item in raw.get("editions", ()):
         for key, name in (("before", f"before {item['revision']}"), ("then", item["revision"])):
             for number, change in enumerate(item.get(key, ()), 1):
-                # A change that does nothing, or two things, is told where it is laid.
+                # A change with no kind or several is reported when it is applied.
                 if len(kinds := [word for word in KINDS if word in change]) == 1:
                     yield _note(raw, change, name, number, kinds[0])
 
@@ -157,7 +155,7 @@ def _affected(raw: Raw, text: str) -> str:
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Tells an edition that cannot be where it stands, and labels and registers that there are not."""
+    """Report editions in the wrong place, and labels and registers that do not exist."""
     history = [item["revision"] for item in raw["manual"].get("history", ())]
     own = raw["manual"]["revision"]
     past = history[: history.index(own) + 1] if own in history else [own]
@@ -166,20 +164,16 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
         path: Path = ("editions", index)
         name = item["revision"]
         if any(other["revision"] == name for other in raw["editions"][:index]):
-            report.add("duplicate-name", (*path, "revision"), f"the edition {quoted(name)} is already there")
+            report.add("duplicate-name", (*path, "revision"), f"the edition {quoted(name)} already exists")
         if "before" in item and name not in past[1:]:
-            wrong = (
-                f"{quoted(name)} has editions before it only if it is in the history, after the first and up to {own}"
-            )
+            wrong = f"{quoted(name)} can have 'before' only if it is in the history, after the first and up to {own}"
             report.add("edition-order", (*path, "before"), wrong, at_key=True)
         if "then" in item and name in past:
-            wrong = f"{quoted(name)} is no revision after {own}, which this file transcribes; say what was 'before' it"
+            wrong = f"{quoted(name)} is not after {own}, which this file transcribes; use 'before' for it"
             report.add("edition-order", (*path, "then"), wrong, at_key=True)
         for number, label in enumerate(item.get("labels", ())):
             if label not in patterns:
-                wrong = (
-                    f"no labels are also written as {quoted(label)}; the order code has none such under 'also_written'"
-                )
+                wrong = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
                 report.add("undefined-reference", (*path, "labels", number), wrong)
         for number, test in enumerate(item.get("tests", ())):
             _check_test(test, (*path, "tests", number), device, report)
@@ -197,6 +191,6 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
 
 
 def runs_of(register: Any) -> list[str]:
-    """The fields of a register, and the runs of digits in them."""
+    """Return the names of the fields of a register, and of the runs of digits in them."""
     names = [item.name for item in register.layout.fields]
     return names + [run.name for item in register.layout.fields for run in getattr(item.kind, "runs", ())]

@@ -1,4 +1,4 @@
-"""The worked examples, and whether they agree with the model; an example that does not has to be tied to an erratum."""
+"""Build the worked examples, and check that they agree with the model or refer to an erratum."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ..reference.procedures import register_writes
 from .from_mapping import Raw, record
 from .valid_parts import sound_so_far
 
-#: Where in an example, and what is wrong there.
+#: Path in an example, and the error there.
 Wrong = tuple[Path, str]
 
 
@@ -45,16 +45,16 @@ def build_examples(raw: Raw) -> tuple[Example, ...]:
 
 
 def check_examples(device: Device, report: DocumentReport) -> None:
-    """Report every example that contradicts its layout, CRC or procedure, where these are sound themselves."""
+    """Report every example that contradicts its layout, CRC or procedure, if these are valid themselves."""
     known = sound_so_far(report)
     for example in device.examples:
         for below, wrong in _faults(device, example) if known.holds(example) and _is_built(device, example) else ():
-            message = f"example '{example.name}' does not hold: {wrong}"
+            message = f"example '{example.name}' does not match: {wrong}"
             report.add("example-contradicts", ("examples", example.name, *below), message)
 
 
 def _is_built(device: Device, example: Example) -> bool:
-    """Whether all that the example names is there; what could not be built has been reported."""
+    """Return True if everything that the example refers to was built. Missing parts have been reported."""
     registers = {register.name for register in device.registers}
     match example:
         case FrameExample():
@@ -81,7 +81,7 @@ def _faults(device: Device, example: Example) -> list[Wrong]:
 
 
 def example_variant(device: Device, example: Example) -> Variant:
-    """The order code that the example holds for; without one, the first of the family."""
+    """Return the order code of the example, or the first one of the family if it gives none."""
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
     found = find(device, example.order_code).variant
@@ -118,7 +118,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
-        yield (), "the device measures no length"
+        yield (), "the device does not measure a length"
         return
     made = measurement.step_um.value(variant.parameters) * example.counts
     if made != example.micrometres:
@@ -140,8 +140,8 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
     if example.refused:
         kinds = {problem.fault.value for problem in decoded.problems}
         if example.refused not in kinds:
-            says = ", ".join(sorted(kinds)) or "that all is well"
-            yield ("refused",), f"it should be refused for its {example.refused}; the decoder says {says}"
+            says = ", ".join(sorted(kinds)) or "no error"
+            yield ("refused",), f"it should be refused for its {example.refused}; the decoder reports {says}"
         return
     layout = decoded.layout.name if decoded.layout is not None else example.layout
     if example.layout and layout != example.layout and not decoded.problems:
@@ -151,9 +151,9 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
 
 
 def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Whether the bits hold no fault and the values that are printed, and come out again when these are encoded."""
+    """Yield errors in the bits, differences from the printed values, and from the result of encoding these."""
     problems = decoded.problems
-    if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # What is then wrong besides need not be.
+    if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
         problems = problems[:1]
     found: list[Wrong] = [(_data(example), problem.message) for problem in problems] or list(_compare(decoded, example))
     yield from found or _back(device, decoded, example)
@@ -166,7 +166,7 @@ def _data(example: Example) -> Path:
 
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> codec.Decoded:
-    """What the model makes of the frame of an example."""
+    """Decode the frame of an example with the model."""
     if not example.bits:
         return codec.decode_bytes(device, variant, example.sender, example.bytes)
     placed = device.layout(example.layout).place(variant.parameters)
@@ -183,7 +183,7 @@ def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) ->
 
 
 def _back(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Encoding what was decoded gives the example again."""
+    """Yield an error if encoding the decoded values does not return the example."""
     if decoded.layout is None:
         return
     joins = {join.name for join in decoded.layout.layout.joins}

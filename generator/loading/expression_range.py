@@ -1,4 +1,4 @@
-"""Whether the expressions of a spec have a value: an exponent may be below 0, or beyond what any encoder needs."""
+"""Check that the expressions of a spec have a value. An exponent may be negative or too large."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .from_mapping import Raw
 
 
 def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
-    """Reports what has no value for an order code of the interface that uses it, and parameters that never have one."""
+    """Report expressions without a value for an order code of their interface, and parameters that never have one."""
     before = len(context.report)
     for path, interface, text in uses(dict(raw)):
         behind = [

@@ -1,4 +1,4 @@
-"""From checked data to those parts of the model that nothing is computed with and that differ from the spec."""
+"""Build those parts of the model that are never used in computations and differ from the spec."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from .from_mapping import Raw, record, sources
 
 
 def build_manufacturer(raw: Raw) -> Manufacturer:
-    """The manufacturer that a checked manufacturer file describes."""
+    """Return the manufacturer described by a checked manufacturer file."""
     name = raw["manufacturer"]
     return record(Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw, "name": name})
 
 
 def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
-    """The supply of a device or of a value of its order code."""
+    """Return the supply of a device or of a value of its order code."""
     found = raw.get("supply")
     return None if found is None else record(Supply, found, source=sources(found) or sources(raw) or inherited)
 

@@ -1,4 +1,4 @@
-"""What a layout may refer to, and the parts of a field that do not depend on where it stands."""
+"""The context of a layout, and the parts of a field that do not depend on its place."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from .from_mapping import Raw, record
 
 @dataclass(frozen=True)
 class Context:
-    """What a layout may refer to.
+    """Definitions that a layout may refer to.
 
-    ``parameter_sets`` holds, by interface, the parameters of its order codes, each set once. ``only_while`` returns the
-    parameter that is 0 for all order codes but those of an ``only``.
+    ``parameter_sets`` has, by interface, the parameters of its order codes, each set once. ``only_while`` returns the
+    parameter that is 0 for all order codes except those of an ``only``.
     """
 
     report: DocumentReport
@@ -48,7 +48,7 @@ class Context:
     only_while: Callable[[str], str] = lambda only: ""
 
     def expression(self, text: int | str) -> Expression | None:
-        """The expression over parameters that order codes set, or None when it is none."""
+        """Return an expression over parameters set by order codes, or None if it is not valid."""
         try:
             found = Expression.parse(text).substitute(self.definitions)
             known = next((parameters for sets in self.parameter_sets.values() for parameters in sets), {})
@@ -58,14 +58,14 @@ class Context:
 
 
 def _makes_position(raw: Raw, interface: str) -> Verdict | None:
-    """What the position is worth while the flag ``raw`` is active, by the spec or else by the interface itself."""
+    """Return the verdict on the position while the flag ``raw`` is active, from the spec or the interface."""
     said: str = raw.get("makes_position", "") or INTERFACES[interface].flags.get(raw["name"], "")
     return Verdict(said) if said else None
 
 
 @dataclass(frozen=True)
 class Site:
-    """Where a layout is built: its place in the spec, and the interface whose order codes it has to suit."""
+    """The site of a layout: its place in the spec, and the interface whose order codes it must support."""
 
     path: Path
     context: Context
@@ -73,19 +73,19 @@ class Site:
 
     @property
     def sets(self) -> Sequence[Mapping[str, int]]:
-        """The parameters of its order codes."""
+        """Parameter sets of the order codes of the interface."""
         return self.context.parameter_sets.get(self.interface, ())
 
     def widest(self, width: Expression) -> int:
         return max((width.value(parameters) for parameters in self.sets), default=width.constant)
 
     def report(self, rule: str, message: str, *below: str | int) -> None:
-        """Adds a problem with the layout, or with what stands ``below`` in it."""
+        """Add a problem of the layout, or of the place ``below`` in it."""
         self.context.report.add(rule, (*self.path, *below), message)
 
 
 def bit_range(text: int | str) -> tuple[int, int] | None:
-    """``7:6`` as (7, 6) and ``5`` as (5, 5); None when it is neither, or upside down."""
+    """Parse ``7:6`` as (7, 6) and ``5`` as (5, 5). Return None for any other text or a reversed range."""
     high, _, low = str(text).partition(":")
     if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
         return None
@@ -94,7 +94,7 @@ def bit_range(text: int | str) -> tuple[int, int] | None:
 
 
 def equals(raw: Raw, context: Context) -> Expression | int | str | None:
-    """What a reader finds: text as it is, a number as a number, an expression where it depends on the order code."""
+    """Return the expected value: text, a number, or an expression if it depends on the order code."""
     found = raw.get("equals")
     if isinstance(found, str) and "text" not in raw:
         return context.expression(found)
@@ -114,7 +114,7 @@ def zero_field(name: str, kind: Constant, low: Expression, width: Expression, si
 
 
 def kind(raw: Raw, context: Context, interface: str) -> Kind:
-    """The kind of a field, by the key that tells it; a field without any is a number."""
+    """Return the kind of a field by its key. A field without such a key is a number."""
     if "constant" in raw:
         return Constant(raw["constant"])
     if "unused" in raw:
@@ -138,7 +138,7 @@ def kind(raw: Raw, context: Context, interface: str) -> Kind:
 
 
 def _flag(raw: Raw, context: Context, interface: str) -> Flag:
-    # What the spec does not say of a flag, the interface may define itself.
+    # The interface may define what the spec does not say about a flag.
     return record(
         Flag,
         raw,
@@ -149,7 +149,7 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
 
 
 def build_values(raw: Raw) -> tuple[Value, ...]:
-    """The named values that ``raw['values']`` lists, as the spec orders them."""
+    """Return the named values in ``raw['values']``, in the order of the spec."""
     return tuple(record(Value, value, name=name) for name, value in raw.get("values", {}).items())
 
 
@@ -166,7 +166,7 @@ def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
 
 
 def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
-    """The bytes that hold the field, where that is the same for every order code."""
+    """Return the bytes that contain the field, or none if they depend on the order code."""
     size = field.container or (field.width.constant if field.width.is_constant else 0)
     if not field.low.is_constant or not size:
         return ()

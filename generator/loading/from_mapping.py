@@ -1,4 +1,4 @@
-"""From checked data to those parts of the model that have the members of the spec under the names of the spec."""
+"""Build those parts of the model that have the same members and names as the spec."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tupl
 
 
 def parse_sources(text: str) -> Sources:
-    """``6.4 p.35; it: 6.4 p.36`` as sources; a page range such as ``p.14-15`` stays part of the section."""
+    """Parse sources such as ``6.4 p.35; it: 6.4 p.36``. A page range such as ``p.14-15`` belongs to the section."""
     found = []
     for piece in text.split(";"):
         match = _SOURCE.fullmatch(piece)
@@ -35,10 +35,10 @@ def sources(raw: Raw, key: str = "source") -> Sources:
 
 
 def record(kind: Callable[..., T], raw: Raw, /, **made: Any) -> T:
-    """A ``kind`` with the values that ``raw`` has under the names of its members, and those that are ``made`` already.
+    """Return a ``kind`` whose members have the values in ``made``, or those in ``raw`` under the same name.
 
-    What neither has is the default of the member, else empty: no text, 0, false, None where the type allows it. Parts
-    of the model inside it, and lists of them, are filled likewise.
+    Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
+    parts of the model, and lists of them, are filled in the same way.
     """
     for name, hint, has_default in _members(kind):
         if name in made:
@@ -53,13 +53,13 @@ def record(kind: Callable[..., T], raw: Raw, /, **made: Any) -> T:
 
 
 def records(kind: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
-    """The items that ``raw`` lists under ``key``."""
+    """Return the items that ``raw`` lists under ``key``."""
     return tuple(record(kind, item) for item in raw.get(key, ()))
 
 
 @cache
 def _members(kind: Callable[..., object]) -> tuple[tuple[str, Any, bool], ...]:
-    # Names are those of the module: a member called 'bytes' is not the type.
+    # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(kind, localns={})
     return tuple(
         (item.name, hints[item.name], item.default is not Parameter.empty)

@@ -1,4 +1,4 @@
-"""The versions of a family and what each changed, as ``diff --record`` keeps them beside the spec."""
+"""The versions of a family and their changes, as ``diff --record`` stores them next to the spec."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ RULE = "changes-file"
 
 
 def history_beside(spec: Path) -> Path:
-    """Where the history of a family is kept: ``FAMILY.changes.json``."""
+    """Return the path of the history of a family: ``FAMILY.changes.json``."""
     return spec.with_name(f"{spec.stem}.changes.json")
 
 
 def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
-    """The versions kept beside a spec, the newest first; none where there is no file, or it is not what was written."""
+    """Return the versions stored next to a spec, newest first, or none if the file is missing or was changed."""
     place = history_beside(spec)
     if not place.is_file():
         return ()
@@ -29,9 +29,7 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
             return found
     except (OSError, ValueError, TypeError, KeyError):
         pass
-    wrong = (
-        "this is not what was written; take back your edit, or remove the file and write it: codewheel diff --record"
-    )
+    wrong = "the file is not as written; undo your edit, or remove it and write it again: codewheel diff --record"
     report.add_at(str(place), 1, 1, RULE, wrong)
     return ()
 
@@ -51,11 +49,11 @@ def _is_text(release: Release) -> bool:
 
 
 def with_release(releases: Sequence[Release], release: Release) -> tuple[Release, ...]:
-    """The history with one more version before the others; one that was recorded before is recorded anew."""
+    """Return the history with the version added first. An earlier record of the same version is replaced."""
     return (release, *(item for item in releases if item.version != release.version))
 
 
 def history_text(releases: Sequence[Release]) -> str:
-    """The history as the file has it."""
+    """Return the history in the format of the file."""
     data = {"releases": [asdict(item) for item in releases]}
     return json.dumps(data, indent=2, ensure_ascii=False) + "\n"

@@ -1,6 +1,6 @@
-"""From checked data to interfaces; each kind has a function of its own.
+"""Build interfaces from checked data, with one function for each kind.
 
-A needed key that is missing has been reported; something stands in for it, so that the rest can be checked.
+Missing required keys have been reported. Stand-ins replace them, so that the rest can be checked.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
 
 
 def build_measurement(raw: Raw, context: Context) -> Measurement | None:
-    """What the position counts, of a device or over one of its interfaces."""
+    """Return the measurement of a device or of one of its interfaces."""
     if "measurement" not in raw:
         return None
     found = raw["measurement"]
@@ -80,9 +80,9 @@ def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
     return {"port": record(Port, {**_PORT, **raw.get("port", {})})}
 
 
-#: The settings of a port of which the manual says nothing.
+#: Settings of a port that the manual does not give.
 _PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
-#: The members of each interface that the spec does not have as they are.
+#: Functions that build the members of an interface which differ from the spec.
 _INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485}
 
 

@@ -1,4 +1,4 @@
-"""Joined numbers and numbers in Gray code: whether what a layout says of them can be."""
+"""Checks of joined numbers, parity bits and numbers in Gray code in a layout."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .fields import Site
 
 
 def check_joined(layout: Layout, site: Site) -> None:
-    """What a layout says of joined numbers and of one in Gray code; a number is told of once."""
+    """Check the joined numbers, parity bits and Gray code of a layout. Each number is reported once."""
     faulty = _check_joins(layout, site)
     _check_parities(layout, site)
     if layout.gray_of and layout.gray_of not in faulty:
@@ -31,23 +31,23 @@ def check_joined(layout: Layout, site: Site) -> None:
 
 
 def _check_joins(layout: Layout, site: Site) -> set[str]:
-    """A joined number takes in plain bits, each field once and, in a word, in the order in which they are sent."""
+    """Check that joined numbers have plain bits, each field once and, in a word, in sending order."""
     fields = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:
         before = len(site.context.report)
         for index, name in enumerate(join.fields):
             if name in join.fields[:index]:
-                site.report("join-order", f"'{join.name}' takes in '{name}' twice", "join", join.name, index)
+                site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             elif name in fields and (at_fault := _no_plain_bits(fields[name].kind)):
-                wrong = f"'{join.name}' takes in '{name}', {at_fault}, or leave '{name}' out of '{join.name}'"
+                wrong = f"'{join.name}' contains '{name}', {at_fault}, or leave '{name}' out of '{join.name}'"
                 site.report("join-of", wrong, "join", join.name, index)
         pairs = [pair for pair in pairwise(join.fields) if pair[0] != pair[1] and {*pair} <= fields.keys()]
         for index, (above, below) in enumerate(pairs, 1):
             if not layout.in_bytes and _is_above(fields[below], fields[above], site):
                 wrong = (
-                    f"'{join.name}' has '{above}' above '{below}'; in '{layout.name}' '{below}' is sent first, and with"
-                    " it the more significant bits"
+                    f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{below}' first, with the"
+                    " more significant bits"
                 )
                 site.report("join-order", wrong, "join", join.name, index)
         if len(site.context.report) > before:
@@ -56,27 +56,27 @@ def _check_joins(layout: Layout, site: Site) -> set[str]:
 
 
 def _check_parities(layout: Layout, site: Site) -> None:
-    """A parity bit goes with fields of data, each of them once."""
+    """Check that parity bits cover fields of data, each of them once."""
     for field in layout.fields:
         of = field.kind.of if isinstance(field.kind, Parity) else ()
         for index, name in enumerate(of):
             kind = next((item.kind for item in layout.fields if item.name == name), None)
             wrong = ""
             if name in of[:index]:
-                wrong = f"'{field.name}' is the parity of '{name}' twice; name it once"
+                wrong = f"'{field.name}' covers '{name}' twice; name it once"
             elif isinstance(kind, (CrcValue, Parity)):
-                wrong = f"'{name}' cannot be under the parity bit '{field.name}': it is computed itself; leave it out"
+                wrong = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
             elif isinstance(kind, Constant) and len(of) > 1:
-                turn = ", and turn 'parity' round" if kind.value.bit_count() & 1 else ""
-                wrong = f"'{name}' under the parity bit '{field.name}' is constant; leave it out{turn}"
+                turn = ", and invert 'parity'" if kind.value.bit_count() & 1 else ""
+                wrong = f"the parity bit '{field.name}' covers the constant '{name}'; leave it out{turn}"
             if wrong:
                 site.report("parity-of", wrong, "fields", field.name, "parity_of")
 
 
 def _no_plain_bits(kind: Kind) -> str:
-    """Why a joined number cannot take in a field of this kind, and what to do; empty where it can.
+    """Return why a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
 
-    A joined number is made of bits as they are sent. If a part were worth something else, the two would disagree.
+    A joined number consists of bits as sent. A part with a different value would contradict it.
     """
     match kind:
         case Number(signed=True):
@@ -86,35 +86,35 @@ def _no_plain_bits(kind: Kind) -> str:
         case Number():
             return "which has 'zero_means'; leave 'zero_means' out"
         case Flag():
-            return "which is active low; write 'bits: 1' in place of 'active'"
+            return "which is active low; write 'bits: 1' instead of 'active'"
         case Constant() | Unused() | CrcValue() | Parity() | Text():
-            return "which is no number; give the field 'bits' and no kind"
+            return "which is not a number; give the field 'bits' and no kind"
         case _:
             assert_never(kind)
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
-    """What is sent in Gray code is one number of several bits in one piece."""
+    """Check that a number in Gray code has several contiguous bits."""
     parts = [field for name in layout.names_in(layout.gray_of) for field in layout.fields if field.name == name]
     other = next((field for field in parts if not isinstance(field.kind, (Number, Choice))), None)
     if other is not None or (len(parts) == 1 and parts[0].widest == 1):
         at_fault = other or parts[0]
         is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
-        what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is no number'}"
+        what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is not a number'}"
         site.report("gray-of", f"{what}; only a number of several bits can be in Gray code", "gray", "of")
     pairs = ((item.name, of) for item in layout.fields if isinstance(item.kind, Parity) for of in item.kind.of)
     for name, of in pairs:
         if of in layout.names_in(layout.gray_of):
             wrong = (
-                f"'{name}' is the parity of '{of}', which is sent in Gray code; no word says of which of the two"
-                " numbers; write 'bits: 1' in place of 'parity_of'"
+                f"'{name}' covers '{of}', which is sent in Gray code, so it is unclear which number is meant;"
+                " write 'bits: 1' instead of 'parity_of'"
             )
             site.report("gray-of", wrong, "fields", name, "parity_of")
     for above, below in pairwise(parts):
         if any(below.low.value(values) + below.width.value(values) != above.low.value(values) for values in site.sets):
             wrong = (
-                f"'{above.name}' and '{below.name}' are not next to each other; a number in Gray code is in one piece,"
-                " its most significant part first"
+                f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
+                " most significant part first"
             )
             site.report("gray-of", wrong, "gray", "of")
             return

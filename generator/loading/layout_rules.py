@@ -1,4 +1,4 @@
-"""What has to hold for a layout whose fields have their places: lengths, values that fit, the CRC at the end."""
+"""Checks of a layout whose fields have their places: lengths, values that fit, the CRC at the end."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from ..model.expressions import Expression
 from .fields import Site
 from .joins import check_joined
 
-#: Numbers of frames and registers are held in 64 bits by the generated C.
+#: Width of the numbers in the generated C.
 LARGEST_NUMBER = 64
 
 
 def is_sound(layout: Layout, site: Site) -> bool:
-    """Whether a layout can be, with the parameters of every order code; if not, after reporting why."""
+    """Return True if a layout is valid with the parameters of every order code, otherwise report why."""
     before = len(site.context.report)
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
-        wrong = f"'{layout.name}' takes {layout.bits.render()} bits, which is no whole number of bytes"
+        wrong = f"'{layout.name}' takes {layout.bits.render()} bits, not a whole number of bytes"
         site.report("width-mismatch", wrong)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
-        site.report("too-long", f"'{layout.name}' takes {layout.widest} bits; {LARGEST_NUMBER} is the most")
+        site.report("too-long", f"'{layout.name}' takes {layout.widest} bits; the maximum is {LARGEST_NUMBER}")
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
@@ -42,7 +42,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
     for name in (*(item.name for item in layout.fields), *(item.name for item in layout.joins)):
         if layout.unused and name == "unused":
-            wrong = "'unused' is what a decoded frame calls all its unused bits; give the field another name"
+            wrong = "'unused' is the name of all unused bits in a decoded frame; rename the field"
             site.report("duplicate-name", wrong, "fields", name)
     check_joined(layout, site)
     return len(site.context.report) == before
@@ -52,11 +52,11 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
     kind, bits = field.kind, field.widest
     is_zeros = field.padding_of or field.fills_gap
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
-        site.report("too-long", f"'{field.name}' takes {bits} bits; {LARGEST_NUMBER} is the most")
+        site.report("too-long", f"'{field.name}' takes {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
         case Number():
             if kind.power_of_two:
-                _check_absent(field, "0 is no power of two; leave 'power_of_two' out", site)
+                _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
         case Flag():
             if field.width != Expression(1):
                 site.report("width-mismatch", f"'{field.name}' is a flag of one bit; it takes {bits}")
@@ -80,13 +80,13 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
 
 
 def _check_choice(field: Field, kind: Choice, site: Site) -> None:
-    # Where the width is a plain number, the rules on the text have looked already.
+    # If the width is constant, the rules on the text have already checked it.
     for item in kind.values if not field.width.is_constant else ():
         if item.value >> field.widest:
             wrong = f"the value '{item.name}' = {item.value:#x} does not fit into {field.widest} bits"
             site.report("value-too-wide", wrong)
     if all(item.value for item in kind.values):
-        _check_absent(field, "none of its values is 0; give it one", site)
+        _check_absent(field, "none of its values is 0; add one", site)
 
 
 def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
@@ -96,11 +96,11 @@ def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
         wrong = f"'{word}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
         site.report("value-too-wide", wrong)
     if isinstance(kind, Constant) and kind.value:
-        _check_absent(field, f"'constant' is {kind.value:#x}; make it 0, or its width a plain number", site)
+        _check_absent(field, f"'constant' is {kind.value:#x}; use 0, or a constant width", site)
 
 
 def _check_absent(field: Field, why: str, site: Site) -> None:
-    """Where an order code has none of the field's bits, it reads as 0; code would refuse each frame of it."""
+    """Report a field without bits for some order code. It reads as 0, so its frames would all be rejected."""
     lacking = next((parameters for parameters in site.sets if not field.width.value(parameters)), None)
     if lacking is not None:
         values = ", ".join(f"{name} = {lacking[name]}" for name in field.width.parameters)
@@ -117,7 +117,7 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
     if field is not layout.fields[-1]:
         site.report(
             "crc-not-last",
-            f"'{field.name}' covers everything sent before it, so it has to be the last field of '{layout.name}'",
+            f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'",
         )
     if layout.in_bytes and crc.width % 8:
         site.report("width-mismatch", f"a CRC of {crc.width} bits does not end a frame of whole bytes")

@@ -1,8 +1,7 @@
-"""From the fields that a spec lists to a layout with a position for every bit.
+"""Build a layout with a position for every bit from the fields listed in a spec.
 
-Fields are listed in the order in which they are sent, or each is placed by bit number. Widths may depend on parameters,
-so positions are expressions; what cannot be seen from those, an overlap or a width below zero, is looked for with every
-order code's parameters.
+Fields are listed in sending order, or each is placed by bit number. Widths may depend on parameters, so positions are
+expressions. Overlaps and negative widths are found with the parameters of every order code.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ from .from_mapping import Raw, record, sources
 from .layout_rules import is_sound
 
 ZERO = Expression(0)
-#: More than any frame of an encoder has; beyond, a slip would take hours to lay out.
+#: More bits than any frame has. Without this limit, a typo could take hours to process.
 _MOST_BITS = 100_000
 
 
 @dataclass(frozen=True)
 class Item:
-    """A field on its way: what the spec says, where, and where it goes. ``span`` is the width with padding."""
+    """A field in progress: its data and path in the spec, and its place. ``span`` is the width with padding."""
 
     raw: Raw
     path: Path
@@ -36,11 +35,12 @@ class Item:
 
 
 def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | None:
-    """The layout that ``raw`` describes, or None after reporting why there is none.
+    """Build the layout described by ``raw``, or report why it is not valid and return None.
 
     Args:
-        raw: A layout, or a register, whose ``fields`` have passed the schema.
-        total: The number of bits, where that is given (a register) rather than summed up (a frame).
+        raw: A layout or register whose ``fields`` have passed the schema.
+        site: The place and interface of the layout.
+        total: The number of bits if given (a register) instead of summed up (a frame).
     """
     byte_order = _byte_order(raw, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
     low_first = byte_order == "low_byte_first"
@@ -78,7 +78,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
 
 
 def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]]) -> Field:
-    """A parity bit of a joined number as the parity of the fields in it."""
+    """Return a parity bit of a joined number as the parity of the fields in it."""
     if not isinstance(field.kind, Parity):
         return field
     names = (part for name in field.kind.of for part in joins.get(name, (name,)))
@@ -86,14 +86,14 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]]) -> Field:
 
 
 def _byte_order(raw: Raw, carried_as: str) -> str:
-    """The order of the bytes; empty where the layout is carried as bits. ``carried_as`` holds unless ``raw`` has it."""
+    """Return the order of the bytes, or an empty string for bits. ``carried_as`` is the default for ``raw``."""
     in_bytes = raw.get("carried_as", carried_as) == "bytes"
     order: str = raw.get("byte_order", "high_byte_first") if in_bytes else ""
     return order
 
 
 def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple[list[Item], Expression] | None:
-    """The items, each at its place, and how many bits the layout has; None after reporting that they do not fit."""
+    """Return the items with their places and the width of the layout, or report why they do not fit."""
     items = _items(raw.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
         return None
@@ -107,7 +107,7 @@ def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple
 
 
 def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
-    """The fields from the lowest up, with zeros in the gaps where those are zero; None where bits are left over."""
+    """Return the fields from the lowest up, with zero fields in zero gaps, or None if bits are left over."""
     fields = [field for item in items for field in _fields(item, site)]
     fields = _with_places(fields, site)
     if not _covers(fields, bits, gaps, site):
@@ -116,7 +116,7 @@ def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) ->
 
 
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
-    """The fields with groups taken in; None when one cannot be understood (reported elsewhere)."""
+    """Return the fields with groups included, or None if one is not valid, which is reported elsewhere."""
     items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     understood = [item for item in items if item is not None]
     return understood if len(understood) == len(items) else None
@@ -138,7 +138,7 @@ def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | Non
 
 
 def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
-    """The fields of a group, placed from bit 0 of the group on."""
+    """Return the fields of a group, placed from bit 0 of the group."""
     fields = [{"source": group["source"], **raw} for raw in group["fields"]]
     items = _items(fields, (*path, "fields"), context, low_first)
     if items is None:
@@ -180,14 +180,14 @@ def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expressio
         context.report.add(
             "bad-position",
             (*path, "at"),
-            f"'{raw['at']}' is no position; write a bit number, or a range with the high bit first, as in 7:6",
+            f"'{raw['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
         )
         return None
     return Expression(bounds[1])
 
 
 def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
-    """The items one after the other as they are sent, and their total width."""
+    """Return the items placed in sending order, and their total width."""
     placed, position = [], ZERO
     for item in items if low_first else reversed(items):
         placed.append(replace(item, low=position))
@@ -196,7 +196,7 @@ def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Ex
 
 
 def _flat(items: Iterable[Item]) -> Iterable[Item]:
-    """The items with groups opened, each at its place in the layout."""
+    """Yield the items with groups expanded, each at its place in the layout."""
     for item in items:
         inner = item.raw.get("group")
         if inner is None:
@@ -223,19 +223,21 @@ def _bits(high: int, low: int) -> str:
 
 
 def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
-    """`` with singleturn_bits = 17`` for the parameters that matter."""
+    """Return text such as `` with singleturn_bits = 17`` for the relevant parameters."""
     names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
     return " with " + ", ".join(f"{name} = {parameters[name]}" for name in names) if names else ""
 
 
 def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
-    """Whether every field has a possible width, lies inside the layout and on no other field."""
+    """Return True if every field has a valid width, is inside the layout and overlaps no other field."""
     sound, report = True, site.context.report
     flat = list(_flat(items))
     for parameters in site.sets:
         total = bits.value(parameters)
         if total > _MOST_BITS:
-            site.report("too-long", f"the fields take {total} bits{_with(parameters, bits)}; {_MOST_BITS} is the most")
+            site.report(
+                "too-long", f"the fields take {total} bits{_with(parameters, bits)}; the maximum is {_MOST_BITS}"
+            )
             return False
         taken: list[tuple[int, int, Item]] = []
         for item in flat:
@@ -270,7 +272,7 @@ def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
 
 
 def _fields(item: Item, site: Site) -> Iterable[Field]:
-    """The fields of an item: one, two with its padding, or those of a group."""
+    """Yield the fields of an item: one, two with its padding, or those of a group."""
     for part in _flat([item]):
         raw, width = part.raw, part.width
         widest = site.widest(width)
@@ -293,7 +295,7 @@ def _fields(item: Item, site: Site) -> Iterable[Field]:
 
 
 def _with_places(fields: Sequence[Field], site: Site) -> list[Field]:
-    """The fields from the lowest up. All order codes have a say: a field without bits lies where its neighbour does."""
+    """Return the fields from the lowest up, over all order codes. A field without bits is placed at its neighbour."""
     sets = site.sets
 
     def place(field: Field) -> tuple[int, int]:
@@ -308,7 +310,7 @@ def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
 
 
 def _said_of_gaps(raw: Raw, context: Context) -> str:
-    """What bits without a field are. In a frame only a group can leave some; what it says of them holds."""
+    """Return the content of bits without a field. In a frame, only a group can have such bits and define them."""
     used = (context.groups[item["use"]][0] for item in raw.get("fields", ()) if item.get("use") in context.groups)
     said: str = raw.get("other_bits") or next((group["other_bits"] for group in used if "other_bits" in group), "")
     return said
@@ -317,7 +319,7 @@ def _said_of_gaps(raw: Raw, context: Context) -> str:
 def _gaps(
     fields: Sequence[Field], bits: Expression
 ) -> Iterable[tuple[Field | None, Field | None, Expression, Expression]]:
-    """Bits between neighbours, from the lowest up: the field below, the field above, first bit, width."""
+    """Yield the gaps between fields, from the lowest up: the field below, the field above, first bit, width."""
     position, below = ZERO, None
     for field in fields:
         if (rest := field.low - position) != ZERO:
@@ -328,7 +330,7 @@ def _gaps(
 
 
 def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
-    """Whether every bit has a field, or the spec says what the others are."""
+    """Return True if every bit has a field, or the spec defines the others."""
     if gaps:
         return True
     for parameters in site.sets:
@@ -338,7 +340,7 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
             low = field.low if field is not None else bits
             if (first := low.value(parameters)) > position:
                 where = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
-                wrong = f"no field covers {where}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'"
+                wrong = f"no field covers {where}; add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
                 site.report("bits-without-field", wrong)
                 return False
             if field is not None:
@@ -348,13 +350,13 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
 
 
 def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
-    """The fields with a constant zero field in every gap, from the lowest up; None where fields change places."""
+    """Return the fields with a constant zero field in every gap, or None if fields change places."""
     zero, zeros = Constant(fills_gap=True), []
     for below, above, low, width in _gaps(fields, bits):
         for parameters in site.sets:
             if width.value(parameters) < 0 and below is not None and above is not None:
                 where = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
-                site.report("bit-overlap", f"{where}; with 'other_bits: zero' fields keep their order")
+                site.report("bit-overlap", f"{where}; with 'other_bits: zero' fields must keep their order")
                 return None
         name = (
             f"zero_below_{above.name}"

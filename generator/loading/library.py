@@ -1,4 +1,4 @@
-"""From paths to the library: read, check and build every spec, with all problems in one report."""
+"""Load the library from paths: read, check and build every spec, with all problems in one report."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from .reading_counts import read_counts
 
 
 def packaged_specs() -> Path:
-    """The folder of the specs that ship with the tool; in an editable install, the checkout's ``specs``."""
+    """Return the folder of the specs that ship with the tool. In an editable install this is ``specs``."""
     return Path(str(resources.files("codewheel.specs")))
 
 
 def packaged_masters() -> Path:
-    """The folder of the descriptions of masters that ship with the tool."""
+    """Return the folder of the master descriptions that ship with the tool."""
     return packaged_specs() / "masters"
 
 
@@ -45,20 +45,20 @@ def _packaged_families() -> list[Path]:
 
 
 def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
-    """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
+    """Load every device described by the specs at ``paths``, sorted by name, and report all problems.
 
     Args:
-        paths: Files and folders; without any, the specs that ship with the tool.
+        paths: Files and folders. Default: the specs that ship with the tool.
 
     Returns:
-        The devices, to be used only when the report is empty, and the report.
+        The devices, valid only if the report is empty, and the report.
     """
     families, report = load_families(paths)
     return tuple(family.device for family in families), report
 
 
 def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
-    """Like ``load_library``, but the devices are those that can be used although something else is wrong."""
+    """Load only the devices that are valid, even if other specs have problems."""
     families, report = load_families(paths)
     sound = sound_families(families, report)
     broken = [family.device for family in families if family not in sound]
@@ -67,24 +67,24 @@ def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
 
 
 def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
-    """The families in whose files nothing is wrong up to now."""
+    """Return the families without problems in their files so far."""
     faulty = {problem.file for problem in report.problems}
     return [family for family in families if faulty.isdisjoint(family.files)]
 
 
 def _share(one: Device, other: Device) -> bool:
-    """Whether two devices have one name or order code, so that neither can be told from the other."""
-    if one.base or other.base:  # These share order codes with the family that they were made of, and are told apart.
+    """Return True if two devices share a name or order code, so that they cannot be distinguished."""
+    if one.base or other.base:  # These share order codes with their base family and are distinguished by name.
         return one.name == other.name
     codes = {item.code for item in one.variants}
     return one.name == other.name or any(item.code in codes for item in other.variants)
 
 
 def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
-    """Like ``load_library``, with the spec and the files of each device."""
+    """Load all families, like ``load_library``, with the spec and the files of each device."""
     report = Report()
     documents = read_specs(paths or _packaged_families(), report)
-    if documents and all(map(is_overlay, documents)):  # They lie over what ships with the tool.
+    if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
         documents += read_specs(_packaged_families(), report)
     documents += _missing_manufacturers(documents, report)
     given = {Path(document.file).resolve() for document in documents}
@@ -93,12 +93,12 @@ def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
 
 
 def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
-    """The families of documents that have been read, in order of name; what is wrong with them goes into ``report``."""
+    """Build the families of documents, sorted by name, and add their problems to ``report``."""
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
     checked = [(document, check_document(document, report)) for document in documents]
     makers = _makers(checked, report)
-    # A manufacturer file with problems of its own is there all the same.
+    # A manufacturer file with problems still exists.
     broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
     families: list[Family] = []
     for document, data in checked:
@@ -130,13 +130,13 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
 
 
 def in_edition(family: Family, revision: str, report: Report) -> Family | None:
-    """A family in another edition of its manual; what is wrong with that goes into ``report``."""
+    """Return a family in another edition of its manual, and add its problems to ``report``."""
     maker = family.device.manufacturer
     return edition_of(family, revision, partial(_built_again, {maker.name: maker}), report)
 
 
 def _built_again(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
-    """The device of a document that was made of one that had been built."""
+    """Build the device of a document derived from one that was already built."""
     data = check_document(document, report)
     if data is None:
         return None
@@ -158,7 +158,7 @@ def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: R
 
 
 def _unknown_manufacturer(name: str) -> Manufacturer:
-    """Stands for a manufacturer of whom no file tells, so that what is wrong with the device can be told."""
+    """Return a stand-in for a manufacturer without a file, so that the device can still be checked."""
     package = f"{name}_encoders"
     return Manufacturer(name=name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=())
 
@@ -166,7 +166,7 @@ def _unknown_manufacturer(name: str) -> Manufacturer:
 def _check_manufacturer(
     maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report
 ) -> None:
-    """A manufacturer's files are named after it alone, and its Python package hides no module of Python's own."""
+    """Check that names derived from a manufacturer are unique, and that its package hides no standard module."""
     package = maker.python_package
     path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
     if package in sys.stdlib_module_names or keyword.iskeyword(package):
@@ -174,7 +174,7 @@ def _check_manufacturer(
             "not-allowed",
             document,
             path,
-            f"'python_package' cannot be '{package}': that is a name of Python's own; take '{package}_encoders'",
+            f"'python_package' cannot be '{package}': Python uses that name; write '{package}_encoders'",
         )
     for other in others:
         if other.name == maker.name:
@@ -184,16 +184,16 @@ def _check_manufacturer(
                 "duplicate-name",
                 document,
                 path,
-                f"the Python package '{package}' is that of '{other.name}' as well; each has its own",
+                f"the Python package '{package}' is also that of '{other.name}'; rename one",
             )
         if maker.biss_id is not None and other.biss_id == maker.biss_id:
-            wrong = f"the BiSS manufacturer ID {maker.biss_id:#06x} is that of '{other.name}' as well"
+            wrong = f"the BiSS manufacturer ID {maker.biss_id:#06x} is also that of '{other.name}'"
             wrong += f"; it names the file idbiss{maker.biss_id:04X}.xml"
             report.add("duplicate-name", document, ("biss_id",), wrong)
 
 
 def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
-    """The manufacturer files that lie beside device files which were given alone."""
+    """Read the manufacturer files next to device files that were given without them."""
     given = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
     beside = [folder / "manufacturer.yaml" for folder in folders]
@@ -202,12 +202,12 @@ def _missing_manufacturers(documents: Sequence[Document], report: Report) -> lis
 
 
 def _compare_with_others(device: Device, others: Sequence[Device], document: Document, report: Report) -> None:
-    """Families have names of their own, and no order code belongs to two."""
+    """Check that names of families and order codes are unique."""
     if any(other.name == device.name for other in others):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
     codes = {variant.code: other for other in others for variant in other.variants}
     for variant in device.variants:
         if variant.code in codes:
-            wrong = f"the order code {variant.code} belongs to '{codes[variant.code].name}' as well"
+            wrong = f"the order code {variant.code} also belongs to '{codes[variant.code].name}'"
             report.add("order-code-ambiguous", document, ("order_code", "pattern"), wrong)
             return

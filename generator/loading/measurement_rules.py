@@ -1,4 +1,4 @@
-"""Whether the position that a measurement speaks of can hold its counts and turns, for every order code."""
+"""Check that the position of a measurement can hold its counts and turns, for every order code."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..language.problems import DocumentReport, Path
 from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression
 
-#: From so many on, one less than a power of two is a highest count and no number of counts.
+#: From this number, a power of two minus one is taken for the highest count instead of the number of counts.
 _SEVERAL = 15
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
@@ -27,7 +27,7 @@ class _Case:
 
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
-    """A measurement says of each order code what its position can be; the first that contradicts is told."""
+    """Check measurements against the position of each order code, and report the first contradiction."""
     told: set[Path] = set()
     for interface in device.interfaces:
         path: Path = (
@@ -55,7 +55,7 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 
 
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
-    """The key that is wrong, and why."""
+    """Return the wrong key and the message, or None."""
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     numbers = {
         name: part
@@ -65,7 +65,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
     values = {name: part.value(case.variant.parameters) for name, part in numbers.items()}
     for name, value in values.items():
         if value < 1:
-            return name, f"'{name}' is {value} for {case.variant.code}; there is one at least"
+            return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
     if key not in values or not case.width:
         return None
     for name, value in values.items():
@@ -78,7 +78,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
             return (
                 name,
                 (
-                    f"'{name}' is {value} for {case.variant.code}; that is the highest count, and with 0 there are"
+                    f"'{name}' is {value} for {case.variant.code}, which is the highest count; including 0 there are"
                     f" {value + 1}"
                 ),
             )
@@ -88,7 +88,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
 def _does_not_fit(
     device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
 ) -> tuple[str, str] | None:
-    """The position has too few bits; or, where its width is all that decides, more than it can ever use."""
+    """Return an error if the position has too few bits, or more than it can use if only its width matters."""
     turns = values.get("turns", 1)
     counts = values[key] * turns
     said = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
@@ -100,20 +100,20 @@ def _does_not_fit(
     if 2 * counts <= 1 << case.width and widths and counted <= widths:
         return (
             key,
-            f"{said} need {(counts - 1).bit_length()} bits: {held}; zeros above a position are a field of their own",
+            f"{said} need {(counts - 1).bit_length()} bits: {held}; put zeros above a position into their own field",
         )
     return None
 
 
 def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
-    """Above a number of revolutions the fields below it count one revolution, in all their bits."""
+    """Return an error if the fields below a number of revolutions do not count one revolution in all their bits."""
     for index, (name, _) in enumerate(case.fields[:-1]):
         below = sum(width for _, width in case.fields[index + 1 :])
         if case.layout.field(name).unit in _REVOLUTIONS and key == "counts_per_turn" and values[key] != 1 << below:
             return (
                 key,
                 (
-                    f"'{name}' counts revolutions above {below} bits for {case.variant.code}, so that a turn has"
+                    f"'{name}' counts revolutions above {below} bits for {case.variant.code}, so a turn has"
                     f" {1 << below} counts, not {values[key]}"
                 ),
             )
@@ -121,13 +121,13 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
 
 
 def _at_run_time(device: Device, expression: Expression) -> bool:
-    """Whether a register decides, which may hold any number."""
+    """Return True if the expression depends on a register, which may hold any number."""
     held = {item.name for item in device.run_time_parameters}
     return bool(held & _sources(device, expression))
 
 
 def _sources(device: Device, *expressions: Expression) -> set[str]:
-    """The parameters that decide about these expressions: those that order codes set or registers hold."""
+    """Return the parameters behind these expressions: those set by order codes or held in registers."""
     definitions = {item.name: item.equals for item in device.parameters}
     names, found = [name for item in expressions for name in item.parameters], set()
     while names:

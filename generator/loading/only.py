@@ -1,4 +1,4 @@
-"""``only``: which order codes something holds for, and by which parameter code tells them apart."""
+"""``only``: the order codes that something applies to, and the parameter that distinguishes them in code."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .from_mapping import Raw
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
-    """Return the parameter that is 0 for all order codes but those of ``only``; empty if there is none."""
+    """Return the parameter that is 0 for all order codes except those of ``only``, or an empty string."""
     codes = [(fits(only, item.code), item.parameters) for item in variants]
     return next((name for name in parameters if all((values.get(name, 0) != 0) == here for here, values in codes)), "")
 
@@ -24,25 +24,23 @@ def set_parameters(raw: Raw) -> list[str]:
 
 
 def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Report an ``only`` that no order code fits, and one of a flag whose order codes no parameter tells apart."""
+    """Report an ``only`` that no order code matches, and one of a flag without a distinguishing parameter."""
     if not variants:
         return
     for path, owner in _owners(raw, ()):
         only = owner["only"]
         if not any(fits(only, item.code) for item in variants):
             some = variants[0].code
-            wrong = (
-                f"no order code of the family is {quoted(only)}; '...' stands for any text and 'x' for one character"
-            )
+            wrong = f"no order code of the family matches {quoted(only)}; '...' is any text and 'x' one character"
             report.add("only-codes", (*path, "only"), f"{wrong}, as in {quoted(some[: len(some) // 2] + '...')}")
         elif "active" in owner and not only_while(only, variants, set_parameters(raw)):
-            wrong = f"no parameter tells the order codes {quoted(only)} from the others"
-            right = "let the order code set one that is 0 for all others"
+            wrong = f"no parameter distinguishes the order codes {quoted(only)} from the others"
+            right = "let them set one that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{wrong}; {right}")
 
 
 def check_alarms(raw: Raw, report: DocumentReport) -> None:
-    """Report an alarm that is ``only`` for other order codes than its flag."""
+    """Report an alarm with a different ``only`` than its flag."""
     owners = {
         (kind, item["name"]): item
         for kind, key in (("group", "field_groups"), ("register", "registers"))
@@ -54,7 +52,7 @@ def check_alarms(raw: Raw, report: DocumentReport) -> None:
         flag = next((item for item in fields if item.get("name") == alarm.get("field", "")), None)
         if flag is None or alarm.get("only", "") == flag.get("only", ""):
             continue
-        wrong = f"the alarm holds for {_quoted(alarm)}, its flag {quoted(flag['name'])} for {_quoted(flag)}"
+        wrong = f"the alarm is for {_quoted(alarm)}, its flag {quoted(flag['name'])} for {_quoted(flag)}"
         path: Path = ("alarms", index, "only") if "only" in alarm else ("alarms", index)
         report.add("only-alarm", path, f"{wrong}; give both the same 'only'")
 
@@ -64,7 +62,7 @@ def _quoted(item: Raw) -> str:
 
 
 def _owners(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
-    """The mappings that have an ``only``."""
+    """Yield the mappings that have an ``only``."""
     if isinstance(value, Mapping):
         if isinstance(value.get("only"), str):
             yield path, value

@@ -1,7 +1,7 @@
-"""Overlays over families: which belongs to which, and the family that comes out.
+"""Apply overlays to families.
 
-One that applies to the whole family takes its place. One for a special model, whose order code ends in /Sxxx, makes a
-family beside it.
+The result of an overlay for the whole family replaces the family. An overlay for a special model, whose order code
+ends in /Sxxx, results in an additional family.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
 from ..order_codes.narrowing import for_codes
 from .from_mapping import record
 
-#: Places that one sentence names.
+#: Largest number of places named in one sentence.
 _MOST_NAMED = 8
 _WORD = re.compile(r"[^a-z0-9]+")
 
-#: Builds the family of a document; what is wrong with it goes into the report.
+#: Function that builds the family of a document and adds its problems to the report.
 Build = Callable[[Document, Report], Device | None]
 
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """A device with its spec, and the name of every file that it comes from, its manufacturer's included.
+    """A device with its spec, and the names of all files that it comes from, including its manufacturer's.
 
-    ``plain`` is the same family without the overlays that were laid over it.
+    ``plain`` is the same family without its overlays.
     """
 
     device: Device
@@ -47,7 +47,7 @@ def is_overlay(document: Document) -> bool:
 
 
 def overlays_beside(documents: Iterable[Document]) -> list[Path]:
-    """The files beside specs that are overlays of them by their names, such as ``FAMILY.overlay.yaml``."""
+    """Return the files next to specs that are their overlays by name, such as ``FAMILY.overlay.yaml``."""
     found: list[Path] = []
     for document in documents:
         spec = Path(document.file)
@@ -59,19 +59,19 @@ def overlays_beside(documents: Iterable[Document]) -> list[Path]:
 
 
 def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report) -> list[Family]:
-    """The families with every overlay laid over the one that it names, and those that overlays make, in order of name.
+    """Return the families with their overlays applied, and those that overlays add, sorted by name.
 
     Args:
-        families: The families of the specs as they are.
-        overlays: The overlays, in the order in which they are laid.
+        families: The families of the plain specs.
+        overlays: The overlays, in the order of application.
         build: Builds the family of a document.
-        report: Gets what is wrong with an overlay, and with what it makes.
+        report: Receives the problems of overlays and of their results.
     """
     sound = [item for item in overlays if check_overlay(item, report)]
     by_name = {family.device.name: family for family in families}
     for item in sound:
         if item.data["of"] not in by_name:
-            hint = suggestion(item.data["of"], by_name, "there are")
+            hint = suggestion(item.data["of"], by_name)
             wrong = f"there is no family {quoted(item.data['of'])} among the specs that were read{hint}"
             report.add("undefined-reference", item, ("of",), wrong)
     _refuse_same_names(sound, report)
@@ -80,7 +80,7 @@ def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Bu
         mine = [item for item in sound if item.data["of"] == name]
         for_all = [item for item in mine if "applies_to" not in item.data]
         changed = _laid(family, for_all, "", build, report) if for_all else None
-        # A correction that cannot be made leaves a family that nobody should take for corrected.
+        # If a correction fails, the family must not be mistaken for a corrected one.
         files = {item.file for item in overlays if item.data.get("of") == name and "applies_to" not in item.data}
         made.append(changed or replace(family, files=family.files | files))
         specials = dict.fromkeys(item.data["applies_to"]["special"] for item in mine if "applies_to" in item.data)
@@ -96,19 +96,19 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
     for item in overlays:
         other = first.setdefault(item.data["overlay"], item)
         if other is not item:
-            wrong = f"{Path(other.file).name} is called {quoted(item.data['overlay'])} as well"
+            wrong = f"{Path(other.file).name} is also called {quoted(item.data['overlay'])}"
             report.add("duplicate-name", item, ("overlay",), wrong)
 
 
 def _laid(family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report) -> Family | None:
-    """The family that overlays make of another."""
+    """Return the family that results from applying overlays to another."""
     laying = Laying(family.document, report)
     before = len(report)
     laying.lay([Layer(item, ("changes",), LayerKind.OVERLAY, item.data["overlay"]) for item in overlays])
     document = laying.document(f"{family.device.name}_{special.lower()}" if special else "")
     inside = Report()
     device = build(document, inside)
-    if len(report) == before:  # What could not be laid would seem to be missing.
+    if len(report) == before:  # Changes that failed would look like missing parts.
         _hand_on(inside, family.document, overlays[-1], report)
     if device is None:
         return None
@@ -132,7 +132,7 @@ def _overlay(document: Document) -> Overlay:
 
 
 def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
-    """The changes as outputs tell them: one by one, or of an edition all that have one reason."""
+    """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
     numbers: Counter[str] = Counter()
     for (kind, name, _), found in groupby(laid, key=_one_story):
         items = list(found)
@@ -151,44 +151,44 @@ def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
 
 
 def _one_story(item: Laid) -> tuple[str, str, object]:
-    """What is told in one go."""
+    """Return the key of items that are reported together."""
     layer = item.layer
     return layer.kind.value, layer.name, (layer.path, item.number) if layer.kind is LayerKind.EDITION else item
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
-    """The names but for those of examples, which go with what they are of; all, if they are the only ones."""
+    """Return the names without those of examples, or all names if there are only examples."""
     return [name for name in names if not name.startswith("examples.")] or names
 
 
 def few(names: Sequence[str]) -> str:
-    """The names, or the first ones and how many more there are."""
+    """Return the names as text, shortened to the first ones and the number of the others."""
     listed = list(dict.fromkeys(names))
     more = len(listed) - _MOST_NAMED
     return ", ".join(listed if more < 2 else listed[:_MOST_NAMED]) + (f" and {more} more" if more >= 2 else "")
 
 
 def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
-    """The device with only the order codes that the overlays apply to."""
+    """Return the device with only the order codes that the overlays apply to."""
     known = {variant.code for variant in device.variants}
     wanted: set[str] = set()
     for item in overlays:
         codes = item.data.get("applies_to", {}).get("order_codes", ())
         for index, code in enumerate(codes):
             if code not in known:
-                wrong = f"{quoted(code)} is no listed order code of the family{suggestion(code, known)}"
+                wrong = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known)}"
                 report.add("undefined-reference", item, ("applies_to", "order_codes", index), wrong)
         wanted |= set(codes)
     return for_codes(device, wanted & known) if wanted & known else device
 
 
 def _hand_on(inside: Report, spec: Document, overlay: Document, report: Report) -> None:
-    """Tells what is wrong with the family that came out, in the overlay even where the spec shows it."""
+    """Report the problems of the resulting family in the overlay, even if they are located in the spec."""
     known = set(report.problems)
     for item in inside.problems:
         if item.file == spec.file and item not in known:
             where = f"{Path(spec.file).name}:{item.line}, {item.path}" if item.path else Path(spec.file).name
-            _tell(item, overlay, f"with this overlay over it, {where}: {item.message}", report)
+            _tell(item, overlay, f"with this overlay, {where}: {item.message}", report)
         elif item not in known:
             report.add_at(item.file, item.line, item.column, item.rule, item.message, path=item.path, text=item.text)
 

@@ -1,4 +1,4 @@
-"""From checked data to procedures; each kind of step has a function of its own."""
+"""Build procedures from checked data, with one function for each kind of step."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
 
 
 def _write(raw: Raw, source: Sources, device: Device) -> Step:
-    """A value is named in the field, or in the register if that is a single field; every other name is an argument."""
+    """Build a write step. A name not among the values of the field, or of a single-field register, is an argument."""
     register, field, name, meaning = (raw.get(key, "") for key in ("register", "field", "value", "meaning"))
     written = (item.layout.fields for item in device.registers if item.name == register)
     fields = [item for items in written for item in items if field in ("", item.name)]
@@ -58,7 +58,7 @@ def _wait(raw: Raw, source: Sources, device: Device) -> Step:
 
 
 def _send(raw: Raw, source: Sources, device: Device) -> Step:
-    """The request is one byte, the control field of the data ID."""
+    """Build a send step. The request is one byte, the control field of the data ID."""
     interface = device.over(Rs485)
     known = interface.data_ids if interface is not None else ()
     control = bytes(item.control for item in known if item.name == raw.get("data_id"))

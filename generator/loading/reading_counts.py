@@ -1,4 +1,4 @@
-"""How often the facts of a spec were read, as ``check --coverage --write`` leaves it beside the spec."""
+"""Counts of how often the facts of a spec were read, as ``check --coverage --write`` stores them next to the spec."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RULE = "coverage-file"
 
 
 def read_counts(spec: Path, report: Report) -> TimesRead | None:
-    """The counts kept beside a spec; None where there are none, or where the file is not what was written."""
+    """Return the counts stored next to a spec, or None if there are none or the file was changed."""
     place = counts_beside(spec)
     if not place.is_file():
         return None
@@ -26,11 +26,11 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
     except (OSError, ValueError, TypeError):
         pass
     report.add_at(
-        str(place), 1, 1, RULE, "this is not what was written; write it anew: codewheel check --coverage --write"
+        str(place), 1, 1, RULE, "the file is not as written; write it again: codewheel check --coverage --write"
     )
     return None
 
 
 def counts_text(counts: TimesRead) -> str:
-    """The counts as the file has them."""
+    """Return the counts in the format of the file."""
     return json.dumps(asdict(counts)) + "\n"

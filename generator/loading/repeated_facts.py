@@ -1,4 +1,4 @@
-"""What a spec says twice and the model compares: defaults, meanings of order codes, the BiSS ID, selecting fields."""
+"""Compare facts that a spec gives twice: defaults, meanings of order codes, the BiSS ID, selecting fields."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _COUNTED = re.compile(
 )
 #: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
-#: Below this a number in a text may be about anything.
+#: Smallest number in a text that is assumed to be a count.
 _LEAST = 256
 
 
 def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Reports where a spec contradicts itself and only the model shows it."""
+    """Report contradictions in a spec that only the model shows."""
     for register in device.registers:
         _check_default(device, register, ("registers", register.name), report)
     _check_biss_id(device, report)
@@ -30,14 +30,14 @@ def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
 
 
 def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
-    """The default of a register has the constants of its fields, what they equal, and their own defaults."""
+    """Check that the default of a register agrees with its fields: constants, ``equals`` and their own defaults."""
     default = register.default
     if default is None or default >> 8 * register.length:
         return
     for variant in _variants(device, register.interface):
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
-        # A number without a name is told with the limits; a command may well clear itself to one.
+        # Numbers without a name are reported with the limits. A command may clear itself to one.
         faults = [item.message for item in decoded.problems if item.fault is Fault.CONSTANT]
         faults += [_contradiction(item, default, decoded.values.get(item.name), variant) for item in placed.fields]
         wrong = next(filter(None, faults), "")
@@ -48,14 +48,14 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
 
 
 def _contradiction(item: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
-    """What a field says against the number that it has in the default of its register."""
+    """Return how a field contradicts its number in the default of its register, or an empty string."""
     number = default >> item.low & item.mask
     expected = item.field.documented(variant.parameters)
     if expected is not None and expected not in (number, value):
         shown = expected if isinstance(expected, str) else hex(expected)
-        return f"'{item.name}' is {number:#x} in it and has to equal {shown}"
+        return f"'{item.name}' is {number:#x} in it but must equal {shown}"
     if item.field.default is not None and item.field.default not in (number, value):
-        return f"'{item.name}' is {number:#x} in it, and its own default is {item.field.default:#x}"
+        return f"'{item.name}' is {number:#x} in it, but its own default is {item.field.default:#x}"
     return ""
 
 
@@ -64,7 +64,7 @@ def _variants(device: Device, interface: str) -> Iterator[Variant]:
 
 
 def _check_biss_id(device: Device, report: DocumentReport) -> None:
-    """What a reader finds at 7Eh and 7Fh over BiSS is the ID in the manufacturer file, which names the idbiss file."""
+    """Check that 7Eh and 7Fh in BiSS contain the ID from the manufacturer file, which names the idbiss file."""
     identity = device.manufacturer.biss_id
     if identity is None:
         return
@@ -88,14 +88,14 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         if wrong:
             shown = ", ".join(f"{value:02X}" for place, value in zip(places, values, strict=True) if place in _BISS_ID)
             text = (
-                f"'{register.name}' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is"
+                f"'{register.name}' equals {shown} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {identity:#06x}; one of the two is wrong"
             )
             report.add("biss-id-mismatch", ("registers", register.name), text)
 
 
 def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Counts and revolutions that the meaning of a value names are found among the quantities of its order codes."""
+    """Check that counts and revolutions in the meaning of a value match a quantity of its order codes."""
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
             named = [int(number.replace(",", "")) for number in _COUNTED.findall((value or {}).get("meaning", ""))]
@@ -106,13 +106,13 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
             if not any(number in _quantities(device, variant) for variant in codes for number in named):
                 sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 wrong = (
-                    f"the meaning of '{text}' says {named[0]:,}, and nothing of its order codes is so many, with {sets}"
+                    f"the meaning of '{text}' says {named[0]:,}, but its order codes have no such number, with {sets}"
                 )
                 report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
 
 
 def _quantities(device: Device, variant: Variant) -> set[int]:
-    """What is counted for an order code: its parameters, two to their power, and what its measurement says."""
+    """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
     measurement = device.measurement_of(variant.interface)
     parts = (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
     found = {part.value(variant.parameters) for part in parts if part is not None}
@@ -121,7 +121,7 @@ def _quantities(device: Device, variant: Variant) -> set[int]:
 
 
 def _check_selectors(device: Device, report: DocumentReport) -> None:
-    """The frames of one sender are told apart by the same bits, in the same place for every order code."""
+    """Check that frames of one sender are distinguished by the same bits, in the same place for every order code."""
     for interface in device.interfaces:
         first: dict[str, tuple[str, object]] = {}
         for layout in interface.layouts:
@@ -135,14 +135,13 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                 report.add(
                     "selector-place",
                     path,
-                    f"'{layout.selector}' moves with the order code; a frame is told by bits that always lie in one"
-                    " place",
+                    f"'{layout.selector}' moves with the order code; bits that identify a frame need a fixed place",
                 )
                 continue
             name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
             if pieces != field.pieces:
                 wrong = (
-                    f"'{layout.selector}' does not lie where it does in '{name}'; frames of one sender are told apart"
-                    " by the same bits"
+                    f"'{layout.selector}' is not at the same place as in '{name}'; the same bits must distinguish all"
+                    " frames of a sender"
                 )
                 report.add("selector-place", path, wrong)

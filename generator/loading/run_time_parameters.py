@@ -1,4 +1,4 @@
-"""The parameters that a register holds at run time: in which bits, and what they are as delivered."""
+"""The parameters held in a register at run time: their bits and their factory defaults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .from_mapping import Raw
 
 
 def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
-    """The parameters that a register holds at run time, with the value that the register has by default."""
+    """Return the parameters held in registers at run time, with their default values."""
     found = {}
     for name, item in raw["parameters"].items():
         if "read_from" not in item:
@@ -24,10 +24,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             continue
         place = _place(field)
         if place is None or "default" not in register:
-            wrong = (
-                f"'{item['read_from']}' has to be placed with 'at', its width a plain number, in a register that has a"
-                " default"
-            )
+            wrong = f"'{item['read_from']}' must be placed with 'at' and a constant width, in a register with a default"
             report.add("undefined-reference", ("parameters", name, "read_from"), wrong)
             found[name] = item.get("max", 0)
             continue
@@ -35,15 +32,15 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         value = register["default"] >> low & ((1 << width) - 1) or field.get("zero_means", 0)
         found[name] = value
         if not item.get("min", 0) <= value <= item.get("max", value):
-            wrong = f"the default of '{item['read_from']}' is {value}, which is not between 'min' and 'max'"
+            wrong = f"the default of '{item['read_from']}' is {value}, not between 'min' and 'max'"
             report.add("default-does-not-fit", ("parameters", name), wrong)
     return MappingProxyType(found)
 
 
 def _field(register: Raw, name: str) -> Raw | None:
-    """The field of a register as the spec has it.
+    """Return the field of a register as in the spec.
 
-    A register without fields is one number, a field of a group is empty.
+    A register without fields is one number. A field of a group is empty.
     """
     if "fields" not in register:
         return {"name": name, "at": f"{8 * register['length'] - 1}:0"} if name == register["name"] else None
@@ -53,7 +50,7 @@ def _field(register: Raw, name: str) -> Raw | None:
 
 
 def _place(field: Raw) -> tuple[int, int] | None:
-    """Low bit and width of a field; None where they are not plain numbers."""
+    """Return low bit and width of a field, or None if they are not plain numbers."""
     bounds = bit_range(field["at"]) if "at" in field else None
     if bounds is None:
         return None

@@ -1,7 +1,7 @@
-"""What of a spec can be relied on: what has no fault itself and is made of nothing that has one.
+"""Find the valid parts of a spec: those without errors that depend only on parts without errors.
 
-An example of a register whose field is misspelt does not hold, but that is no news: it is looked at when the register
-is mended.
+An example of a register with a misspelt field is wrong, but reporting it adds nothing. It is checked once the register
+is fixed.
 """
 
 from __future__ import annotations
@@ -27,28 +27,27 @@ Item = tuple[str, str]
 
 @dataclass(frozen=True)
 class Sound:
-    """What is at fault in a spec: ``places`` and all that holds them, and ``items`` by name, with those that rest on
-    one."""
+    """The faulty parts of a spec: ``places`` with their parents, and ``items`` by name with their dependents."""
 
     places: frozenset[Path]
     items: frozenset[Item]
 
     def is_sound(self, kind: str, name: str) -> bool:
-        """Whether an item of this name can be relied on; ``kind`` is the key of its list, such as ``registers``."""
+        """Return True if the item of this name is valid. ``kind`` is the key of its list, such as ``registers``."""
         return (kind, name) not in self.items
 
     @property
     def has_codes(self) -> bool:
-        """Whether order codes and parameters can be relied on."""
+        """True if order codes and parameters are valid."""
         return ("parameters",) not in self.places and ("order_code",) not in self.places
 
     @property
     def has_frames(self) -> bool:
-        """Whether a frame finds its layout: by a control field, which may be that of any."""
+        """True if frames find their layout by the control field, which may belong to any layout."""
         return not any(kind in ("layouts", "data_ids") for kind, _ in self.items)
 
     def holds(self, example: Example) -> bool:
-        """Whether all that an example rests on is sound, the example included."""
+        """Return True if an example and all parts that it depends on are valid."""
         if not self.is_sound("examples", example.name):
             return False
         match example:
@@ -68,18 +67,18 @@ class Sound:
 
 
 def sound_so_far(report: DocumentReport) -> Sound:
-    """What can be relied on in a document by what has been reported up to now."""
+    """Return the validity of the parts of a document, based on the problems reported so far."""
     document = report.document
     return sound(document.data, (*report.faults(), *document.broken, *document.doubtful))
 
 
 def sound(data: Spec, faults: Iterable[Path]) -> Sound:
-    """What can be relied on in a spec as it was read, when it is at fault at these places."""
+    """Return the validity of the parts of a spec as read, given its faulty places."""
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
     found: set[Item] = set()
     for kind in ("crcs", "examples"):
         found |= {(kind, _name(item)) for path, item in items(data, kind) if path in places}
-    for fields in field_lists(data):  # Groups come first, since the others may use them.
+    for fields in field_lists(data):  # Groups come first, because the others may use them.
         used = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
         if fields.path in places or any(item in found for item in used):
             found.add((fields.kind.value, _name(fields.owner)))
@@ -104,7 +103,7 @@ def _rests_on(procedure: Spec, found: set[Item]) -> bool:
 
 
 def _name(item: Spec) -> str:
-    return _text(item, "name") or "?"  # No name, and none that anything refers to.
+    return _text(item, "name") or "?"  # No name, so nothing refers to it.
 
 
 def _text(item: Spec, key: str) -> str:

@@ -1,4 +1,4 @@
-"""Facts on what surrounds the data: contacts, alarms, inputs, the manual's history."""
+"""Facts other than data: contacts, alarms, inputs, the manual's history."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .reading import Reading, at, over
 
 
 def contacts(reading: Reading) -> Iterator[Fact]:
-    """Every contact, by interface, the place of its plug or cable among those of its kind, and number or colour."""
+    """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
     counts: dict[tuple[str, str], int] = {}
     for item in reading.device.connectors:
         for interface in item.interfaces or ("",):
@@ -25,7 +25,7 @@ def _contacts(connector: Connector, interface: str, number: int) -> Iterator[Fac
     owner: Path = ("connectors", connector.name)
     key: Key = ("connector", interface, connector.kind, number)
     what = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
-    yield Fact(Sort.PIN, key, "told", what, owner, name=connector.name)
+    yield Fact(Sort.PIN, key, "present", what, owner, name=connector.name)
     for item in connector.contacts:
         place, pin = (*owner, "contacts", item.contact), (*key, plain(item.contact))
         named = f"contact {item.contact} of {what}"
@@ -35,12 +35,12 @@ def _contacts(connector: Connector, interface: str, number: int) -> Iterator[Fac
 
 
 def signal(text: str) -> str:
-    """A signal as it is compared; its sign counts, blanks do not."""
+    """Return a signal as used in comparisons: with its sign, without blanks."""
     return "".join(text.casefold().split())
 
 
 def alarms(reading: Reading) -> Iterator[Fact]:
-    """Every alarm, by the place of its bit."""
+    """Yield every alarm, by the place of its bit."""
     for item in reading.device.alarms:
         owner: Path = ("alarms", item.name)
         for where in _bits_of(reading, item):
@@ -48,7 +48,7 @@ def alarms(reading: Reading) -> Iterator[Fact]:
 
 
 def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
-    """Where the bits of an alarm are, in words without names."""
+    """Yield the places of the bits of an alarm, in words without names."""
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None:
         yield reading.bits_at(f"{alarm.register}.{alarm.field}") if alarm.field else at(register)
@@ -63,7 +63,7 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
 
 def _of_alarm(reading: Reading, alarm: Alarm, where: str, owner: Path) -> Iterator[Fact]:
     key: Key = ("alarm", where)
-    yield Fact(Sort.ALARM, key, "told", f"alarm by {where}", owner, name=alarm.name)
+    yield Fact(Sort.ALARM, key, "present", f"alarm by {where}", owner, name=alarm.name)
     told = {
         "below_mv": f"{alarm.below_mv} mV" if alarm.below_mv is not None else "",
         "latch": str(alarm.latch).lower() if alarm.latch is not None else "",
@@ -81,7 +81,7 @@ def _of_alarm(reading: Reading, alarm: Alarm, where: str, owner: Path) -> Iterat
 
 
 def inputs(reading: Reading) -> Iterator[Fact]:
-    """Every hardware input, in the order of the manual."""
+    """Yield every hardware input, in the order of the manual."""
     for number, item in enumerate(reading.device.inputs, 1):
         yield from _of_input(reading, item, number)
 
@@ -89,7 +89,7 @@ def inputs(reading: Reading) -> Iterator[Fact]:
 def _of_input(reading: Reading, item: Input, number: int) -> Iterator[Fact]:
     key: Key = ("input", number)
     owner: Path = ("inputs", item.name)
-    yield Fact(Sort.INPUT, key, "told", f"input {number}", owner, name=item.name)
+    yield Fact(Sort.INPUT, key, "present", f"input {number}", owner, name=item.name)
     if item.pulse_at_least_us is not None:
         place, value = (*owner, "pulse_at_least_us"), f"{item.pulse_at_least_us} µs"
         yield Fact(Sort.TIME, (*key, "pulse"), value, f"pulse of input {number}", place, key)
@@ -103,7 +103,7 @@ def _of_input(reading: Reading, item: Input, number: int) -> Iterator[Fact]:
 
 
 def history(reading: Reading) -> Iterator[Fact]:
-    """The edition that was read, and the manual's revisions."""
+    """Yield the edition that was read, and the manual's revisions."""
     manual = reading.device.manual
     editions: list[tuple[str, str, str, Path]] = [(manual.language, manual.revision, manual.date, ("manual",))]
     editions += [

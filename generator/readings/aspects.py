@@ -1,4 +1,4 @@
-"""What is said of a field beside its bits: levels, values, limits, CRCs, what a flag says of the position."""
+"""Properties of a field other than its bits: levels, values, limits, CRCs, the verdict of a flag."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class Aspects:
         self._places: dict[str, Path] = {}
 
     def place(self, field: Field) -> Path:
-        """Where the spec has the field."""
+        """Return the place of the field in the spec."""
         if field.name not in self._places:
             self._places[field.name] = self._reading.field_place(self.owner, field)
         return self._places[field.name]
 
     def add_names(self, item: PlacedField, names: dict[Key, Names]) -> None:
-        """Adds what the field is called, and what its values are."""
+        """Add the names of the field and of its values."""
         field, place = item.field, self.place(item.field)
         where = f"name of {bits(item.high, item.low)} of '{self.owner[-1]}'"
         if place[-2:] == ("fields", field.name):
@@ -46,7 +46,7 @@ class Aspects:
                 values[value.value,] = Name(Sort.VALUE, value.name, what, here)
 
     def of(self, item: PlacedField, parameters: Parameters) -> Mapping[str, Aspect]:
-        """Everything that is said of a field for these parameters, by what it is about."""
+        """Return all properties of a field for these parameters, by their subject."""
         return dict((*self._of_kind(item), *self._of_field(item, parameters)))
 
     def _of_kind(self, item: PlacedField) -> Said:
@@ -58,7 +58,7 @@ class Aspects:
             case Unused() as unused:
                 place = self.place(item.field)
                 value = unused.makes_position.value
-                yield "worth", Aspect(Sort.VERDICT, value, "worth of the position", place, mild=True)
+                yield "worth", Aspect(Sort.VERDICT, value, "verdict on the position", place, mild=True)
             case Choice():
                 yield from self._of_values(item.field)
             case CrcValue(name):
@@ -82,15 +82,15 @@ class Aspects:
         if flag.makes_position is not None:
             value = flag.makes_position.value
             key = self._reading.first((*place, "makes_position"), place)
-            yield "worth", Aspect(Sort.VERDICT, value, "worth of the position", key)
+            yield "worth", Aspect(Sort.VERDICT, value, "verdict on the position", key)
         if flag.only:
             yield "only", Aspect(Sort.BEHAVIOUR, flag.only, "order codes that have it", (*place, "only"))
         if flag.sums_up:
             value = ", ".join(sorted({place for name in flag.sums_up for place in self._flag_at(name)}))
-            yield "sum", Aspect(Sort.BEHAVIOUR, value, "flags in the sum", (*place, "sums_up"))
+            yield "sum", Aspect(Sort.BEHAVIOUR, value, "flags that it combines", (*place, "sums_up"))
 
     def _flag_at(self, name: str) -> Iterator[str]:
-        """The bit of a flag in each frame of the same interface that has it."""
+        """Yield the bit of a flag in each frame of the same interface that has it."""
         for layout in self._reading.device.interface(self.interface).layouts:
             for field in layout.fields:
                 if field.name == name:
@@ -125,7 +125,7 @@ class Aspects:
         yield from self._of_encoder(field, place)
 
     def _default(self, item: PlacedField) -> tuple[int | None, bool]:
-        """The default of a field, and whether the register's implies it without a word; none where they are one."""
+        """Return the default of a field, and True if the register's default implies it. None if both are the same."""
         own, register = item.field.default, self._register
         whole = as_delivered(register)[0] if register is not None else None
         if register is None or whole is None:
@@ -135,20 +135,20 @@ class Aspects:
         return (own, False) if own is not None else (whole >> item.low & (1 << item.width) - 1, True)
 
     def _of_encoder(self, field: Field, place: Path) -> Said:
-        """What the encoder has of it, and who may use it."""
+        """Yield whether the encoder implements it, and who may use it."""
         if not field.implemented:
             yield "implemented", Aspect(Sort.BEHAVIOUR, "no", "presence in this encoder", (*place, "implemented"))
         if field.reserved:
             yield "reserved", Aspect(Sort.BEHAVIOUR, field.reserved, "user", (*place, "reserved"))
         if field.explained_by:
             value = ", ".join(sorted(map(self._reading.bits_at, field.explained_by)))
-            yield "explained", Aspect(Sort.BEHAVIOUR, value, "bits that tell more", (*place, "explained_by"))
+            yield "explained", Aspect(Sort.BEHAVIOUR, value, "bits that give details", (*place, "explained_by"))
         if field.unit:
             yield "unit", Aspect(Sort.VALUE, kind_of_unit(field.unit), "unit", (*place, "unit"))
 
 
 def crc_aspects(crc: Crc, interface: str, of: str = "the CRC") -> Said:
-    """The parameters of a CRC."""
+    """Yield the parameters of a CRC."""
     numbers = {
         "width": str(crc.width),
         "poly": in_hex(crc.poly),

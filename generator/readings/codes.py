@@ -1,4 +1,4 @@
-"""Facts on order codes: which there are, and what each has of its own."""
+"""Facts on order codes: the existing ones and their properties."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .reading import Reading, bits, short
 
 
 def add_codes(reading: Reading, facts: Facts) -> None:
-    """Order codes, what registers hold of them, and what the position counts."""
+    """Add facts on order codes, their parameters in registers, and the measurement of the position."""
     facts.add(_codes(reading))
     facts.add(_spellings(reading))
     facts.add(_supplies(reading))
@@ -46,7 +46,7 @@ def _codes(reading: Reading) -> Iterator[Fact]:
 
 
 def _supplies(reading: Reading) -> Iterator[Fact]:
-    """The supply of each order code."""
+    """Yield the supply of each order code."""
     needs = ((item.code, reading.device.supply_of(item)) for item in reading.device.variants)
     supplies = {(code, ""): f"{need.min_mv} to {need.max_mv} mV" for code, need in needs if need is not None}
     if supplies:
@@ -54,7 +54,7 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
 
 
 def _parameters(reading: Reading) -> Iterator[Fact]:
-    """What a parameter is for each order code: readers define what they need, but one name means one thing."""
+    """Yield each parameter for each order code. Readers choose their parameters, but one name has one meaning."""
     cases = [case for item in reading.device.interfaces for case in reading.cases(item.name).items()]
     for item in reading.device.parameters:
         values = {case: short(parameters[item.name]) for case, parameters in cases if item.name in parameters}
@@ -70,7 +70,7 @@ def _parameters(reading: Reading) -> Iterator[Fact]:
 
 
 def _add_alternatives(reading: Reading, facts: Facts) -> None:
-    """The names of what the manual leaves open, and of the answers."""
+    """Add the names of the alternatives and of their answers."""
     for number, item in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", item.name)
         name = Name(Sort.ORDER_CODE, item.name, f"name of alternative {number}", (*place, "name"))
@@ -82,12 +82,12 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
 
 
 def place_of_part(name: str) -> Path:
-    """Where a part of the order code stands."""
+    """Return the place of a part of the order code."""
     return ("order_code", "parts", name)
 
 
 def _spellings(reading: Reading) -> Iterator[Fact]:
-    """Labels that are written in another way, and what follows on them."""
+    """Yield labels in alternative spellings, with their suffix."""
     code = reading.device.order_code
     for index, spelling in enumerate(code.also_written):
         place: Path = ("order_code", "also_written", index)
@@ -117,7 +117,7 @@ def _measured(reading: Reading, interface: Interface, measurement: Measurement) 
     own: Path = ("interfaces", interface.name, "measurement")
     place = own if interface.measurement is not None else ("measurement",)
     key: Key = ("measurement", interface.name)
-    yield Fact(Sort.MEASUREMENT, key, "told", f"measurement over {interface.short}", place)
+    yield Fact(Sort.MEASUREMENT, key, "present", f"measurement over {interface.short}", place)
     parts: dict[str, Expression | None] = {
         name: getattr(measurement, name) for name in ("counts_per_turn", "turns", "step_um", "modulus", "highest")
     }
@@ -135,4 +135,4 @@ def _measured(reading: Reading, interface: Interface, measurement: Measurement) 
                 places[case] = bits(low + width - 1, low)
         if places:
             told = (*key, "of", layout.sender, *layout.selects)
-            yield Fact(Sort.MEASUREMENT, told, places, f"what is measured in '{layout.name}'", (*place, "of"), key)
+            yield Fact(Sort.MEASUREMENT, told, places, f"measured bits of '{layout.name}'", (*place, "of"), key)

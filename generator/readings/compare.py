@@ -1,4 +1,4 @@
-"""Two readings, fact by fact: what both have alike, what one has otherwise, what only the first has."""
+"""Compare two readings fact by fact: equal facts, different facts, and facts that only the first has."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .printed import same_name
 from .reading import bits
 from .words import continues, run
 
-#: Things that each reader defines as he needs them: nothing is missing where the other has none of the name.
+#: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))
 
 
 class Read(IntEnum):
-    """How often a fact was read, the best first: of a place with several facts the worst counts."""
+    """How often a fact was read, best first. For a place with several facts, the worst applies."""
 
     TWICE = 0
     EXPLAINED = 1
@@ -28,9 +28,9 @@ class Read(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Disagreement:
-    """A fact of which the readings have different values; ``place`` is in the spec, ``second`` in the second reading.
+    """A fact with different values in the readings. ``place`` is in the spec, ``second`` in the second reading.
 
-    A place is empty where a reading has nothing of the kind; ``near`` is then where it would stand.
+    A place is empty if a reading lacks the fact. ``near`` is then the place where it would be.
     """
 
     sort: Sort
@@ -45,9 +45,9 @@ class Disagreement:
 
 @dataclass(slots=True)
 class Comparison:
-    """The outcome: each place of the spec by class and how often it was read, and the disagreements.
+    """The result: each place of the spec by class and how often it was read, and the disagreements.
 
-    ``settled`` says that the second reading has the names of the spec.
+    ``settled`` is set if the second reading uses the names of the spec.
     """
 
     read: dict[tuple[Sort, Path], Read] = field(default_factory=dict)
@@ -55,13 +55,13 @@ class Comparison:
     settled: bool = False
 
     def note(self, sort: Sort, place: Path, read: Read) -> None:
-        """Counts a fact of the spec."""
+        """Count a fact of the spec."""
         key = sort, place
         self.read[key] = max(read, self.read.get(key, Read.TWICE))
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
-    """What comes out when the facts of a spec are held against those of its second reading."""
+    """Compare the facts of a spec with those of its second reading."""
     made = Comparison(settled=are_settled(spec, second))
     for key, fact in spec.facts.items():
         other = second.facts.get(key)
@@ -86,7 +86,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
 
 
 def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
-    """Order codes that the second reading does not know although it has some: they are told together."""
+    """Yield one disagreement for all order codes that are missing from a second reading with order codes."""
     alone = [fact for key, fact in spec.facts.items() if key[0] == "code" and key not in second.facts]
     known = [fact for key, fact in second.facts.items() if key[0] == "code"]
     if alone and known:
@@ -101,18 +101,20 @@ def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[
 
 
 def _same_order(own: Fact | None, other: Fact | None) -> bool:
-    """Whether two frames can be compared bit by bit; if their bytes come in different orders, that alone is told."""
+    """Return True if two frames can be compared bit by bit. Otherwise only their different byte order is reported."""
     return own is None or other is None or own.value == other.value
 
 
 def _has_holder(fact: Fact, spec: Facts) -> bool:
-    """Whether the spec has what the fact is about; if not, that alone is told."""
+    """Return True if the spec has the subject of the fact. Otherwise only the missing subject is reported."""
     return not fact.under or fact.under in spec.facts
 
 
 def _near(fact: Fact, spec: Facts, second: Facts) -> Path:
-    """Where the spec would state it: with what it is about, at the only thing of its kind that the second reading has
-    not, which it may be, or where such things stand."""
+    """Return the place where the spec would state the fact.
+
+    This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
+    """
     if fact.under:
         return spec.facts[fact.under].place
     alike = (item for key, item in spec.facts.items() if item.sort is fact.sort and key[:2] == fact.key[:2])
@@ -121,7 +123,7 @@ def _near(fact: Fact, spec: Facts, second: Facts) -> Path:
 
 
 def _container(place: Path) -> Path:
-    """The nearest list or map around a place that any spec has under the same keys."""
+    """Return the nearest list or map around a place that exists in any spec."""
     if place[0] in ("interfaces", "manual"):
         return place[:3] if len(place) > 2 and isinstance(place[2], str) else place[:2]
     return place[:1]
@@ -143,7 +145,7 @@ def _alias(sort: Sort, one: str, other: str) -> bool:
 
 
 def _everywhere(value: Value) -> Value:
-    """A value that is the same in each case as that value."""
+    """Return the common value if all cases have the same one, otherwise all values."""
     found = {value} if isinstance(value, str) else set(value.values())
     return found.pop() if len(found) == 1 else value
 
@@ -176,7 +178,7 @@ def _compare_values(made: Comparison, fact: Fact, other: Fact) -> None:
 
 
 def _with(cases: list[Case]) -> str:
-    """For which order codes, and in which state of the registers."""
+    """Return the text on the order codes and the state of the registers."""
     code, state = cases[0]
     held = f" while {state}" if state else ""
     codes = len({code for code, _ in cases})
@@ -184,12 +186,12 @@ def _with(cases: list[Case]) -> str:
     return f", with {code}{more}{held}"
 
 
-#: What is one disagreement whatever the case: places, class, and its number among those of these.
+#: Identity of a disagreement across cases: places, class, and its index among those with the same ones.
 _Kind = tuple[Path, Path, Sort, int]
 
 
 def _compare_words(made: Comparison, word: Word, other: Word | None) -> None:
-    """A frame or register in every case; each thing that differs is told for the first case that shows it."""
+    """Compare a frame or register in every case. Each difference is reported for the first case that shows it."""
     told: dict[_Kind, tuple[Disagreement, list[Case]]] = {}
     seen: dict[tuple[int, int], list[_Kind]] = {}
     others = other.cases if other is not None else {}
@@ -225,7 +227,7 @@ def _note_all(made: Comparison, placed: Placed) -> None:
 
 
 def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterator[Disagreement]:
-    """What differs in one case. Of words of different lengths only that is told, with the other facts."""
+    """Yield the differences in one case. Different lengths are reported with the other facts."""
     if len(own.bits) != len(other.bits):
         return
     for high, low in _runs(own.bits, other.bits):
@@ -245,7 +247,7 @@ def _alike(one: Bit, other: Bit) -> bool:
 
 
 def _runs(own: tuple[Bit, ...], other: tuple[Bit, ...]) -> Iterator[tuple[int, int]]:
-    """The bits that differ, those together that differ in the same way."""
+    """Yield ranges of different bits, grouped if they differ in the same way."""
     high: int | None = None
     for index in range(len(own) - 1, -1, -1):
         if _alike(own[index], other[index]):

@@ -1,4 +1,4 @@
-"""How often each fact of the specs was read: by class, and what was read once where that is not enough."""
+"""Counts of how often each fact of the specs was read, by class, and the facts that need a second reading."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOT_READ = TimesRead(0, 0, 0, 0)
 
 @dataclass(frozen=True)
 class Coverage:
-    """How often the facts of one family were read; ``once`` are those that were read once, in the order of the file."""
+    """Readings of the facts of one family. ``once`` lists the facts that were read once, in the order of the file."""
 
     family: str
     spec: Document
@@ -26,22 +26,22 @@ class Coverage:
 
     @property
     def total(self) -> TimesRead:
-        """The counts of all classes."""
+        """Counts of all classes together."""
         return added(self.counts.values())
 
     @property
     def lacking(self) -> list[tuple[Sort, Path]]:
-        """The facts that have to be read twice and were read once."""
+        """Facts that must be read twice but were read once."""
         return [item for item in self.once if item[0].is_needed]
 
 
 def coverage_of(readings: Iterable[Readings]) -> list[Coverage]:
-    """The coverage of each family whose readings could be compared."""
+    """Return the coverage of each family whose readings could be compared."""
     return [_of_family(item, item.outcome) for item in readings if item.outcome is not None]
 
 
 def added(counts: Iterable[TimesRead]) -> TimesRead:
-    """The sum of several counts."""
+    """Return the sum of several counts."""
     found = NOT_READ
     for item in counts:
         found = TimesRead(

@@ -1,4 +1,4 @@
-"""What a reading states, one fact at a time, under keys without names: two readers name things differently."""
+"""The facts of a reading, under keys without names, because two readers use different names."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from enum import Enum
 
 from ..language.problems import Path
 
-#: The value of what a reading does not have.
+#: Value shown for a fact that a reading does not have.
 NOTHING = "nothing"
 
 
 class Sort(Enum):
-    """The classes of facts, in the order in which they are shown."""
+    """Classes of facts, in the order of display."""
 
     POSITION = "position"
     CRC = "crc"
@@ -41,23 +41,23 @@ class Sort(Enum):
 
     @property
     def is_needed(self) -> bool:
-        """Whether a wrong fact of the class moves a position or breaks a transfer, so that it has to be read twice."""
+        """True if an error in this class corrupts a position or a transfer, so that it must be read twice."""
         return self in _NEEDED
 
 
 _NEEDED = frozenset(list(Sort)[: list(Sort).index(Sort.VALUE)])
 
-#: What tells a fact from all others of its family, without names.
+#: Key that identifies a fact within its family, without names.
 Key = tuple[str | int, ...]
-#: An order code, and what a register holds at that time; empty as delivered.
+#: An order code, and the state of a register, which is empty for the factory defaults.
 Case = tuple[str, str]
-#: A value as messages print it: one, or one for each case.
+#: A value as shown in messages: one, or one for each case.
 Value = str | Mapping[Case, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """What a reader calls a thing: ``what`` is the thing in messages, ``place`` where the spec names it."""
+    """The name given by a reader. ``what`` describes the item in messages, ``place`` is the place of the name."""
 
     sort: Sort
     name: str
@@ -65,17 +65,17 @@ class Name:
     place: Path
 
 
-#: What things of one kind are called, by what tells them apart without names.
+#: Names of items of one kind, by keys without names.
 Names = dict[Key, Name]
 
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """``what`` is its name in messages, ``place`` where the spec states it.
+    """A fact. ``what`` is its name in messages, ``place`` its place in the spec.
 
-    ``under`` is the key of the fact without which this one cannot be, such as the register of a default. A ``mild`` one
-    may be missing from the other reading, as a printed name of another language is. ``name`` is what the reader calls
-    the thing whose first fact this is.
+    ``under`` is the key of the fact that this one depends on, such as the register of a default. A ``mild`` fact may be
+    missing from the other reading, such as a printed name in another language. ``name`` is the reader's name of the
+    item whose first fact this is.
     """
 
     sort: Sort
@@ -90,10 +90,10 @@ class Fact:
 
 @dataclass(frozen=True, slots=True)
 class Aspect:
-    """What is said of a field beside its bits, such as a named value.
+    """A property of a field other than its bits, such as a named value.
 
-    ``what`` is followed by the bits in messages, unless it stands ``alone``. One that is ``implied`` follows from
-    something else; a reader may state it all the same, and then the other has to as well.
+    In messages ``what`` is followed by the bits unless it is ``alone``. An ``implied`` property follows from another
+    fact. If one reader still states it, the other must, too.
     """
 
     sort: Sort
@@ -107,7 +107,7 @@ class Aspect:
 
 @dataclass(frozen=True, slots=True)
 class Bit:
-    """What a bit is: ``bit 5 of a number``; ``fixed`` is its value where it has always the same."""
+    """Meaning of a bit, such as ``bit 5 of a number``. ``fixed`` is its value if it is constant."""
 
     part: str
     weight: int | None
@@ -117,9 +117,9 @@ class Bit:
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A word as it is in one case: its bits, the lowest first, and what is said of the fields by low bit and width.
+    """A word in one case: its bits, lowest first, and the properties of its fields by low bit and width.
 
-    ``names`` are those of the fields, and of the values of each field.
+    ``names`` has the names of the fields, and of the values of each field.
     """
 
     bits: tuple[Bit, ...]
@@ -138,16 +138,16 @@ class Word:
 
     @property
     def everywhere(self) -> Placed | None:
-        """What it is in every case, if that is the same; then it can be compared whatever the order codes are."""
+        """The word if it is the same in every case, so that it can be compared independently of the order codes."""
         found = {id(placed): placed for placed in self.cases.values()}
         return next(iter(found.values())) if len(found) == 1 else None
 
 
 @dataclass(slots=True)
 class Facts:
-    """All that a reading states; ``derived`` counts what it states and what follows from the rest.
+    """All facts of a reading. ``derived`` counts the facts that follow from others.
 
-    ``names`` are those of things of one kind, over one interface where they belong to one.
+    ``names`` has the names of items of one kind, by interface if they belong to one.
     """
 
     facts: dict[Key, Fact] = field(default_factory=dict)
@@ -156,7 +156,7 @@ class Facts:
     names: dict[Key, Names] = field(default_factory=dict)
 
     def add(self, found: Iterator[Fact]) -> None:
-        """Takes in facts; where a key comes again, each time as the next of its kind."""
+        """Add facts. A repeated key gets the next number of its kind."""
         for item in found:
             key, again = item.key, 1
             while key in self.facts:
@@ -168,15 +168,15 @@ class Facts:
                 self.call(_kind(key), key, Name(item.sort, item.name, f"name of {item.what}", (*owner, "name")))
 
     def call(self, kind: Key, key: Key, name: Name) -> None:
-        """Takes in the name of a thing."""
+        """Add the name of an item."""
         self.names.setdefault(kind, {}).setdefault(key, name)
 
     def follows(self, sort: Sort, count: int = 1) -> None:
-        """Counts facts that follow from others."""
+        """Count facts that follow from others."""
         self.derived[sort] = self.derived.get(sort, 0) + count
 
 
-#: Things that have names of their own over each interface; their keys have it in the second place.
+#: Items with separate names for each interface, which is the second element of their keys.
 _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"))
 
 

@@ -1,4 +1,4 @@
-"""All facts of a reading."""
+"""Collect all facts of a reading."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .reading import Reading
 
 
 def facts_of(reading: Reading) -> Facts:
-    """Everything that a reading states and that another reader can be asked for."""
+    """Return all facts of a reading that can be compared with those of another reader."""
     facts = Facts()
     codes.add_codes(reading, facts)
     frames.add_interfaces(reading, facts)

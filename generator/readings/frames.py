@@ -12,12 +12,12 @@ from .printed import plain, printed_names
 from .reading import Reading, at, in_hex, over
 from .words import word
 
-#: A frame of so many bits has no order of bytes, whatever a reader states.
+#: Width of a frame without byte order, even if a reader states one.
 _BYTE = 8
 
 
 def add_interfaces(reading: Reading, facts: Facts) -> None:
-    """Everything of the interfaces, and the times of the device."""
+    """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
         for layout in interface.layouts:
             _add_frames(reading, interface, layout, facts)
@@ -28,7 +28,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
 
 
 def frame_keys(interface: Interface, layout: Layout) -> Iterator[tuple[Key, str]]:
-    """A key for each frame that the layout is, with what stands behind its name in messages."""
+    """Yield a key for each frame with this layout, and its name in messages."""
     here: Key = ("frame", interface.name, layout.sender, layout.channel or 0)
     for value in layout.selects:
         yield (*here, value), f"'{layout.name}'"
@@ -142,9 +142,9 @@ def _timeout(timeout: Timeout, owner: Path) -> Iterator[Fact]:
 
 
 def _control(reading: Reading, item: ControlField, offset: int, owner: Path) -> Iterator[Fact]:
-    """A field of the control frame, from a bit of the frame on."""
+    """Yield the facts of a field of the control frame, starting at a bit of the frame."""
     key: Key = ("control", offset)
-    what = f"the control frame's field from its bit {offset + 1} on"
+    what = f"field of the control frame from bit {offset + 1}"
     yield Fact(Sort.POSITION, key, f"{item.bits} bits", what, owner, name=item.name)
     for value in item.values:
         place = (*owner, "values", value.name)
@@ -174,14 +174,14 @@ def _rs485(interface: Rs485, owner: Path) -> Iterator[Fact]:
         yield Fact(Sort.VALUE, key, f"control field {in_hex(item.control)}", what, (*here, "control"), name=item.name)
         yield Fact(Sort.SETTING, (*key, "purpose"), item.purpose, f"purpose of {what}", (*here, "purpose"), key)
     for index, access in enumerate(interface.memory_access):
-        what = f"answer to a {access.access} while the busy flag is {access.busy}"
+        what = f"reply to a {access.access} while the busy flag is {access.busy}"
         place = (*owner, "memory_access", index)
         value = f"address {plain(access.address)}, data {plain(access.data)}"
         yield Fact(Sort.SETTING, ("memory", access.access, access.busy), value, what, place)
 
 
 def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
-    """Times: by their printed symbols, or else by their numbers."""
+    """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
     through = f" over {over(interface)}" if interface else ""
     for item in found:
         bounds = {"at_least_us": item.at_least_us, "typical_us": item.typical_us, "at_most_us": item.at_most_us}

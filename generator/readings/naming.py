@@ -1,4 +1,4 @@
-"""Names: each reader gives his own, but one that both give means one thing, and none is a slip of the other's."""
+"""Names: each reader chooses their own, but a shared name has one meaning, and none is a typo of the other's."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from itertools import takewhile
 
 from .fact import Facts, Name, Names
 
-#: From this share of equal names on, those of a second reading have been set to the spec's.
+#: Share of equal names from which the second reading is assumed to use the names of the spec.
 _SETTLED = 0.9
 
 
 def are_settled(spec: Facts, second: Facts) -> bool:
-    """Whether the second reading has the names of the spec, so that one that differs is a slip, whatever it is."""
+    """Return True if the second reading uses the names of the spec, so that any different name is a mistake."""
     pairs = [
         (own[key].name, theirs[key].name) for own, theirs in _both(spec, second) for key in own.keys() & theirs.keys()
     ]
@@ -20,7 +20,7 @@ def are_settled(spec: Facts, second: Facts) -> bool:
 
 
 def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
-    """The names of each kind that both readings have, those of fields in the first case of each word."""
+    """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
     for kind in spec.names.keys() & second.names.keys():
         yield spec.names[kind], second.names[kind]
     for key in spec.words.keys() & second.words.keys():
@@ -32,8 +32,11 @@ def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
 
 
 def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Name, Name]]:
-    """The names of things that the other reader calls otherwise, and of which one must be a slip: he uses the name for
-    something else, the two differ in a letter, or all names are ``settled``."""
+    """Yield pairs of different names of one item if one must be a mistake.
+
+    This is the case if the other reader uses the name for another item, if the two differ in one letter, or if all
+    names are ``settled``.
+    """
     used = {item.name for item in theirs.values()}
     for key, mine in own.items():
         other = theirs.get(key)
@@ -44,7 +47,7 @@ def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Name, N
 
 
 def _is_slip(one: str, other: str) -> bool:
-    """Whether a letter is too many, missing or wrong, or two changed places."""
+    """Return True for one extra, missing or wrong letter, or two swapped ones."""
     if abs(len(one) - len(other)) > 1:
         return False
     start = _alike(one, other)
@@ -54,5 +57,5 @@ def _is_slip(one: str, other: str) -> bool:
 
 
 def _alike(one: str, other: str) -> int:
-    """How many characters two words have in common, from the first on."""
+    """Return the length of the common prefix of two words."""
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))

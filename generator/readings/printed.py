@@ -1,4 +1,4 @@
-"""Names as manuals print them: compared where both readers give them in the same language, however they are written."""
+"""Names as printed in manuals, compared independently of spelling if both readers give them in the same language."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _BREAKS = re.compile(r"[\W_]+")
 
 
 def printed_names(reading: Reading, name: str, others: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """The names by their languages, as they are compared; of several in one language each may be what is printed."""
+    """Yield the names by language, as used in comparisons. Several in one language are alternatives."""
     found = {language: [plain(text)] for language, text in others.items()}
     if name:
         found.setdefault(reading.device.manual.language, []).append(plain(name))
@@ -22,10 +22,10 @@ def printed_names(reading: Reading, name: str, others: Mapping[str, str]) -> Ite
 
 
 def same_name(one: str, other: str) -> bool:
-    """Whether two readers have a name in common."""
+    """Return True if two readers have a name in common."""
     return not set(one.split(_OR)).isdisjoint(other.split(_OR))
 
 
 def plain(text: str) -> str:
-    """A text without what readers write differently: capitals and marks."""
+    """Return a text without the differences between readers: capitals and punctuation."""
     return _BREAKS.sub(" ", text).strip().casefold() or text

@@ -1,4 +1,4 @@
-"""Procedures by the bytes that they write, read and send; the waits and counts between them are values."""
+"""Procedures, identified by the bytes that they write, read and send. Waits and repetitions are values."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .reading import Reading, at, in_hex, over
 
 
 def procedures(reading: Reading) -> Iterator[Fact]:
-    """Every procedure: what it does, and how long it waits and how often it sends."""
+    """Yield every procedure: its steps, its waits and its repetitions."""
     for item in reading.device.procedures:
         text = program(reading, item)
         key: Key = ("procedure", item.interface, text)
@@ -33,7 +33,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
 
 
 def _arguments(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Iterator[Fact]:
-    """Whose limits hold for the arguments."""
+    """Yield the registers whose limits apply to the arguments."""
     for number, item in enumerate(procedure.arguments, 1):
         register = reading.device.register(item.of)
         meaning = next((found for found in register.meanings if found.name == item.meant_as), None)
@@ -44,7 +44,7 @@ def _arguments(reading: Reading, procedure: Procedure, key: Key, owner: Path) ->
 
 
 def program(reading: Reading, procedure: Procedure) -> str:
-    """What a procedure does, without waits and counts."""
+    """Return the steps of a procedure as text, without waits and repetitions."""
     done = (_done(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in done if text)
 
@@ -70,19 +70,19 @@ def _done(reading: Reading, step: Step, procedure: Procedure) -> str:
 
 
 def _argument(procedure: Procedure, name: str) -> str:
-    """An argument by its place among the arguments."""
+    """Return an argument by its number among the arguments."""
     names = [item.name for item in procedure.arguments]
     return f"argument {names.index(name) + 1}" if name in names else name
 
 
 def _bytes(register: Register, value: int | None, argument: str) -> str:
-    """``0x4B = 10 00 00``."""
+    """Return text such as ``0x4B = 10 00 00``."""
     text = register.bytes_of(value).hex(" ").upper() if value is not None else argument
     return f"{at(register).removeprefix('register ')} = {text}"
 
 
 def _bits(reading: Reading, name: str, field: str) -> str:
-    """A register, and the bits of it that count where they are not all."""
+    """Return a register, and its bits if the step does not use all of them."""
     register = reading.device.register(name)
     found = next((item for item in register.layout.fields if item.name == field), None)
     where = f" {reading.bits_of(register.interface, found)}" if found is not None else ""
@@ -104,13 +104,13 @@ def _times(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Ite
             continue
         done, waited = done + 1, 0
         if isinstance(step, ReadStep) and step.field:
-            here, what = (*place, "field"), f"bits that '{_done(reading, step, procedure)}' is for"
+            here, what = (*place, "field"), f"bits used by '{_done(reading, step, procedure)}'"
             yield Fact(Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key)
         before = f"after '{_done(reading, step, procedure)}'"
         if isinstance(step, SendStep):
             sent = f"'{_done(reading, step, procedure)}' in {called}"
             yield Fact(
-                Sort.PROCEDURE, (*key, "times", done), str(step.times), f"times of {sent}", (*place, "times"), key
+                Sort.PROCEDURE, (*key, "times", done), str(step.times), f"repetitions of {sent}", (*place, "times"), key
             )
             if step.microseconds:
                 here, value = (*place, "every_at_least_us"), f"{step.microseconds} µs"
@@ -121,6 +121,6 @@ def _times(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Ite
 
 
 def programs(reading: Reading, names: tuple[str, ...]) -> str:
-    """What several procedures do, in an order of its own."""
+    """Return the steps of several procedures as text, in a fixed order."""
     known = {item.name: item for item in reading.device.procedures}
     return " | ".join(sorted(program(reading, known[name]) for name in names if name in known))

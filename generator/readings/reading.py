@@ -1,4 +1,4 @@
-"""A reading: a device with the file that it was made of, and the cases in which its words are looked at."""
+"""A reading: a device with its file, and the cases for which its words are compared."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .fact import Case, Key
 
 Parameters = Mapping[str, int]
 
-#: What the names of the fields begin with that the build puts where other bits are zero.
+#: Prefix of the names of fields that the build adds for zero bits.
 _ZEROS = "zero"
-#: From here on numbers are shown in hexadecimal.
+#: Smallest number shown in hexadecimal.
 _LONG = 10_000
 
 
@@ -29,8 +29,11 @@ class Reading:
     document: Document
 
     def cases(self, interface: str) -> Mapping[Case, Parameters]:
-        """The parameters of each order code over an interface: as delivered, at both ends of what registers hold, and
-        by each other answer of an alternative."""
+        """Return the parameters of each order code of an interface.
+
+        The cases are the factory defaults, both ends of the range of each parameter in a register, and each other
+        answer of an alternative.
+        """
         if interface not in self._cases:
             self._cases[interface] = dict(self._found(interface))
         return self._cases[interface]
@@ -61,11 +64,11 @@ class Reading:
 
     @cached_property
     def definitions(self) -> Mapping[str, Expression]:
-        """The parameters that follow from others."""
+        """Expressions of the parameters that are derived from others."""
         return {item.name: item.equals for item in self.device.parameters if item.equals is not None}
 
     def sources_of(self, layout: Layout) -> tuple[str, ...]:
-        """The parameters that decide where the fields of a layout stand, what they hold and in which code."""
+        """Return the parameters that determine places, contents and code of the fields of a layout."""
         found = {layout.gray_when, *layout.bits.parameters} - {""}
         for item in layout.fields:
             found |= {*item.low.parameters, *item.width.parameters}
@@ -73,11 +76,11 @@ class Reading:
         return tuple(sorted(found))
 
     def held_in(self, item: Parameter) -> str:
-        """The bits of a register that hold a parameter, in words without names."""
+        """Return the bits of a register that hold a parameter, in words without names."""
         return self.bits_at(item.read_from)
 
     def bits_at(self, path: str) -> str:
-        """The bits of a register that ``register.field`` names, in words without names."""
+        """Return the bits of a register given by ``register.field``, in words without names."""
         name, _, inner = path.partition(".")
         register = self.register(name)
         field = next((item for item in register.layout.fields if item.name == inner), None) if register else None
@@ -86,7 +89,7 @@ class Reading:
         return f"{at(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
-        """That the bits which ``register.field`` names have the value called ``name``, in words without names."""
+        """Return the condition that ``register.field`` has the value ``name``, in words without names."""
         register, _, inner = path.partition(".")
         found = self.register(register)
         fields = found.layout.fields if found is not None else ()
@@ -95,13 +98,13 @@ class Reading:
         return f"{self.bits_at(path)} is {number}"
 
     def bits_of(self, interface: str, field: Field) -> str:
-        """``bits 7:4`` of a register or frame of an interface, as they are for the first order code."""
+        """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
         parameters = self._first_of(interface)
         low, width = field.low.value(parameters), field.width.value(parameters)
         return bits(low + width - 1, low)
 
     def _first_of(self, interface: str) -> Parameters:
-        """The parameters of the first order code over an interface, by name: readers list codes in different orders."""
+        """Return the parameters of the first order code of an interface by name, as readers list codes differently."""
         codes = (item for item in self.device.variants if item.interface == interface)
         found = min(codes, key=lambda item: item.code, default=None)
         return found.parameters if found is not None else {}
@@ -110,7 +113,7 @@ class Reading:
         return next((item for item in self.device.registers if item.name == name), None)
 
     def field_place(self, owner: Path, field: Field) -> Path:
-        """Where the spec has a field: in its group, in the layout, or as what another key of the layout says."""
+        """Return the place of a field in the spec: in its group, in the layout, or at another key of the layout."""
         if field.group:
             owner = ("field_groups", field.group)
         own: Path = (*owner, "fields", field.padding_of or field.name)
@@ -119,26 +122,26 @@ class Reading:
         return self.first(own, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
-        """A bit of each frame that a layout is, in words without names, as it is for the first order code."""
+        """Yield a bit of each frame with a layout, in words without names, for the first order code."""
         frame = f"bit {field.low.value(self._first_of(interface))} of the {layout.sender}'s frame"
         yield from (f"{frame} with {in_hex(value)}" for value in layout.selects)
         if not layout.selects:
             yield frame
 
     def has(self, path: Path) -> bool:
-        """Whether the file has something at a place."""
+        """Return True if the file has a value at a place."""
         return self.document.has(path)
 
     def name_place(self, owner: Path, language: str) -> Path:
-        """Where the spec has the printed name of something in a language."""
+        """Return the place of a printed name in a language."""
         return self.first((*owner, "names", language), (*owner, "printed_name"), owner)
 
     def first(self, *paths: Path) -> Path:
-        """The first of these places that the file has, else the last."""
+        """Return the first of these places that exists in the file, otherwise the last."""
         return next((path for path in paths if self.has(path)), paths[-1])
 
     def key_of(self, register: Register) -> Key:
-        """Interface, bank and address; of several registers at one address also whether it can be read."""
+        """Return the key of a register: interface, bank, address, and readability if several share the address."""
         same = [
             item
             for item in self.device.registers
@@ -150,33 +153,33 @@ class Reading:
 
 
 def at(register: Register) -> str:
-    """``register 0x49``, with its bank."""
+    """Return text such as ``register 0x49``, with its bank."""
     bank = f" of bank {register.bank}" if register.bank is not None else ""
     return f"register 0x{register.address:02X}{bank}"
 
 
 def over(interface: str) -> str:
-    """What sentences call an interface."""
+    """Return the short name of an interface."""
     return INTERFACES[interface].short
 
 
 def in_hex(value: int) -> str:
-    """A number as specs have it where it stands for bits."""
+    """Return a number in the notation that specs use for bits."""
     return f"0x{value:02X}" if value > 9 else str(value)
 
 
 def short(value: int) -> str:
-    """A number that counts."""
+    """Return a number in the notation for counts."""
     return str(value) if value < _LONG else f"0x{value:X}"
 
 
 def bits(high: int, low: int) -> str:
-    """``bit 5`` or ``bits 7:4``."""
+    """Return text such as ``bit 5`` or ``bits 7:4``."""
     return f"bit {high}" if high == low else f"bits {high}:{low}"
 
 
 def as_delivered(register: Register) -> tuple[int | None, bool]:
-    """What the register is as delivered, and whether the spec says so outright, not by what is always there."""
+    """Return the factory default of the register, and True if the spec states it explicitly."""
     if register.default is not None:
         return register.default, True
     found = 0

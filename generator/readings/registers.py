@@ -1,4 +1,4 @@
-"""Facts on registers beside their bits."""
+"""Facts on registers other than their bits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .words import word
 
 
 def add_registers(reading: Reading, facts: Facts) -> None:
-    """Every register, its bits, and its behaviour."""
+    """Add every register, its bits, and its behaviour."""
     for register in reading.device.registers:
         owner: Path = ("registers", register.name)
         key = reading.key_of(register)
@@ -28,8 +28,8 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 
 
 def _add_names(register: Register, key: Key, owner: Path, facts: Facts) -> None:
-    """What the register calls other things: the field that its limits bound, and the one that opens it."""
-    what = f"what the limits of {at(register)} bound"
+    """Add the names that a register refers to: the field with limits, and the field that opens it."""
+    what = f"field that the limits of {at(register)} apply to"
     facts.call(("bounded",), key, Name(Sort.LIMIT, register.limits_of, what, (*owner, "limits_of")))
     if register.opened_by:
         what = f"field that opens {at(register)}"
@@ -73,7 +73,7 @@ def _behaviour(reading: Reading, register: Register) -> Iterator[tuple[Sort, str
         value = ", ".join(sorted(at(item) for item in cleared if item is not None))
         yield Sort.BEHAVIOUR, "write_clears", value, "registers cleared by a write"
     if register.opened_by:
-        yield Sort.BEHAVIOUR, "opened_by", _opened_by(reading, register), "what opens"
+        yield Sort.BEHAVIOUR, "opened_by", _opened_by(reading, register), "opener"
 
 
 def _opened_by(reading: Reading, register: Register) -> str:
@@ -89,14 +89,14 @@ def _opened_by(reading: Reading, register: Register) -> str:
 
 
 def _limits(reading: Reading, register: Register, key: Key, owner: Path) -> Iterator[Fact]:
-    """The least and the greatest value, also of each meaning, for every order code and what registers hold."""
+    """Yield the limits, also of each meaning, for every order code and state of the registers."""
     meanings = [("", "", register.min, register.max, owner)]
     for item in register.meanings:
         held = f" while {reading.state(item.when, item.value)}"
         meanings.append((held, held, item.min, item.max, (*owner, "meanings", item.name)))
     if any(low is not None or high is not None for _, _, low, high, _ in meanings):
         place = reading.first((*owner, "limits_of"), owner)
-        what = f"bits that the limits of {at(register)} bound"
+        what = f"bits that the limits of {at(register)} apply to"
         yield Fact(Sort.LIMIT, (*key, "bounded"), _bounded(reading, register), what, place, key)
     for told, held, low, high, place in meanings:
         for word_, limit, index in (("min", low, 0), ("max", high, 1)):
@@ -107,7 +107,7 @@ def _limits(reading: Reading, register: Register, key: Key, owner: Path) -> Iter
 
 
 def _bounded(reading: Reading, register: Register) -> str:
-    """The bits of a register that its limits are about."""
+    """Return the bits of a register that its limits apply to."""
     name = bounded(register)
     join = next((item.fields for item in register.layout.joins if item.name == name), (name,))
     parts = [item for item in register.layout.fields if item.name in join]

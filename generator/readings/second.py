@@ -1,4 +1,4 @@
-"""Second readings: found beside their specs, read, checked and held against them."""
+"""Second readings: find them next to their specs, read, check and compare them."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from .facts import facts_of
 from .reading import Reading
 
 RULE = "readings-disagree"
-_MEND = "the manual decides; where it prints both, an erratum has them under 'readings'"
+_MEND = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
 
 @dataclass(frozen=True)
 class Second:
-    """A second reading: its file and what it states, or no facts where something is wrong with it."""
+    """A second reading: its file and its facts, or no facts if it has problems."""
 
     document: Document
     facts: Facts | None
@@ -33,7 +33,7 @@ class Second:
 
 @dataclass(frozen=True)
 class Readings:
-    """A family with its second reading, and what came out of the comparison; nothing where a file has faults."""
+    """A family with its second reading and the result of the comparison, or no result if a file has problems."""
 
     family: Family
     second: Document
@@ -41,19 +41,19 @@ class Readings:
     derived: Mapping[Sort, int]
 
 
-#: Finds and reads the second reading of a family, if there is one; what is wrong with it goes into the report.
+#: Function that reads the second reading of a family, if there is one, and adds its problems to the report.
 Reader = Callable[[Family, Report], Second | None]
 
 
 def read_beside(family: Family, report: Report) -> Second | None:
-    """The second reading that lies beside the spec of a family."""
+    """Read the second reading next to the spec of a family."""
     place = beside(File(family.document.file))
     document = read_document(place, report) if place.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
 def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> Second:
-    """What a second reading states, of a document that has been read; what is wrong with it goes into ``report``."""
+    """Return the second reading in a document, and add its problems to ``report``."""
     before = len(report)
     data = check_second(document, report)
     device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
@@ -62,7 +62,7 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
 
 
 def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
-    """The files of the families in whose facts nothing is wrong up to now, so that they can be compared."""
+    """Return the files of the families without problems in their facts so far, which can be compared."""
     return frozenset(
         family.document.file for family in families if not report.faults((family.plain or family).document)
     )
@@ -71,13 +71,13 @@ def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
 def compare_readings(
     families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_beside
 ) -> list[Readings]:
-    """Compares each family that has a second reading with it, and reports what the two have differently.
+    """Compare each family with its second reading, if it has one, and report the differences.
 
-    A second reading is checked even where its spec is not ``sound``, but not compared.
+    A second reading is checked even if its spec is not ``sound``, but not compared.
     """
     found = []
     for made in families:
-        # A reader read what the manual says, before anything was laid over it.
+        # A reader reads only the manual, so the family is compared without overlays.
         family = made.plain or made
         second = read(family, report) if not family.device.base else None
         if second is None:
@@ -93,12 +93,12 @@ def compare_readings(
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Counts as explained what errata of the spec explain, and reports the other disagreements."""
+    """Count the disagreements explained by errata of the spec, and report the others."""
     _report(Errata(spec), outcome, spec, second, report)
 
 
 def _report(errata: Errata, outcome: Comparison, spec: Document, second: Document, report: Report) -> None:
-    """Tells each disagreement that no erratum explains, at both places."""
+    """Report each disagreement that no erratum explains, at both places."""
     for item in outcome.disagreements:
         if errata.explain(item):
             outcome.read[item.sort, item.place or ("second", *item.second)] = Read.EXPLAINED
@@ -114,7 +114,7 @@ def _report(errata: Errata, outcome: Comparison, spec: Document, second: Documen
 
 
 class Errata:
-    """The errata of a spec that say what a second reader reads."""
+    """The errata of a spec that explain differences of a second reading."""
 
     def __init__(self, spec: Document) -> None:
         self._said: list[tuple[Path, Sequence[str], str, str]] = []
@@ -125,7 +125,7 @@ class Errata:
                 self._said.append((place, item.get("affects", ()), reading["second"], reading["used"]))
 
     def explain(self, item: Disagreement) -> bool:
-        """Whether an erratum that affects the place has just these two values."""
+        """Return True if an erratum that affects the place has exactly these two values."""
         found = [
             place
             for place, affected, second, used in self._said
@@ -136,20 +136,20 @@ class Errata:
         return bool(found)
 
     def tell_unused(self, spec: Document, report: Report) -> None:
-        """Reports what explains nothing."""
+        """Report pairs of values that explain nothing."""
         for place, _, second, used in self._said:
             if place not in self._used:
                 values = f"{quoted(second)} in the second reading and {quoted(used)} here"
-                wrong = f"nothing that this erratum affects is {values}; leave it out, or correct it"
+                wrong = f"no fact affected by this erratum is {values}; correct or remove it"
                 report.add("readings-unused", spec, place, wrong)
 
 
-#: Keys of lists and maps that a path of an erratum leaves out.
+#: Keys of lists and maps that a path of an erratum omits.
 _LEFT_OUT = frozenset("layouts fields values contacts timings parts steps arguments meanings data_ids".split())
 
 
 def touches(affected: str, place: Path) -> bool:
-    """Whether an erratum that affects a path touches a place: it is the same, or above it, or below it."""
+    """Return True if an erratum that affects a path touches a place: the same one, a parent or a child."""
     wanted, steps = affected.split("."), list(place)
     while wanted and steps:
         step = steps.pop(0)

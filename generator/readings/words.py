@@ -1,4 +1,4 @@
-"""Frames and registers bit by bit: what a bit is does not depend on how a reader splits a byte into fields."""
+"""Frames and registers bit by bit. The meaning of a bit does not depend on how a reader splits bytes into fields."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .reading import Parameters, Reading, bits
 
 
 def word(reading: Reading, layout: Layout, key: Key, what: str, aspects: Aspects) -> Word:
-    """A frame or register, in each case of its interface."""
+    """Return a frame or register in each case of its interface."""
     made: dict[tuple[int, ...], Placed] = {}
     sources = reading.sources_of(layout)
     cases: dict[Case, Placed] = {}
@@ -53,7 +53,7 @@ def _placed(placed: PlacedLayout, aspects: Aspects, parameters: Parameters) -> P
 
 
 def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
-    """Each bit of a field, the lowest first."""
+    """Yield each bit of a field, lowest first."""
     kind = item.field.kind
     part, offset = _part(kind, item, placed), 0
     joined = _joined(item, placed)
@@ -72,7 +72,7 @@ def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]
 
 
 def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
-    """What the bits of a field are part of."""
+    """Return what the bits of a field belong to."""
     match kind:
         case Number(signed=True):
             return "a signed number" + _gray(item, placed)
@@ -102,7 +102,7 @@ def _gray(item: PlacedField, placed: PlacedLayout) -> str:
 
 
 def _joined(item: PlacedField, placed: PlacedLayout) -> int | None:
-    """The weight of the field's lowest bit in the longest number that it is joined into; None where in none."""
+    """Return the weight of the field's lowest bit in the longest joined number that contains it, or None."""
     found: tuple[int, int] | None = None
     for join in placed.layout.joins:
         if item.name not in join.fields:
@@ -116,7 +116,7 @@ def _joined(item: PlacedField, placed: PlacedLayout) -> int | None:
 
 
 def run(found: Sequence[Bit]) -> str:
-    """What bits are that stand side by side, the highest first: ``bits 7:0 of a number``, ``constant 0010``."""
+    """Describe adjacent bits, highest first: ``bits 7:0 of a number``, ``constant 0010``."""
     first, last = found[0], found[-1]
     if first.fixed is not None:
         return f"{first.part} {''.join(str(bit.fixed) for bit in found)}"
@@ -126,7 +126,7 @@ def run(found: Sequence[Bit]) -> str:
 
 
 def continues(one: Bit, other: Bit) -> bool:
-    """Whether ``other``, the next lower bit, goes on with the same thing."""
+    """Return True if ``other``, the next lower bit, continues the same item."""
     if one.part != other.part or (one.fixed is None) is not (other.fixed is None):
         return False
     return one.weight is None or other.weight is None or one.weight == other.weight + 1

@@ -1,8 +1,8 @@
-"""Targets: what makes files of the devices that the specs describe. This is all that the author of one needs to know.
+"""Targets, which generate files for the devices described by the specs. This module is the whole plug-in API.
 
-A target is a ``Target``. It gets the whole library and gives the text of every file by its path; it touches no disk.
-Ours lie in the folders beside this file. A package of yours adds one by an entry point of the group
-``codewheel.targets`` that leads to its ``Target``. It is then like ours, except that it runs only when asked for.
+A ``Target`` receives the whole library and returns the text of every file by path. It does not access the disk. The
+built-in targets are in the folders next to this file. Another package can add a target with an entry point in the group
+``codewheel.targets`` that refers to its ``Target``. It works like a built-in one, but only runs on request.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
 @dataclass(frozen=True)
 class Library:
-    """The devices to make files of.
+    """The devices to generate files for.
 
     Attributes:
-        devices: Every device that the specs describe, in order of name.
-        own_templates: The folder of the user's templates for this target, to be handed to ``Templates.render``.
+        devices: All devices described by the specs, sorted by name.
+        own_templates: Folder of the user's templates for this target, as an argument for ``Templates.render``.
     """
 
     devices: tuple[Device, ...]
     own_templates: Path | None = None
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
-        """The devices of each manufacturer, in order of name."""
+        """Return the devices of each manufacturer, sorted by name."""
         makers = {device.manufacturer.name: device.manufacturer for device in self.devices}
         return [
             (maker, tuple(item for item in self.devices if item.manufacturer.name == name))
@@ -42,12 +42,12 @@ class Library:
 
 
 def has_biss(devices: Iterable[Device]) -> bool:
-    """Whether any of these devices speaks BiSS, so that what all BiSS encoders share is of use."""
+    """Return True if any of these devices has a BiSS interface."""
     return any(device.over(Biss) is not None for device in devices)
 
 
 class TargetError(ValueError):
-    """Stops a target: one line says what it cannot express, and ``place`` where that stands in a spec."""
+    """An error that stops a target. The message is one line, ``place`` the place in a spec that it cannot express."""
 
     def __init__(self, message: str, place: Place = ()) -> None:
         super().__init__(message)
@@ -56,14 +56,14 @@ class TargetError(ValueError):
 
 @dataclass(frozen=True)
 class TargetProblem:
-    """Something in a spec that a target cannot express; it is shown with file, line and column, as every problem is.
+    """Something in a spec that a target cannot express. It is shown with file, line and column, like every problem.
 
     Attributes:
-        device: The device whose spec is at fault.
-        rule: A stable name that begins with the target's, such as ``c-name``.
-        place: The keys that lead to the fault, with names for items of lists: ``("registers", "preset", "length")``.
-        message: What is wrong and what would be right, in one line. ``{line}`` stands for the line of ``other``.
-        other: A second place in the same spec, of which the message speaks.
+        device: Device whose spec has the problem.
+        rule: Stable name that begins with the target's, such as ``c-name``.
+        place: Keys that lead to the problem, with names for list items: ``("registers", "preset", "length")``.
+        message: The error and its correction, in one line. ``{line}`` is replaced by the line of ``other``.
+        other: A second place in the same spec that the message refers to.
     """
 
     device: Device
@@ -78,14 +78,13 @@ class Option:
     """A setting of a target: ``--option <target>.<name>=<value>``.
 
     Attributes:
-        name: Small letters, digits, hyphens and underscores.
+        name: Lower-case letters, digits, hyphens and underscores.
         summary: One line for ``--help``.
-        default: The value where the user gives none.
-        values: All values that can be given. Without any, every text can; ``files`` raises ``TargetError`` for a wrong
-            one.
+        default: Value if the user gives none.
+        values: All valid values. If empty, any text is valid, and ``files`` raises ``TargetError`` for a wrong one.
 
     Raises:
-        ValueError: The default is none of the values.
+        ValueError: The default is not one of the values.
     """
 
     name: str
@@ -95,10 +94,10 @@ class Option:
 
     def __post_init__(self) -> None:
         if self.values and self.default not in self.values:
-            raise ValueError(f"the default of the option '{self.name}' is none of its values")
+            raise ValueError(f"the default of the option '{self.name}' is not one of its values")
 
 
-#: The value of every option of a target, by its name.
+#: Value of every option of a target, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
 
@@ -108,18 +107,18 @@ class Target:
     """An output.
 
     Attributes:
-        name: What ``--target`` takes, the name of the entry point, and the folder of the output: small letters, digits,
-            hyphens and underscores. The names of ours are taken.
+        name: Name for ``--target``, of the entry point and of the output folder: lower-case letters, digits, hyphens
+            and underscores. The names of built-in targets are reserved.
         summary: One line for ``--help``.
-        files: Gives the text of each file by its path, which begins with the name and a slash. It gets every option.
-            A ``TargetError`` ends the run with its message; any other exception does so with the place where it arose.
-        problems: Gives what the target cannot express. It is asked before ``files``, and by ``check --target``, and
-            sees only devices in whose specs nothing else is wrong.
-        options: The settings.
-        templates: The templates, so that ``--templates`` and the page of templates know them.
+        files: Function that returns the text of each file by path. Paths begin with the name and a slash. It receives
+            all options. A ``TargetError`` ends the run with its message, any other exception with its origin, too.
+        problems: Function that returns what the target cannot express. It is called before ``files``, and by
+            ``check --target``, only with devices whose specs have no other problems.
+        options: Settings of the target.
+        templates: Templates of the target, for ``--templates`` and the page of templates.
 
     Raises:
-        ValueError: A name cannot be one.
+        ValueError: A name is not valid.
     """
 
     name: str
@@ -132,4 +131,4 @@ class Target:
     def __post_init__(self) -> None:
         for name in (self.name, *(option.name for option in self.options)):
             if not _NAME.fullmatch(name):
-                raise ValueError(f"'{name}' is no name of a target or option; it needs small letters, digits, - and _")
+                raise ValueError(f"'{name}' cannot name a target or option; use lower-case letters, digits, - and _")

@@ -1,4 +1,4 @@
-"""Names of files for order codes, which have characters that no file name may have."""
+"""File names for order codes, which contain characters that are not allowed in file names."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ _LONGEST = 80
 
 
 def names_of_codes(order_codes: Iterable[str], others: Iterable[str] = ()) -> list[str]:
-    """What the file of each is called, also where upper and lower case are the same; numbered where that is needed.
+    """Return a unique file name for each order code, also on file systems that ignore case.
 
-    What no file name may have is a hyphen. ``others`` are names that are taken, in small letters.
+    Characters that are not allowed become a hyphen. Duplicates are numbered. ``others`` are reserved names in lower
+    case.
     """
     taken, names = set(others), list[str]()
     for order_code in order_codes:

@@ -1,4 +1,4 @@
-"""The licence of everything that is generated; each target of ours puts it beside its files."""
+"""The licence of all generated files. Each built-in target adds it to its files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All targets, ours and registered ones, and the guard behind which they run: a mistake in one is told in one line."""
+"""All built-in and registered targets. Errors in a target are reported in one line."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from . import Library, Options, Target, TargetError, TargetProblem
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-#: Ours, in the order in which they are listed and run. They run by default; a registered one runs when asked for.
+#: Built-in targets, in the order in which they are listed and run. They run by default, registered ones on request.
 BUILT_IN = ("python", "c", "biss", "docs", "browser")
 GROUP = "codewheel.targets"
 _Given = TypeVar("_Given")
@@ -25,16 +25,16 @@ class PackageMissing(TargetError):
 
 
 def target_names() -> list[str]:
-    """The names of all targets: ours, then registered ones."""
+    """Return the names of all targets: built-in, then registered ones."""
     return [*BUILT_IN, *(name for name in _registered() if name not in BUILT_IN)]
 
 
 def load_target(name: str) -> Target:
-    """The target of that name; the module of no other one is imported.
+    """Load the target of that name, without importing the modules of others.
 
     Raises:
         LookupError: There is no such target.
-        TargetError: It cannot be loaded, or is no target.
+        TargetError: It cannot be loaded, or is not a target.
     """
     if name in BUILT_IN:
         return _loaded(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
@@ -45,26 +45,26 @@ def load_target(name: str) -> Target:
 
 
 def files_of(target: Target, library: Library, options: Options) -> Mapping[str, str]:
-    """The files of a target, by path.
+    """Return the files of a target, by path.
 
     Args:
         target: The target.
-        library: The devices, and the folder in which each target has a folder of the user's templates.
+        library: The devices, and the folder of the user's templates, with a folder for each target.
         options: The value of every option.
 
     Raises:
         TargetError: The target cannot express something, or fails.
-        TemplateFault: A template of the user's is at fault.
+        TemplateFault: A template of the user has an error.
     """
     own = library.own_templates / target.name if library.own_templates is not None else None
     files = _guarded(target.name, lambda: target.files(replace(library, own_templates=own), options))
     if fault := _fault_of_files(files):
-        raise TargetError(f"the target '{target.name}' has to give text by path; {fault}")
+        raise TargetError(f"the target '{target.name}' must return text by path; {fault}")
     return files
 
 
 def problems_of(target: Target, library: Library) -> list[TargetProblem]:
-    """What a target cannot express.
+    """Return the problems that a target cannot express.
 
     Raises:
         TargetError: The target fails.
@@ -72,32 +72,32 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
     found = _guarded(target.name, lambda: list(target.problems(library)))
     for problem in found:
         if fault := _fault_of_problem(problem, library):
-            raise TargetError(f"the target '{target.name}' has to give problems as TargetProblem; {fault}")
+            raise TargetError(f"the target '{target.name}' must return problems as TargetProblem; {fault}")
     return found
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
-    """What keeps ``problem`` from being one of a device of the library, or nothing."""
+    """Return why ``problem`` is not a problem of a device of the library, or an empty string."""
     if not isinstance(problem, TargetProblem):
         return f"this is {_kind(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
-        return f"the device '{problem.device.name}' is not one that it was given"
+        return f"the device '{problem.device.name}' is not in its library"
     texts = (problem.rule, problem.message, *problem.place, *problem.other)
     wrong = [item for item in texts if not isinstance(item, (str, int))]
     return f"a part of it is {_kind(wrong[0])}" if wrong else ""
 
 
 def _fault_of_files(files: object) -> str:
-    """What keeps ``files`` from being text by path, or nothing."""
+    """Return why ``files`` is not text by path, or an empty string."""
     if not isinstance(files, Mapping):
         return f"this is {_kind(files)}"
     for path, text in files.items():
         if not isinstance(path, str) or not isinstance(text, str):
-            return f"{path!r} is {_kind(text)}" if isinstance(path, str) else f"{path!r} is no path"
+            return f"{path!r} is {_kind(text)}" if isinstance(path, str) else f"{path!r} is not a path"
         try:
             (path + text).encode()
         except UnicodeEncodeError as error:
-            return f"{path!r} holds U+{ord(error.object[error.start]):04X}, which is no character"
+            return f"{path!r} contains U+{ord(error.object[error.start]):04X}, which is not a character"
     return ""
 
 
@@ -106,7 +106,7 @@ def _kind(value: object) -> str:
 
 
 def _registered() -> dict[str, list[EntryPoint]]:
-    """The entry points by name; two packages may have taken the same one."""
+    """Return the entry points by name. Several packages may use the same one."""
     from importlib.metadata import entry_points
 
     found: dict[str, list[EntryPoint]] = {}
@@ -130,9 +130,9 @@ def _loaded(name: str, load: Callable[[], object]) -> Target:
     except Exception as error:
         raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
     if not isinstance(found, Target):
-        raise TargetError(f"the target '{name}' has to be a codewheel.targets.Target; this is {_kind(found)}")
+        raise TargetError(f"the target '{name}' must be a codewheel.targets.Target; this is {_kind(found)}")
     if found.name != name:
-        raise TargetError(f"the target '{name}' calls itself '{found.name}'; both names have to be one")
+        raise TargetError(f"the target '{name}' calls itself '{found.name}'; both names must be the same")
     return found
 
 
@@ -146,7 +146,7 @@ def _guarded(name: str, work: Callable[[], _Given]) -> _Given:
 
 
 def _told(error: Exception) -> str:
-    """An error in one line, with the place where it arose."""
+    """Return an error in one line, with its origin."""
     frames = traceback.extract_tb(error.__traceback__)
     place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
     return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"

@@ -1,8 +1,8 @@
-"""The page of templates: what each one is for, what it can use, and how a user changes it.
+"""The page of templates: their purpose, their values, and how to change them.
 
-``python -m codewheel.targets.templates_page FILE [TARGET...]`` writes it, of our targets where none is named;
-``make templates-page`` writes ``docs/templates.md``. All but the introduction comes from the targets: the first comment
-of each template, the classes of its values, the docstrings of filters, tests and functions.
+``python -m codewheel.targets.templates_page FILE [TARGET...]`` writes it, by default for the built-in targets.
+``make templates-page`` writes ``docs/templates.md``. Everything except the introduction comes from the targets: the
+first comment of each template, the classes of its values, the docstrings of filters, tests and functions.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ _INTRODUCTION = """\
 
 # Templates
 
-Every file that `codewheel generate` writes, pictures and full XML apart, comes from a template of
-[Jinja](https://jinja.palletsprojects.com/templates/). To change one, put a template of the same name into a folder of
-your own, below the name of its target, and name the folder. Yours comes first, file by file; all others stay as they
-are. In yours, `shipped/NAME` is the template that it stands for.
+All files written by `codewheel generate`, except pictures and full XML, come from
+[Jinja](https://jinja.palletsprojects.com/templates/) templates. To change one, put a template of the same name into
+your own folder, in a subfolder with the name of its target, and pass the folder to `generate`. Your template replaces
+the shipped one. All others remain unchanged. Inside yours, `shipped/NAME` refers to the template that it replaces.
 
-For example, an index page with a line of your own at its end. Write this into `house/docs/index.md.jinja`:
+For example, this adds a line to the end of the index page. Write it to `house/docs/index.md.jinja`:
 
 ```jinja
 {% include "shipped/index.md.jinja" %}
@@ -53,14 +53,14 @@ The page `generated/docs/README.md` now ends with:
 Families: 1. Questions: drives@example.com
 ```
 
-A mistake in a template is told with its file and line. A template that no output uses is told as well, since its name
-is misspelt or it lies in the wrong folder. An undefined name is a mistake, not empty text. A line that holds nothing
-but a statement leaves nothing behind. Values hold text from specs, which can be anything; the filters of a target make
-it harmless in its language.
+Errors in a template are reported with file and line. A template that no output uses is also reported, because its name
+is misspelt or it is in the wrong folder. An undefined name is an error, not empty text. A line that contains only a
+statement produces no output. Values contain text from specs, which can be anything. The filters of a target escape it
+for its language.
 
-Your templates run in the sandbox of Jinja, and so do ours when yours come before them. They can neither change values
-nor reach files outside their folder, modules or other programs. Each file has a bound of a million steps: items of
-loops, calls and printed values. A template that takes more ends with a message. See [what is
+Your templates run in the sandbox of Jinja, and so do the shipped ones that run with them. They can neither change
+values nor access files outside their folder, modules or other programs. Each file is limited to a million steps: items
+of loops, calls and printed values. A template that needs more ends with a message. See [what is
 trusted](../SECURITY.md).
 
 All templates have the filters of Jinja and these:
@@ -68,7 +68,7 @@ All templates have the filters of Jinja and these:
 
 
 def templates_page(targets: Iterable[Target]) -> str:
-    """The page of these targets; one without templates has no section."""
+    """Return the page of these targets. A target without templates has no section."""
     lines = [_INTRODUCTION, _callables("Filter", {_filter(name, item): item for name, item in COMMON_FILTERS.items()})]
     model: set[type] = set()
     for target in targets:
@@ -81,7 +81,7 @@ def templates_page(targets: Iterable[Target]) -> str:
 
 
 def faults(templates: Templates) -> Iterator[str]:
-    """A line for everything that would make the page wrong or leave a gap in it; the tests ask for them."""
+    """Yield a line for every error or gap in the page. The tests call this."""
     parts, used, declared = set[str](), set[str](), set[str]()
     for template, shape in templates.values.items():
         tree = _tree(templates, template)
@@ -95,7 +95,9 @@ def faults(templates: Templates) -> Iterator[str]:
     yield from (f"no template uses the value '{name}'" for name in sorted(declared - used))
     yield from (f"no template uses {name}" for name in templates.names if name not in parts)
     yield from (
-        f"{name} does not begin with a comment on it" for name in templates.names if not _about(templates, name)
+        f"{name} does not begin with a comment that describes it"
+        for name in templates.names
+        if not _about(templates, name)
     )
     made = {**templates.filters, **templates.functions}
     yield from (f"'{name}' has no docstring" for name, item in made.items() if not _first_line(item))
@@ -104,7 +106,7 @@ def faults(templates: Templates) -> Iterator[str]:
 def _section(target: Target, templates: Templates) -> Iterator[str]:
     yield from ("", f"## {target.name}", "", paragraph(text(f"{target.summary[0].upper()}{target.summary[1:]}.")), "")
     rows = [_row(target, templates, template) for template in templates.names]
-    yield table(["Template", "What it is", "Its values", "Values that it uses", "Its macros"], rows)
+    yield table(["Template", "Purpose", "Values", "Used values", "Macros"], rows)
     if templates.filters:
         yield from ("", _callables("Filter", {_filter(name, item): item for name, item in templates.filters.items()}))
     if templates.tests:
@@ -119,7 +121,7 @@ def _section(target: Target, templates: Templates) -> Iterator[str]:
 
 
 def _row(target: Target, templates: Templates, template: str) -> tuple[str, ...]:
-    """What a template is for, gets, uses and gives."""
+    """Return the row of a template: its purpose, values, used values and macros."""
     made, colon, about = _about(templates, template).partition(": ")
     about = f"{code(made)}: {text(about)}" if made.startswith(f"{target.name}/") else text(f"{made}{colon}{about}")
     shape = templates.values.get(template)
@@ -135,13 +137,13 @@ def _row(target: Target, templates: Templates, template: str) -> tuple[str, ...]
 
 
 def _values(shape: type, smaller: Iterable[type]) -> Iterator[str]:
-    """The values of a class; those of another one that are all among them are not told again."""
+    """Yield the values of a class. Those of a class that it includes completely are not repeated."""
     hints = get_type_hints(shape, include_extras=True)
     inside = [item for item in smaller if get_type_hints(item).items() <= get_type_hints(shape).items()]
     told = {name for item in inside for name in get_type_hints(item)}
     rows = [(code(name), code(_shown(kind)), text(_line(kind))) for name, kind in hints.items() if name not in told]
     more = f", and those of {_list(item.__name__ for item in inside)}" if inside else ""
-    yield from ("", f"Values of {code(shape.__name__)}{more}:", "", table(["Value", "Type", "What it is"], rows))
+    yield from ("", f"Values of {code(shape.__name__)}{more}:", "", table(["Value", "Type", "Meaning"], rows))
 
 
 def _list(names: Iterable[str]) -> str:
@@ -150,17 +152,17 @@ def _list(names: Iterable[str]) -> str:
 
 def _callables(head: str, items: Mapping[str, Callable[..., object]]) -> str:
     rows = [(code(name), text(_first_line(item))) for name, item in items.items()]
-    return table([head, "What it is" if head == "Test" else "What it gives"], rows)
+    return table([head, "Condition" if head == "Test" else "Result"], rows)
 
 
 def _filter(name: str, item: Callable[..., object]) -> str:
-    """A filter as one writes it: its first argument stands before the bar."""
+    """Return a filter as written in a template, without its first argument, which is before the bar."""
     arguments = _signature(item, 1)
     return f"{name}{arguments}" if arguments != "()" else name
 
 
 def _signature(item: Callable[..., object], leave_out: int = 0) -> str:
-    """The arguments without their types."""
+    """Return the arguments without their types."""
     parameters = list(inspect.signature(item).parameters.values())[leave_out:]
     bare = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
     return str(inspect.Signature(bare))
@@ -174,7 +176,7 @@ def _first_line(item: object) -> str:
 
 
 def _environment(templates: Templates) -> Environment:
-    """One that knows no names, so that those of Jinja count among the names that are used."""
+    """Return an environment without names, so that those of Jinja count as used names."""
     made = environment(templates).overlay()
     made.globals = {}
     return made
@@ -195,20 +197,20 @@ def _about(templates: Templates, template: str) -> str:
 
 
 def _referred(tree: nodes.Template) -> set[str]:
-    """The templates that one includes or imports by name."""
+    """Return the templates that a template includes or imports by name."""
     return {name for name in meta.find_referenced_templates(tree) if name is not None}
 
 
 def _tree(templates: Templates, template: str) -> list[str]:
-    """The template and all that it includes or imports, directly or not."""
+    """Return the template and all that it includes or imports, directly or not."""
     found = [template]
-    for name in found:  # It grows meanwhile.
+    for name in found:  # The list grows during the loop.
         found += sorted(_referred(_parsed(templates, name)) - set(found))
     return found
 
 
 def _used(templates: Templates, *names: str) -> set[str]:
-    """The names that these templates use and none of them sets."""
+    """Return the names that these templates use but do not set."""
     trees = [_parsed(templates, name) for name in names]
     stored = {item.name for tree in trees for item in tree.find_all(nodes.Name) if item.ctx == "store"}
     return {name for tree in trees for name in meta.find_undeclared_variables(tree)} - stored
@@ -218,27 +220,27 @@ def _used(templates: Templates, *names: str) -> set[str]:
 
 
 def _line(kind: Any) -> str:
-    """The line that goes with an annotated type, or empty."""
+    """Return the description of an annotated type, or an empty string."""
     return str(kind.__metadata__[0]) if get_origin(kind) is Annotated else ""
 
 
 def _shown(kind: Any) -> str:
-    """A type without its modules."""
+    """Return a type as text, without its modules."""
     kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
     return kind.__name__ if hasattr(kind, "__name__") and not get_args(kind) else re.sub(r"\w+\.(?=\w)", "", str(kind))
 
 
 def _kinds(templates: Templates) -> set[type]:
-    """The classes with parts that templates meet in their values, at any depth."""
+    """Return the classes in the values of templates, at any depth."""
     shapes = set(templates.values.values())
     found = list(shapes)
-    for kind in found:  # It grows meanwhile.
+    for kind in found:  # The list grows during the loop.
         found += {item for part in _parts(kind).values() for item in _classes(part)}.difference(found)
     return set(found) - shapes
 
 
 def _classes(kind: Any) -> Iterator[type]:
-    """The classes of ours, or of a target's author, inside a type."""
+    """Yield the classes inside a type that are not from the standard library."""
     for part in get_args(kind):
         yield from _classes(part)
     if isinstance(kind, type) and kind.__module__.partition(".")[0] not in sys.stdlib_module_names:
@@ -246,7 +248,7 @@ def _classes(kind: Any) -> Iterator[type]:
 
 
 def _parts(kind: type) -> dict[str, Any]:
-    """What a value of a class has, and the type of each part; a method has the type of what it gives."""
+    """Return the members of a class with their types. The type of a method is that of its result."""
     found = _hints(kind)
     for name, part in found.items():
         if part is ClassVar or get_origin(part) is ClassVar:
@@ -262,7 +264,7 @@ def _parts(kind: type) -> dict[str, Any]:
 
 
 def _hints(item: object) -> dict[str, Any]:
-    """The types that a class or function names; as text where they are imported for the type checker alone."""
+    """Return the annotated types of a class or function, as text if they are only imported for type checking."""
     try:
         return get_type_hints(item, include_extras=True)
     except NameError:
@@ -276,7 +278,7 @@ def _types(title: str, kinds: Iterable[type]) -> Iterator[str]:
         parts = ", ".join(code(f"{name}: {_shown(part)}") for name, part in _parts(kind).items())
         rows.append((code(kind.__name__), text(about), parts))
     if rows:
-        yield from ("", f"### {title}", "", table(["Type", "What it is", "Its parts"], rows))
+        yield from ("", f"### {title}", "", table(["Type", "Meaning", "Members"], rows))
 
 
 if __name__ == "__main__":

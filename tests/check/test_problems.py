@@ -75,7 +75,7 @@ def test_words() -> None:
     values: list[object] = [True, None, 3, {}, []]
     assert [quoted(value) for value in values] == ["true", "nothing", "3", "a map", "a list"]
     assert suggestion("adress", ["address", "access"]) == "; did you mean 'address'?"
-    assert suggestion("zzz", ["a", "b"], "it is one of") == "; it is one of: a, b"
+    assert suggestion("zzz", ["a", "b"], "use one of") == "; use one of: a, b"
     assert suggestion("zzz", [f"name_{index}" for index in range(10)]) == ""
 
 

@@ -103,18 +103,18 @@ def test_positions(tmp_path: pathlib.Path) -> None:
         (b"", "spec.yaml:1:1: empty: the file is empty; a spec begins with 'codewheel: 1'"),
         (b"\n# nothing but a comment\n", "spec.yaml:1:1: empty: the file is empty; a spec begins with 'codewheel: 1'"),
         (b"---\n", "spec.yaml:1:1: empty: the file is empty; a spec begins with 'codewheel: 1'"),
-        (b"\x7fELF\x02\x01\x01\x00\x00", "spec.yaml:1:1: not-text: this is a binary file; a spec is a text in UTF-8"),
-        ("a: 1\n".encode("utf-16"), "spec.yaml:1:1: not-text: this is a binary file; a spec is a text in UTF-8"),
+        (b"\x7fELF\x02\x01\x01\x00\x00", "spec.yaml:1:1: not-text: this is a binary file; a spec is UTF-8 text"),
+        ("a: 1\n".encode("utf-16"), "spec.yaml:1:1: not-text: this is a binary file; a spec is UTF-8 text"),
         (b"a: 1\nb: caf\xe9\n", "spec.yaml:2:1: not-text: byte 0xE9 is not UTF-8; save the file as UTF-8"),
-        (b"a: 1\nb: x\x1b[2Jy\n", "spec.yaml:2:5: not-text: the character U+001B has no place in a text; remove it"),
+        (b"a: 1\nb: x\x1b[2Jy\n", "spec.yaml:2:5: not-text: the character U+001B is not allowed in text; remove it"),
         (
             "a: 1\nb: x\u2028y\n".encode(),
-            "spec.yaml:2:5: not-text: the character U+2028 has no place in a text; remove it",
+            "spec.yaml:2:5: not-text: the character U+2028 is not allowed in text; remove it",
         ),
-        ("a: \u202eabc\n".encode(), "spec.yaml:1:4: not-text: the character U+202E has no place in a text; remove it"),
+        ("a: \u202eabc\n".encode(), "spec.yaml:1:4: not-text: the character U+202E is not allowed in text; remove it"),
         (
             b"# " + b"x" * (4 * 2**20),
-            "spec.yaml:1:1: too-large: the file is larger than 4 MB; one spec holds one manual",
+            "spec.yaml:1:1: too-large: the file is larger than 4 MB; one spec covers one manual",
         ),
     ],
     ids=[
@@ -150,7 +150,7 @@ def test_what_nobody_sees_or_turns_a_text_around_is_refused(
     assert [problem.splitlines()[0] for problem in problems] == [
         (
             f"spec.yaml:2:{4 if escaped else 6}: not-text: "
-            f"the character U+{ord(character):04X} has no place in a text; remove {'its escape' if escaped else 'it'}"
+            f"the character U+{ord(character):04X} is not allowed in text; remove {'its escape' if escaped else 'it'}"
         )
     ]
 
@@ -190,7 +190,7 @@ def test_paths_that_cannot_be_read(tmp_path: pathlib.Path) -> None:
         "gone.yaml:1:1: unreadable: there is no such file",
         "loop.yaml:1:1: unreadable: the file cannot be read: Too many levels of symbolic links",
         "missing.yaml:1:1: unreadable: there is no such file",
-        "pipe.yaml:1:1: unreadable: this is no regular file; a spec is a .yaml file",
+        "pipe.yaml:1:1: unreadable: this is not a regular file; a spec is a .yaml file",
         "plain.yaml/inside.yaml:1:1: unreadable: the file cannot be read: Not a directory",
         f"{'x' * 300}:1:1: unreadable: the file cannot be read: File name too long",
         "zero\\x00.yaml:1:1: unreadable: the file cannot be read: embedded null byte",
@@ -272,6 +272,6 @@ def test_reader_goes_on_after_a_duplicate_key(tmp_path: pathlib.Path) -> None:
     assert document.data == {"a": 1, "b": None}
     assert document.broken == (("b",),)
     assert [problem.splitlines()[0] for problem in problems] == [
-        "spec.yaml:2:1: duplicate-key: the key 'a' is already on line 1; keep one of the two",
+        "spec.yaml:2:1: duplicate-key: duplicate key 'a', already on line 1; keep one of them",
         "spec.yaml:3:4: tag: the tag '!x' is not known here; leave it out",
     ]

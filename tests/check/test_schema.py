@@ -92,7 +92,7 @@ def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
     assert len(report) == MAX_PROBLEMS + 1
     last = [problem for problem in report.problems if problem.rule == "too-many-problems"]
     assert [problem.message for problem in last] == [
-        "from here on there are more problems; they are told when these are mended"
+        "there are more problems from here on; they are reported once these are fixed"
     ]
 
 

@@ -309,20 +309,20 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
         (
             ["show", "amm5", "--edition", "2.0"],
             (
-                "the spec of amm5 tells of no edition '2.0'; there are 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 "
+                "the spec of amm5 has no edition '2.0'; there are 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 "
                 "and 1.9, or a date such as 2020-03-31"
             ),
         ),
         (
             ["show", "amm5", "--edition", "2018-01-01"],
-            "the first edition, 1.0, is of 2018-08-10; there is none of 2018-01-01",
+            "the first edition, 1.0, is of 2018-08-10, after 2018-01-01",
         ),
         # Of 1.0 only the year is known, of 1.1 nothing: no day tells which was the latest.
         (
             ["show", "am36", "--edition", "2020-01-01"],
-            "the spec of am36 tells of no edition '2020-01-01'; there are 1.0 and 1.1",
+            "the spec of am36 has no edition '2020-01-01'; there are 1.0 and 1.1",
         ),
-        (["show", "asc85", "--edition", "0.9"], "the spec of asc85 tells of no edition '0.9'; there is 1.0"),
+        (["show", "asc85", "--edition", "0.9"], "the spec of asc85 has no edition '0.9'; there is 1.0"),
         (
             ["show", "AMM5A21/65KSC1", "--edition", "label"],
             "the label tells no edition; give its revision, such as 1.9",
@@ -367,13 +367,13 @@ SLIPS = {
     "not in the history": (
         'revision: "1.7"\n    before',
         'revision: "0.7"\n    before',
-        "edition-order: '0.7' has editions before it only if it is in the history, after the first and up to 1.9",
+        "edition-order: '0.7' can have 'before' only if it is in the history, after the first and up to 1.9",
     ),
-    "twice": ('- revision: "1.6"\n    before', '- revision: "1.7"\n    before', "the edition '1.7' is already there"),
+    "twice": ('- revision: "1.6"\n    before', '- revision: "1.7"\n    before', "the edition '1.7' already exists"),
     "then": (
         'revision: "1.2"\n    before',
         'revision: "1.2"\n    then',
-        "edition-order: '1.2' is no revision after 1.9, which this file transcribes; say what was 'before' it",
+        "edition-order: '1.2' is not after 1.9, which this file transcribes; use 'before' for it",
     ),
     "nothing there": (
         "- unknown: [registers.device_id]",
@@ -388,12 +388,12 @@ SLIPS = {
     "a change of nothing": (
         "      - unknown: [registers.serial_number, examples.serial_number]\n        why",
         "      - why",
-        "overlay-change: this change does nothing; give it one of set, add, remove, unknown and also",
+        "overlay-change: this change does nothing; use one of set, add, remove, unknown and also",
     ),
     "a change of two kinds": (
         "- unknown: [registers.device_id]",
         "- unknown: [registers.device_id]\n        also: More",
-        "overlay-change: this change has 'unknown' and 'also'; give it one of set, add, remove, unknown and also",
+        "overlay-change: this change has 'unknown' and 'also'; use one of set, add, remove, unknown and also",
     ),
     "no such register": (
         "      - register: serial_number\n        run: week",
@@ -435,7 +435,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
     (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
     _, report = loading.load_families([spec])
     assert [item.message for item in report.problems] == [
-        "no labels are also written as '{model}'; the order code has none such under 'also_written'"
+        "there is no spelling '{model}' in 'also_written' of the order code"
     ]
 
 

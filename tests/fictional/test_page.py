@@ -23,7 +23,7 @@ SLIPS = {
     "padding": (
         "padded_to: 31",
         "padded_to: 32",
-        "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits, got 32",
+        "example 'ssi_before_preset' does not match: 'ssi_word' has 33 bits, got 32",
     ),
     "length": (
         "    length: 4\n    byte_order: high_byte_first\n    access: read_write",
@@ -33,7 +33,7 @@ SLIPS = {
     "signed": (
         "padded_to: 31\n            signed: true\n",
         "padded_to: 31\n",
-        "example 'ssi_before_preset' does not hold: position is 33553432, not -1000",
+        "example 'ssi_before_preset' does not match: position is 33553432, not -1000",
     ),
     "no_order": (
         "    byte_order: high_byte_first\n    access: read_write\n",
@@ -43,7 +43,7 @@ SLIPS = {
     "swapped": (
         "byte_order: low_byte_first\n    access: read_write\n    default: 0x03B6",
         "byte_order: high_byte_first\n    access: read_write\n    default: 0x03B6",
-        "example 'upper_limit_delivered' does not hold: upper_limit is -18941, not 950",
+        "example 'upper_limit_delivered' does not match: upper_limit is -18941, not 950",
     ),
     "top_bit": (
         "poly: 0x05",
@@ -53,7 +53,7 @@ SLIPS = {
     "start": (
         "init: 0x5A3C",
         "init: 0",
-        "example 'position_channel' does not hold: expected CRC 0x5e9a, got 0x4587",
+        "example 'position_channel' does not match: expected CRC 0x5e9a, got 0x4587",
     ),
     "bank": (
         "      - {do: write, register: bank, value: position}\n",

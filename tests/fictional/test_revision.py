@@ -1,4 +1,4 @@
-"""The story of a revision, as the page on transcribing tells it: one register moves, in two readings, one at a time."""
+"""The revision described on the page on transcribing: one register moves, in one reading after the other."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TOLVARN = DOCS / "example" / "tolvarn"
 PAGE = (DOCS / "how-to-transcribe.md").read_text(encoding="utf-8")
 BLOCKS = (" ".join(text.split()) for text in re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL))
 QUOTED = [text for text in BLOCKS if "readings-disagree" in text]
-MEND = "; the manual decides; where it prints both, an erratum has them under 'readings'"
+MEND = "; check the manual; if it prints both, add an erratum with both under 'readings'"
 
 
 @pytest.fixture

@@ -49,7 +49,7 @@ def test_an_order_code_of_two_families(tmp_path: Path) -> None:
     found = problems(
         tmp_path, minimal=MINIMAL, other=MINIMAL.replace("device: minimal", "device: other"), manufacturer=MAKER
     )
-    assert found == ["other.yaml:10: order-code-ambiguous: the order code MIN12SC belongs to 'minimal' as well"]
+    assert found == ["other.yaml:10: order-code-ambiguous: the order code MIN12SC also belongs to 'minimal'"]
 
 
 def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path) -> None:
@@ -58,9 +58,9 @@ def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path
         MAKER.replace("acme", "zenith") + "python_package: encoders\nbiss_id: 0x4142\n",
     )
     assert problems(tmp_path, minimal=MINIMAL, acme=first, zenith=second) == [
-        "zenith.yaml:5: duplicate-name: the Python package 'encoders' is that of 'acme' as well; each has its own",
+        "zenith.yaml:5: duplicate-name: the Python package 'encoders' is also that of 'acme'; rename one",
         (
-            "zenith.yaml:6: duplicate-name: the BiSS manufacturer ID 0x4142 is that of 'acme' as well; "
+            "zenith.yaml:6: duplicate-name: the BiSS manufacturer ID 0x4142 is also that of 'acme'; "
             "it names the file idbiss4142.xml"
         ),
     ]
@@ -69,8 +69,8 @@ def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path
 def test_a_package_with_a_name_of_pythons_own(tmp_path: Path) -> None:
     assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + "python_package: json\n") == [
         (
-            "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': that is a name of Python's own; "
-            "take 'json_encoders'"
+            "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': Python uses that name; "
+            "write 'json_encoders'"
         )
     ]
 
@@ -92,7 +92,7 @@ def test_the_biss_id_of_the_maker_and_of_the_register(tmp_path: Path, equals: st
     )
     line = len(MINIMAL.splitlines()) + 1
     wrong = (
-        f"'manufacturer_id' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is 0x4142; "
+        f"'manufacturer_id' equals {shown} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is 0x4142; "
         "one of the two is wrong"
     )
     assert found == ([f"minimal.yaml:{line}: biss-id-mismatch: {wrong}"] if shown else [])

@@ -103,28 +103,25 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         ),
         (
             "  - set: registers.command.wait_at_least_ms\n    to: 30\n" + OWN,
-            "o0.yaml:6:10: overlay-unused: the spec has 30 here already; leave the change out",
+            "o0.yaml:6:10: overlay-unused: the spec already has 30 here; leave the change out",
         ),
         (
             "  - set: registers.command.address\n    to: 0x77\n" + OWN,
-            "o0.yaml:6:10: overlay-unused: the spec has 0x77 here already; leave the change out",
+            "o0.yaml:6:10: overlay-unused: the spec already has 0x77 here; leave the change out",
         ),
         (
             "  - add: registers.command.wait_at_least_ms\n    value: 40\n" + OWN,
-            (
-                "o0.yaml:6:10: overlay-unused: there is a 'registers.command.wait_at_least_ms' already; "
-                "change it with 'set'"
-            ),
+            ("o0.yaml:6:10: overlay-unused: 'registers.command.wait_at_least_ms' already exists; change it with 'set'"),
         ),
         (
             "  - add: registers\n    value: {name: command}\n" + OWN,
-            "o0.yaml:6:10: overlay-unused: 'registers' has 'command' already; change it with 'set'",
+            "o0.yaml:6:10: overlay-unused: 'registers' already has 'command'; change it with 'set'",
         ),
         (
             "  - remove: registers.nothing\n" + OWN,
             (
                 "o0.yaml:6:13: overlay-unused: there is nothing at 'registers.nothing': 'registers' has no 'nothing'; "
-                "there are: preset, preset_setting_enable, serial_number, command, device_id, manufacturer_id"
+                "known: preset, preset_setting_enable, serial_number, command, device_id, manufacturer_id"
             ),
         ),
         (
@@ -134,32 +131,29 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: registers.command.note\n    to: A\n    remove: registers.command\n" + OWN,
             (
-                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; give it one of set, add, remove, "
+                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; use one of set, add, remove, "
                 "unknown and also"
             ),
         ),
         (
             "  - to: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: this change does nothing; give it one of set, add, remove, unknown and also",
+            "o0.yaml:6:5: overlay-change: this change does nothing; use one of set, add, remove, unknown and also",
         ),
         ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
         (
             "  - remove: leds\n    value: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: a change with 'remove' has no 'value'",
+            "o0.yaml:6:5: overlay-change: a change with 'remove' takes no 'value'",
         ),
         (
             "  - set: device\n    to: other\n" + OWN,
-            (
-                "o0.yaml:6:10: overlay-change: 'device' is not for an overlay; it changes what a manual says of the "
-                "encoder"
-            ),
+            ("o0.yaml:6:10: overlay-change: an overlay cannot change 'device', only facts about the encoder"),
         ),
         (
             "  - set: ../../etc/passwd\n    to: x\n" + OWN,
             (
                 "o0.yaml:6:10: bad-pattern: 'set' cannot be '../../etc/passwd': a place is keys and names joined "
                 "by dots, "
-                "items without a name by their number, as in procedures.set_preset.steps[3]"
+                "unnamed items by number, as in procedures.set_preset.steps[3]"
             ),
         ),
         (
@@ -180,7 +174,7 @@ def test_what_is_wrong_with_a_change_is_said_where_it_stands(changes: str, messa
 def test_a_wrong_value_is_told_in_the_overlay(tmp_path: Path) -> None:
     said = one(tmp_path, "  - set: registers.command.access\n    to: sometimes\n" + OWN)
     assert said[0] == (
-        "o0.yaml:7:9: not-allowed: 'access' cannot be 'sometimes'; it is one of: read_only, read_write, write_only"
+        "o0.yaml:7:9: not-allowed: 'access' cannot be 'sometimes'; use one of: read_only, read_write, write_only"
     )
     said = one(tmp_path, "  - set: crcs.biss_6.poly\n    to: 0x143\n" + OWN)
     assert said[0].startswith("o0.yaml:7:9: crc-impossible: the polynomial 0x143 does not fit into 6 bits")
@@ -195,8 +189,8 @@ def test_what_the_spec_lacks_under_an_overlay_is_told_in_the_overlay(tmp_path: P
     )
     assert said == [
         (
-            f"o0.yaml:2:10: undefined-reference: with this overlay over it, amm5.yaml:{line}, "
-            "examples.serial_number.register: there is no register 'serial_number'; known are: preset, "
+            f"o0.yaml:2:10: undefined-reference: with this overlay, amm5.yaml:{line}, "
+            "examples.serial_number.register: there is no register 'serial_number'; known: preset, "
             "preset_setting_enable, command, device_id, manufacturer_id"
         )
     ]
@@ -208,23 +202,23 @@ def test_two_overlays_may_not_set_one_place(tmp_path: Path) -> None:
     assert laid(tmp_path, text, other)[1] == [
         "o1.yaml:6:10: overlay-conflict: o0.yaml:6 changes the same place; keep one of the two"
     ]
-    assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is called 'mine' as well"
+    assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is also called 'mine'"
 
 
 def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path) -> None:
     text = HEAD + "  - remove: leds\n" + OWN
     assert laid(tmp_path, text.replace("of: amm5", "of: am36"))[1] == [
-        "o0.yaml:3:5: undefined-reference: there is no family 'am36' among the specs that were read; there are: amm5"
+        "o0.yaml:3:5: undefined-reference: there is no family 'am36' among the specs that were read; known: amm5"
     ]
     assert laid(tmp_path, text.replace("of: amm5", "of: ../amm5.yaml"))[1][0].startswith(
-        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name has lower case letters"
+        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name has lower-case letters"
     )
 
 
 def test_order_codes_of_a_special_model_exist(tmp_path: Path) -> None:
     text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC2]}\nchanges:")
     said = laid(tmp_path, text + "  - set: registers.command.note\n    to: A\n" + OWN)[1]
-    assert said == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is no listed order code of the family"]
+    assert said == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is not a listed order code of the family"]
 
 
 def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) -> None:

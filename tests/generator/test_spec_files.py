@@ -72,7 +72,9 @@ def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
     assert read_specs([tmp_path], report) == []
     (problem,) = report.problems
     assert problem.rule == "no-specs"
-    assert problem.message.endswith("'device', 'manufacturer' and 'master'; 1 other YAML file was passed over")
+    assert problem.message.endswith(
+        "'device', 'manufacturer' or 'master') in this folder; 1 other YAML file was skipped"
+    )
 
 
 def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: Path) -> None:

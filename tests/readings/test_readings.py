@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 HERE = pathlib.Path(__file__).parent
 MADE_UP = sorted((HERE / "specs").glob("*.yaml"))
-MEND = "; the manual decides; where it prints both, an erratum has them under 'readings'"
+MEND = "; check the manual; if it prints both, add an erratum with both under 'readings'"
 
 
 @pytest.fixture
@@ -109,8 +109,8 @@ def test_an_explanation_without_a_disagreement_is_told(folder: pathlib.Path) -> 
     changed(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
     (found,) = told()
     assert found.endswith(
-        "readings-unused: nothing that this erratum affects is 'default' in the second reading and "
-        "'nothing' here; leave it out, or correct it"
+        "readings-unused: no fact affected by this erratum is 'default' in the second reading and "
+        "'nothing' here; correct or remove it"
     )
 
 
@@ -121,7 +121,7 @@ def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathli
     assert told() == []
 
 
-NO_PROSE = "a second reading holds facts and no words for people, so leave it out"
+NO_PROSE = "a second reading has only facts, no prose; leave it out"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ NO_PROSE = "a second reading holds facts and no words for people, so leave it ou
         (
             "device: twice",
             "device: thrice",
-            "3:9: device-name: the device is called 'thrice' and the file 'twice'; give both the same name",
+            "3:9: device-name: the device is called 'thrice', but the file 'twice'; use the same name",
         ),
         ("movement: rotary\n", "", "2:1: missing-key: 'movement' is missing; a second reading needs it"),
         ("    length: 2\n", "", "114:5: missing-key: 'length' is missing; a register needs it"),
@@ -155,7 +155,7 @@ def test_a_spec_with_faults_is_not_compared(folder: pathlib.Path) -> None:
 
 def test_it_belongs_to_its_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "twice.second.yaml"]) == 1
-    assert "this is a second reading; give twice.yaml, the spec to which it belongs" in capsys.readouterr().out
+    assert "this is a second reading; give twice.yaml, the spec that it belongs to" in capsys.readouterr().out
     assert main(["check", "twice.second.yaml", "twice.yaml"]) == 0
 
 
@@ -257,7 +257,7 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
     assert "twice.coverage.json:1:1: coverage-file: the counts are not those of the readings" in capsys.readouterr().out
     kept.write_text("{}", encoding="utf-8")
     assert main(["check"]) == 1
-    assert "twice.coverage.json:1:1: coverage-file: this is not what was written" in capsys.readouterr().out
+    assert "twice.coverage.json:1:1: coverage-file: the file is not as written" in capsys.readouterr().out
 
 
 def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None:

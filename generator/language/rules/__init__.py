@@ -1,8 +1,8 @@
-"""The rules beyond the schema: what is wrong with a spec although each word of it is in the language.
+"""The rules beyond the schema, for errors in specs whose single keys and values are all valid.
 
 A rule is a function of the pruned data, the data as read, and the report of the document.
-It adds problems under a stable name and never raises. To add one: write the function into the module of its subject,
-name it here, and give it a broken spec in ``tests/check/broken``.
+It adds problems under a stable name and never raises. To add a rule, write the function in the module of its subject,
+list it here, and add a broken spec in ``tests/check/broken``.
 """
 
 from __future__ import annotations
@@ -25,8 +25,7 @@ from . import (
 )
 from .walk import Rule
 
-#: Rules on order codes and parameters, which lie under every width: where they find a fault in these,
-#: all is built without them.
+#: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits these.
 FOUNDATIONS: tuple[Rule, ...] = (
     references.order_code_references,
     references.alternative_references,
@@ -37,13 +36,13 @@ FOUNDATIONS: tuple[Rule, ...] = (
     order_code.order_code_pattern,
 )
 
-#: Rules on layouts, registers, groups and CRCs: one with a fault cannot be built.
+#: Rules on layouts, registers, groups and CRCs. One with an error cannot be built.
 SHAPES: tuple[Rule, ...] = (
     shapes.layout_keys,
     values.crc_impossible,
 )
 
-#: Every rule, in the order in which they run. It does not show: problems are sorted by their place.
+#: Every rule, in the order of execution. The order is not visible, because problems are sorted by place.
 RULES: tuple[Rule, ...] = (
     *FOUNDATIONS,
     *SHAPES,

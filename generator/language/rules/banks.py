@@ -1,4 +1,4 @@
-"""Rules on registers in banks: an address in a banked area means nothing until the bank has been selected."""
+"""Rules on registers in banks, whose addresses are only valid after the bank has been selected."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .walk import Fields, Has, Spec, bank_select, by_name, expanded, interface_o
 
 
 def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A register in a bank can be reached: its interface has banks, and names the register that selects them."""
+    """Check that the interface of a register in a bank has banks and names the register that selects them."""
     select = bank_select(raw)
     for path, register in items(spec, "registers"):
         interface = interface_of(register)
@@ -16,8 +16,8 @@ def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         if INTERFACES[interface].highest_in_bank is None:
             wrong = (
-                f"{quoted(register['name'])} is in a bank, and only BiSS has a register that selects banks; leave"
-                " 'bank' out, and say in 'note' how its page is chosen"
+                f"{quoted(register['name'])} is in a bank, but only BiSS has a register that selects banks; leave"
+                " 'bank' out, and describe in 'note' how its page is chosen"
             )
             report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
         elif select is None:
@@ -29,7 +29,7 @@ def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A procedure writes the bank before it touches a register of it."""
+    """Check that a procedure selects the bank before it accesses a register in it."""
     registers, select = by_name(raw, "registers"), bank_select(raw)
     if not isinstance(select, str):
         return
@@ -40,7 +40,7 @@ def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             register = registers.get(step.get("register", ""), {})
             bank = register.get("bank")
             if step["do"] == "write" and step.get("register") == select:
-                # An argument stands for any bank.
+                # An argument may select any bank.
                 selected = numbers.get(step.get("value", ""), "any")
             elif isinstance(bank, int) and selected not in (bank, "any"):
                 wrong = f"{quoted(step['register'])} is in bank {bank}; write that to {quoted(select)} before it"

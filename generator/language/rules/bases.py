@@ -1,4 +1,4 @@
-"""Rules on spelling: hexadecimal numbers begin with 0x, no decimal one with a zero, and quotes are straight."""
+"""Rules on spelling: hexadecimal numbers begin with 0x, decimal ones not with a zero, and quotes are straight."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from .walk import Spec, walk
 
 #: Keys of numbers that manuals print in hexadecimal.
 _HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
-#: Maps whose keys are names of the spec.
+#: Maps whose keys are names defined in the spec.
 _OWN_NAMES = frozenset(("values", "arguments", "sets"))
-#: Pairs of quotes that word processors and PDF files have.
+#: Pairs of quotes used by word processors and PDF files.
 _TYPOGRAPHIC = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
 _DECIMAL = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
 def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A number that manuals print in hexadecimal has 0x, and no number begins with a zero and another digit.
+    """Check that numbers printed in hexadecimal have 0x, and that no number has leading zeros.
 
-    A file that is JSON has decimal numbers only: JSON knows no others.
+    A JSON file may use decimal numbers, because JSON has no others.
     """
     in_json = report.document.line(1).startswith("{")
     for path, number in _numbers(spec, ()):
@@ -37,11 +37,11 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A text is not put in the quotes of a word processor, which YAML takes for letters of the text."""
+    """Check that no text is in typographic quotes, which YAML treats as part of the text."""
     for path, _, value in walk(spec):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
             wrong = f"the quotes {value[0]} and {value[-1]} are part of this text"
-            report.add("typographic-quotes", path, f'{wrong}; write "{value[1:-1]}", in straight quotes')
+            report.add("typographic-quotes", path, f'{wrong}; write "{value[1:-1]}" with straight quotes')
 
 
 def _numbers(node: object, path: Path) -> Iterator[tuple[Path, int]]:

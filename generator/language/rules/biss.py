@@ -1,5 +1,4 @@
-"""Rules on what BiSS itself lays down (PROT p. 9-15) and no spec can change: places of registers,
-the frame of a single cycle, the control frame."""
+"""Rules on what BiSS itself fixes (PROT p. 9-15): places of registers, the single cycle frame, the control frame."""
 
 from __future__ import annotations
 
@@ -9,7 +8,7 @@ from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
 from .walk import Spec, bank_select, by_name, expanded, explained, interface_of, items, layouts, mapping
 
-#: Registers that BiSS has at one place, by the name that manuals give them: address, length, and the place in words.
+#: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
 _PLACES = {
     "eds_bank": (0x41, 1, "at 41h"),
     "profile_id": (0x42, 2, "at 42h and 43h"),
@@ -21,7 +20,7 @@ _BANK_SELECT = (0x40, 1, "at 40h")
 
 #: nE and nW.
 _FLAGS = {"error", "warning"}
-#: Widths of the parts of a control frame, and the two directions of an access.
+#: Widths of the parts of a control frame, and the two access directions.
 _WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
 _DIRECTIONS = {"write": 0b01, "read": 0b10}
 #: The CRC of a control frame: x^4 + x + 1, start 0, sent inverted.
@@ -29,7 +28,7 @@ _CONTROL_CRC = {"width": 4, "poly": 0x3, "init": 0, "refin": False, "refout": Fa
 
 
 def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Registers with the names of those that BiSS places lie there."""
+    """Check that registers with names fixed by BiSS are at their fixed place."""
     select = bank_select(spec)
     for path, register in items(spec, "registers"):
         name = register["name"]
@@ -37,7 +36,7 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if placed is None or interface_of(register) != Biss.name or ("bank" in register and name != select):
             continue
         address, length, where = placed
-        what, end = "it", "; correct it, or give another register another name"
+        what, end = "it", "; correct it, or rename a different register"
         if name == select:
             what, end = "the register that selects banks", ""
         if register["address"] != address or "bank" in register:
@@ -55,10 +54,10 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No other register lies where BiSS has one of its own, but where an erratum says why.
+    """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
-    What is read-only and lies inside is that register or a part of it under another name, and ``profile_id_low`` is a
-    part of it by its name. Manuals use 40h and 41h for other things where there are no banks.
+    A read-only register inside that place is a part of it under another name, and ``profile_id_low`` is a part of it
+    by its name. Manuals use 40h and 41h for other purposes if there are no banks.
     """
     for path, register in items(spec, "registers"):
         name, first = register["name"], register["address"]
@@ -75,15 +74,15 @@ def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 at = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
                 wrong = f"{quoted(name)} is {at}; BiSS has {quoted(known)} {where}"
                 right = (
-                    f"correct the address, or call it {quoted(known)} if it is that. Where the manual has it so, say it"
-                    f" in an erratum that affects registers.{name}.address"
+                    f"correct the address, or call it {quoted(known)} if it is that. If the manual has it so, add an"
+                    f" erratum that affects registers.{name}.address"
                 )
                 report.add("biss-protocol", (*path, "address"), f"{wrong}; {right}")
                 break
 
 
 def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What lies at a place of BiSS has its most significant byte first, but where an erratum says why not."""
+    """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
     for path, register in items(spec, "registers"):
         name = register["name"]
         if name not in _PLACES or interface_of(register) != Biss.name or "bank" in register:
@@ -93,12 +92,12 @@ def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 "biss-protocol",
                 (*path, "byte_order"),
                 f"{quoted(name)} has its low byte first; in BiSS the most significant byte has the lowest address."
-                f" Where the manual has it so, say it in an erratum that affects registers.{name}.byte_order",
+                f" If the manual has it so, add an erratum that affects registers.{name}.byte_order",
             )
 
 
 def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """In a frame with nE and nW these are active low, nE is sent before nW, and an inverted CRC ends the frame."""
+    """Check that nE and nW are active low, that nE is sent first, and that an inverted CRC ends the frame."""
     groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
     for fields in layouts(spec):
         layout, sent = fields.owner, list(expanded(fields, groups))
@@ -106,29 +105,29 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent):
             for path, affected, wrong in _frame_faults(sent, crcs, (*fields.path, "name"), where):
                 if not explained(raw, affected):
-                    end = f"Where the manual has it so, say it in an erratum that affects {affected}"
+                    end = f"If the manual has it so, add an erratum that affects {affected}"
                     report.add("biss-protocol", path, f"{wrong}. {end}")
 
 
 def _frame_faults(
     sent: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], start: Path, where: str
 ) -> Iterator[tuple[Path, str, str]]:
-    """The faults of a frame: where each is, the place that an erratum has to affect, and what is wrong."""
+    """Yield the errors of a frame: the place, the path that an erratum must affect, and the message."""
     names = [field.get("name") for _, field in sent]
     for path, field in sent:
         name = field.get("name")
         if name in _FLAGS and field.get("active") == "high":
-            wrong = f"{quoted(name)} is active high; BiSS has it active low: write 'active: low'"
+            wrong = f"{quoted(name)} is active high; in BiSS it is active low: write 'active: low'"
             yield (*path, "active"), f"{where}.{name}", wrong
         crc = crcs.get(field.get("crc", ""), {})
         if crc.get("xorout") == 0 and isinstance(width := crc.get("width"), int):
             wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends a CRC inverted"
-            yield (*path, "crc"), f"crcs.{field['crc']}.xorout", f"{wrong}; its 'xorout' is {(1 << width) - 1:#x}"
+            yield (*path, "crc"), f"crcs.{field['crc']}.xorout", f"{wrong}; write 'xorout: {(1 << width) - 1:#x}'"
     if {"error", "warning"} <= set(names) and names.index("error") > names.index("warning"):
         path, _ = sent[names.index("warning")]
-        yield path, f"{where}.warning", "'warning' is before 'error', but BiSS sends nE before nW; exchange the two"
+        yield path, f"{where}.warning", "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
     if not any("crc" in field for _, field in sent):
-        right = "BiSS ends it with one; write a last field such as {name: crc, crc: NAME}"
+        right = "in BiSS it ends with one; add a last field such as {name: crc, crc: NAME}"
         yield start, f"{where}.fields", f"the frame has no CRC; {right}"
 
 
@@ -137,7 +136,7 @@ def _names(sent: list[tuple[Path, Spec]]) -> set[str]:
 
 
 def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The control frame has the widths, the directions and the CRC of BiSS."""
+    """Check that the control frame has the widths, the directions and the CRC of BiSS."""
     crcs = by_name(raw, "crcs")
     for here, field in items(spec, "interfaces", Biss.name, "control_data", "fields"):
         name = field.get("name")
@@ -159,7 +158,7 @@ def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         crc = crcs.get(field.get("crc", ""))
         if crc is not None and any(crc.get(key) != value for key, value in _CONTROL_CRC.items()):
             wrong = (
-                f"{quoted(field['crc'])} is not the CRC of BiSS's control frame: 4 bits, poly 0x3, init 0, not"
+                f"{quoted(field['crc'])} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
                 " reflected, xorout 0xF"
             )
             report.add("biss-protocol", (*here, "crc"), wrong)

@@ -1,4 +1,4 @@
-"""Rules on flags: what each makes of the position that stands in the same frame."""
+"""Rules on flags and their effect on the position in the same frame."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .walk import Fields, Spec, by_name, field_lists, field_names, items, layout
 
 
 def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A flag that comes with a position says what the position is worth while it is active."""
+    """Check that a flag in a frame with a position gives the verdict on the position while it is active."""
     groups = by_name(raw, "field_groups")
     positions = {interface: _position_names(spec, interface) for interface in mapping(spec, "interfaces")}
     for fields in layouts(spec):
@@ -21,13 +21,13 @@ def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> Non
             if "active" in field and "makes_position" not in field and "name" in field:
                 if field["name"] in INTERFACES[fields.interface].flags:
                     continue
-                wrong = f"{quoted(field['name'])} comes in a frame with the position; say what the position is worth"
+                wrong = f"{quoted(field['name'])} is in a frame with the position; give the verdict on the position"
                 right = "with 'makes_position': not_usable, usable_with_warning or usable"
-                report.add("makes-position-missing", path, f"{wrong} while it is active, {right}")
+                report.add("makes-position-missing", path, f"{wrong} while it is active {right}")
 
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The flags that another one sums up exist."""
+    """Check that the flags combined by another one exist."""
     every = (field for fields in field_lists(raw) for _, field in fields)
     flags = [field["name"] for field in every if "active" in field and _has_name(field)]
     for fields in field_lists(spec):
@@ -35,19 +35,19 @@ def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             known = [name for name in dict.fromkeys(flags) if name != field.get("name")]
             for index, name in enumerate(field.get("sums_up", ())):
                 if name not in known:
-                    wrong = f"there is no other flag {quoted(name)}{suggestion(name, known, 'known are')}"
+                    wrong = f"there is no other flag {quoted(name)}{suggestion(name, known)}"
                     report.add("undefined-reference", (*path, "sums_up", index), wrong)
 
 
 def alarm_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """An alarm that is called like a flag beside its own is about that flag."""
+    """Check that an alarm with the name of a flag in its group or register is about that flag."""
     for path, alarm in items(spec, "alarms"):
         kind = "group" if "group" in alarm else "register"
         owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
         if alarm["name"] in by_name(owner, "fields") and alarm.get("field", alarm["name"]) != alarm["name"]:
             wrong = (
-                f"the alarm is called {quoted(alarm['name'])}, as is a flag of {quoted(alarm[kind])}, and is about"
-                f" {quoted(alarm['field'])}; name that flag, or call the alarm otherwise"
+                f"the alarm {quoted(alarm['name'])} is named like a flag of {quoted(alarm[kind])}, but is about"
+                f" {quoted(alarm['field'])}; name that flag, or rename the alarm"
             )
             report.add("alarm-name", (*path, "field"), wrong)
 
@@ -57,7 +57,7 @@ def _has_name(field: Spec) -> bool:
 
 
 def _position_names(spec: Spec, interface: str) -> set[str]:
-    """The fields and joins that are the position or a part of it: what is measured, else those named ``position``."""
+    """Return the fields and joins that form the position: the measured ones, otherwise those named ``position``."""
     measurement = mapping(spec, "interfaces", interface, "measurement") or mapping(spec, "measurement")
     of = measurement.get("of", "position")
     joins = (mapping(fields.owner, "join") for fields in layouts(spec) if fields.interface == interface)
@@ -65,7 +65,7 @@ def _position_names(spec: Spec, interface: str) -> set[str]:
 
 
 def _with_groups(fields: Fields, spec: Spec) -> Iterator[tuple[Path, Spec]]:
-    """The fields, each with its own path; those of a group with their path inside the group."""
+    """Yield the fields, each with its own path. Fields of a group have their path inside the group."""
     groups = {group["name"]: (path, group) for path, group in items(spec, "field_groups")}
     for path, field in fields:
         if field.get("use") in groups:

@@ -1,4 +1,4 @@
-"""Rules on descriptions of masters: every name that a rule uses exists and fits what is asked of it."""
+"""Rules on descriptions of masters: every name exists and has the right kind of value."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 def check_master(data: Raw, report: DocumentReport) -> None:
-    """Adds every problem of a description that keeps to the schema."""
+    """Add every problem of a description that follows the schema."""
     _name(data, report)
     for path, node in _nodes(data, ()):
         if isinstance(node.get("source"), str):
@@ -37,7 +37,7 @@ def check_master(data: Raw, report: DocumentReport) -> None:
 
 
 def _written(index: int, report: DocumentReport) -> Raw:
-    """A setting as it was written: of a value that the schema refused, nothing is left in the data."""
+    """Return a setting as written. The checked data no longer has values rejected by the schema."""
     kept = report.document.kept.get(("settings",))
     found: Raw = report.document.data["settings"][index if kept is None else kept[index]]
     return found
@@ -47,7 +47,7 @@ def _name(data: Raw, report: DocumentReport) -> None:
     stem = PurePath(report.document.file).stem
     if "master" in data and data["master"] != stem:
         report.add(
-            "device-name", ("master",), f"the master is '{data['master']}' and the file '{stem}'; the two are the same"
+            "device-name", ("master",), f"the master is '{data['master']}' and the file '{stem}'; use the same name"
         )
 
 
@@ -59,7 +59,7 @@ def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
 
 
 def _source(text: str, path: Path, data: Raw, report: DocumentReport) -> None:
-    """Several documents are parted by semicolons; where in one stands after a colon."""
+    """Check a source: documents separated by semicolons, each with an optional place after a colon."""
     documents = data.get("documents", {})
     for piece in text.split(";"):
         key = piece.partition(":")[0].strip()
@@ -80,7 +80,7 @@ def _known(name: str, path: Path, report: DocumentReport, items: tuple[str, ...]
 
 
 def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
-    """A condition or a limit: words for a word, bounds for a number."""
+    """Check that a condition or limit has words for a word, and bounds for a number."""
     name = node["item"]
     if not _known(name, (*path, "item"), report):
         return
@@ -91,11 +91,11 @@ def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
             report.add(
                 "not-allowed",
                 (*path, key),
-                f"'{name}' is a {'word' if name in WORDS else 'number'}; say {listed(fitting, 'or')}",
+                f"'{name}' is a {'word' if name in WORDS else 'number'}; use {listed(fitting, 'or')}",
                 at_key=True,
             )
     if not given:
-        report.add("missing-key", path, f"nothing is said of '{name}'; say {listed(fitting, 'or')}")
+        report.add("missing-key", path, f"no condition for '{name}'; add {listed(fitting, 'or')}")
     for index, word in enumerate(node.get("is", ()) if name in WORDS else ()):
         _word(word, name, (*path, "is", index), report)
     if node.get("at_least", 0) > node.get("at_most", node.get("at_least", 0)):
@@ -103,10 +103,10 @@ def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
 
 
 def _word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
-    """Whether the item can be this word; if not, after reporting it."""
+    """Return True if the item can be this word, otherwise report it."""
     words = WORDS[name]
     if word not in words:
-        wrong = f"'{name}' is never {quoted(word)}{suggestion(str(word), words, 'it is one of')}"
+        wrong = f"'{name}' is never {quoted(word)}{suggestion(str(word), words, 'use one of')}"
         report.add("undefined-reference", path, wrong)
     return word in words
 
@@ -116,18 +116,16 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
         _braces(setting.get(key, ""), _ITEMS, (*path, key), report)
     kinds = [kind for kind in _KINDS if kind in written]
     if len(kinds) != 1:
-        wrong = f"has {listed(kinds)}; it has one of them" if kinds else f"has no value; say one of {', '.join(_KINDS)}"
+        wrong = f"has {listed(kinds)}; keep one of them" if kinds else f"has no value; add one of {', '.join(_KINDS)}"
         report.add("setting-shape", path, f"{quoted(setting['name'])} {wrong}")
         return
     for key in ("as", "bound"):
         if key in setting and "value" not in written:
-            report.add("setting-shape", (*path, key), f"'{key}' goes with 'value' only", at_key=True)
+            report.add("setting-shape", (*path, key), f"'{key}' needs 'value'", at_key=True)
     if "default" in setting and not {"value", "choice", "clocks"} & written.keys():
-        report.add(
-            "setting-shape", (*path, "default"), "'default' goes with 'value', 'choice' or 'clocks'", at_key=True
-        )
+        report.add("setting-shape", (*path, "default"), "'default' needs 'value', 'choice' or 'clocks'", at_key=True)
     if setting.get("as") == "boolean" and "bound" in setting:
-        report.add("setting-shape", (*path, "bound"), "a boolean is neither the least nor the most", at_key=True)
+        report.add("setting-shape", (*path, "bound"), "a boolean cannot be a bound", at_key=True)
     if "value" in setting:
         _expression(setting["value"], (*path, "value"), report)
     if "choice" in setting:
@@ -146,16 +144,14 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
 
 
 def _writing(data: Raw, report: DocumentReport) -> None:
-    """Check that each condition of writing is one, names settings, and that their order has no circle."""
+    """Check that conditions of writing have one kind, name existing settings, and define an order without cycles."""
     names = tuple(dict.fromkeys(item["name"] for item in data.get("settings", ())))
     order: dict[str, set[str]] = {}
     for index, rule in enumerate(data.get("writing", ())):
         path: Path = ("writing", index)
         given = [key for key in _WRITING if key in rule]
         if len(given) != 1:
-            wrong = (
-                f"has {listed(given)}; it has one of them" if given else f"says nothing; say {listed(_WRITING, 'or')}"
-            )
+            wrong = f"has {listed(given)}; keep one of them" if given else f"is empty; add {listed(_WRITING, 'or')}"
             report.add("writing-shape", path, f"a condition of writing {wrong}")
         for key in ("of", "after"):
             for place, name in enumerate(rule.get(key, ())):
@@ -195,9 +191,9 @@ def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
         if name in WORDS and not _word(value, name, here, report):
             pass
         elif name in NUMBERS and not isinstance(value, int):
-            report.add("wrong-type", here, f"'{name}' is a number; {quoted(value)} is none")
+            report.add("wrong-type", here, f"'{name}' is a number, {quoted(value)} is not")
         elif value in seen:
-            report.add("duplicate-name", here, f"{quoted(value)} has a case already")
+            report.add("duplicate-name", here, f"{quoted(value)} already has a case")
         seen.add(value)
 
 
@@ -208,7 +204,7 @@ def _string(rule: Raw, path: Path, report: DocumentReport) -> None:
         report.add(
             "missing-key",
             (*path, "fields"),
-            "there is no entry for the position; say one of position, or of multiturn and singleturn",
+            "there is no entry for the position; add one for position, or for multiturn and singleturn",
         )
     for index, item in enumerate(rule["fields"]):
         _braces(item["text"], ("bits", "name", *_ITEMS), (*path, "fields", index, "text"), report)
@@ -217,4 +213,4 @@ def _string(rule: Raw, path: Path, report: DocumentReport) -> None:
 def _braces(text: str, known: tuple[str, ...], path: Path, report: DocumentReport) -> None:
     for name in _BRACES.findall(text):
         if name not in known:
-            report.add("undefined-reference", path, f"nothing is called {{{name}}}{suggestion(name, known)}")
+            report.add("undefined-reference", path, f"there is no {{{name}}}{suggestion(name, known)}")

@@ -1,4 +1,4 @@
-"""Rules on words that say once more what stands beside them as data: where the two differ, one of them is a slip."""
+"""Rules on text that repeats nearby data: if the two differ, one of them is a mistake."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from ..problems import DocumentReport, quoted
 from .values import constant_width
 from .walk import Spec, field_lists, items, layouts, mapping
 
-#: Names of interfaces in the words of a manual. RS-485 is not among them: it is the name of the signals as well.
+#: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
 _INTERFACES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
 _ANY_INTERFACE = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
 
-#: A number in binary in quotes, in hexadecimal as in 0x1F or 0Ah, in binary as in 0b01. Plain digits may be a name.
+#: Numbers: binary in quotes, hexadecimal as in 0x1F or 0Ah, binary as in 0b01. Plain digits may be a name.
 _IN_QUOTES = re.compile(r"\"([01]+)\"|'([01]+)'|“([01]+)”")
 _WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
 _WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
 
 
-#: A length of micrometres in words, and a voltage: one with its tolerance, or two.
+#: A length in micrometres, and a voltage: one with its tolerance, or two.
 _MICROMETRES = re.compile(r"(?<![\d.,])([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) ?[µμ]m\b")
 _UNITS_OF_MICROMETRES = ("µm", "μm", "um", "micrometres", "micrometers")
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
@@ -28,20 +28,20 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.) ?{_VOLT}")
 
 
 def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What the meaning of a value of an order code says is what it sets: the code, the length, the supply."""
+    """Check that the meaning of an order code value agrees with what it sets: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
             meaning, here = value.get("meaning", ""), (*path, "values", text)
             for name, right in _codes_named(spec, value).items():
                 if value["sets"][name] != right:
                     word = "Gray" if right else "binary"
-                    wrong = f"the meaning of {quoted(text)} says {word}, which {quoted(name)} has as {right}"
+                    wrong = f"the meaning of {quoted(text)} says {word}; {quoted(name)} must be {right} for that"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
             lengths = [int(found.replace(",", "")) for found in _MICROMETRES.findall(meaning)]
             for name, number in mapping(value, "sets").items():
                 unit = mapping(raw, "parameters", name).get("unit")
                 if lengths and unit in _UNITS_OF_MICROMETRES and number not in lengths:
-                    wrong = f"the meaning of {quoted(text)} says {lengths[0]} µm, and {quoted(name)} is {number}"
+                    wrong = f"the meaning of {quoted(text)} says {lengths[0]} µm, but {quoted(name)} is {number}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
             named, has = _supply_named(meaning), mapping(value, "supply")
             if named and has and named != (has["min_mv"], has["max_mv"]):
@@ -52,7 +52,7 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
-    """For a value that names one code in words: the parameters of that code that it sets, and what they have to be."""
+    """Return the parameters that must be set by a value whose meaning names one code, with the required numbers."""
     words = [word for word in ("Gray", "binary") if re.search(rf"\b{word}\b", value.get("meaning", ""), re.IGNORECASE)]
     if len(words) != 1:
         return {}
@@ -65,7 +65,7 @@ def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
 
 
 def _supply_named(text: str) -> tuple[int, int] | None:
-    """The supply that a text is, in millivolts."""
+    """Return the supply range given by a text, in millivolts, or None."""
     if (two := _TWO_VOLTAGES.fullmatch(text)) is not None:
         return _millivolts(two[1], 100), _millivolts(two[2], 100)
     one = _ONE_VOLTAGE.fullmatch(text)
@@ -80,7 +80,7 @@ def _millivolts(volts: str, per_cent: Fraction | int) -> int:
 
 
 def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A value that the manual names by its number has that number."""
+    """Check that a value whose printed name is a number has that number."""
     for fields in field_lists(spec):
         for path, field in fields:
             for name, value in mapping(field, "values").items():
@@ -94,7 +94,7 @@ def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _number(text: str, width: int | None) -> int | None:
-    """The number that a printed name is, where it is clearly one and nothing else."""
+    """Return the number in a printed name if it is clearly only a number, otherwise None."""
     if (found := _IN_QUOTES.fullmatch(text)) is not None:
         digits = next(group for group in found.groups() if group)
         return int(digits, 2) if len(digits) == width else None
@@ -105,7 +105,7 @@ def _number(text: str, width: int | None) -> int | None:
 
 
 def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A value of an order code whose meaning names one interface does not select another."""
+    """Check that an order code value does not select a different interface than its meaning names."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
             named = {
@@ -114,7 +114,7 @@ def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for kind, pattern in _INTERFACES.items():
                 if len(named) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
                     wrong = (
-                        f"the meaning of {quoted(text)} names {named.pop().replace('BISS', 'BiSS')}, and it selects"
+                        f"the meaning of {quoted(text)} names {named.pop().replace('BISS', 'BiSS')}, but it selects"
                         f" {value['interface']}"
                     )
                     report.add("interface-mismatch", (*path, "values", text, "interface"), wrong)

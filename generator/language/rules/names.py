@@ -1,4 +1,4 @@
-"""Rules on names and numbers that have to be unique."""
+"""Rules on names and numbers that must be unique."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..problems import DocumentReport, Path, quoted
 from ..second_reading import family_of
 from .walk import Spec, by_name, expanded, field_lists, interface_of, items, layouts, mapping
 
-#: Lists at the top whose items have to differ, with the word for an item and the key by which they differ.
+#: Top-level lists with unique items, with the word for an item and the key that must be unique.
 _LISTS = (
     ("crcs", "a CRC", "name"),
     ("field_groups", "a field group", "name"),
@@ -19,13 +19,13 @@ _LISTS = (
     ("inputs", "an input", "name"),
     ("tables", "a table", "name"),
     ("connectors", "a connector", "name"),
-    ("leds", "a light", "name"),
+    ("leds", "an LED", "name"),
     ("characteristics", "a characteristic", "name"),
     ("examples", "an example", "name"),
     ("errata", "an erratum", "name"),
 )
 
-#: The same for lists inside of these items.
+#: The same for lists inside these items.
 _INNER_LISTS = (
     ("registers", "meanings", "name", "a meaning"),
     ("procedures", "arguments", "name", "an argument"),
@@ -33,39 +33,39 @@ _INNER_LISTS = (
     ("leds", "states", "state", "a state"),
 )
 
-#: Names of families that an output needs for something else: what each says of it.
+#: Family names reserved by an output, with the reason.
 _TAKEN = {
     "encoder": "the C header that all families share",
-    "biss": "the part of the Python package on BiSS",
+    "biss": "the BiSS part of the Python package",
     **dict.fromkeys(
         ("decode_file", "decode_partition", "identify", "lookup", "run", "why"), "a function of the Python package"
     ),
     "nearest": "a function of the Python package",
-    "annotations": "a word of Python",
+    "annotations": "a Python attribute",
 }
 
 Named = tuple[Path, object]
 
 
 def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The name of the family is the stem of its file, so that either leads to the other."""
+    """Check that the family has the name of its file, so that either leads to the other."""
     stem = report.document.family or family_of(report.document.file)
     if "device" in spec and spec["device"] != stem:
         report.add(
             "device-name",
             ("device",),
-            f"the device is called {quoted(spec['device'])} and the file {quoted(stem)}; give both the same name",
+            f"the device is called {quoted(spec['device'])}, but the file {quoted(stem)}; use the same name",
         )
     if spec.get("device") in _TAKEN:
         report.add(
             "device-name",
             ("device",),
-            f"{quoted(spec['device'])} is the name of {_TAKEN[spec['device']]}; give the family another",
+            f"{quoted(spec['device'])} is the name of {_TAKEN[spec['device']]}; rename the family",
         )
 
 
 def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No two things of one kind share a name."""
+    """Check that names are unique among items of one kind."""
     for key, word, label in _LISTS:
         _unique(_labels(items(spec, key), label), word, report)
     _unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
@@ -86,7 +86,7 @@ def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Fields, joins and runs of digits of a layout share one space of names: a decoder hands them all out together."""
+    """Check that fields, joins and runs of digits of a layout have unique names, as a decoder returns all of them."""
     groups = by_name(spec, "field_groups")
     for fields in field_lists(spec):
         used = {path for path, field in fields if "use" in field}
@@ -100,7 +100,7 @@ def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A value of the selecting field tells one frame of its sender."""
+    """Check that each value of the selecting field identifies one frame of its sender."""
     told: dict[tuple[str, object, object], object] = {}
     for layout in layouts(spec):
         for selector, values in mapping(layout.owner, "when").items():
@@ -108,14 +108,16 @@ def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 key = (layout.interface, layout.owner.get("from"), value)
                 first = told.setdefault(key, layout.owner["name"])
                 if first != layout.owner["name"] or value in values[:index]:
-                    here = "here already" if first == layout.owner["name"] else f"told by {quoted(first)} already"
-                    wrong = f"{quoted(selector)} {value} is {here}; one frame of the {key[1]} has it"
+                    here = "already listed" if first == layout.owner["name"] else f"already used by {quoted(first)}"
+                    wrong = f"{quoted(selector)} {value} is {here}; use it for one frame of the {key[1]}"
                     report.add("duplicate-name", (*layout.path, "when", selector, index), wrong)
 
 
 def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No two registers of an interface and bank share a byte,
-    but for one that is only read and one that is only written at the same place."""
+    """Check that no two registers of an interface and bank share a byte.
+
+    A read-only and a write-only register may have the same address.
+    """
     registers = sorted(items(spec, "registers"), key=lambda entry: entry[1]["address"])
     for index, (path, register) in enumerate(registers):
         for other_path, other in reversed(registers[max(0, index - 128) : index]):
@@ -137,14 +139,14 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No two names stand for one number: a decoder could not choose."""
+    """Check that no two names have the same number, because a decoder could not choose."""
     for fields in field_lists(spec):
         for path, field in fields:
             seen: dict[int, str] = {}
             for name, value in mapping(field, "values").items():
                 first = seen.setdefault(value["value"], name)
                 if first != name:
-                    message = f"{value['value']:#x} is already {quoted(first)}; a number has one name"
+                    message = f"{value['value']:#x} is already {quoted(first)}; a number can have only one name"
                     report.add("value-clash", (*path, "values", name, "value"), message)
 
 
@@ -153,7 +155,7 @@ def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]
 
 
 def _unique(named: Iterable[Named], word: str, report: DocumentReport) -> None:
-    """Reports every value that an earlier one equals; ``word`` says with its article what has it."""
+    """Report every value equal to an earlier one. ``word`` is the kind of item, with its article."""
     seen: dict[object, Path] = {}
     for path, value in named:
         if value is None:
@@ -165,13 +167,13 @@ def _unique(named: Iterable[Named], word: str, report: DocumentReport) -> None:
             report.add(
                 "duplicate-name",
                 path,
-                f"there is already {word} {shown} on line {line}; give each its own",
+                f"there is already {word} {shown} on line {line}; rename one of them",
                 at_key=path[-2] == "join",
             )
 
 
 def _space(register: Spec) -> tuple[str, object]:
-    """Registers of one space have addresses of their own; each bank is a space, and so is what lies in no bank."""
+    """Return the address space of a register. Each bank is a space, and the area without banks is another."""
     return interface_of(register), register.get("bank")
 
 

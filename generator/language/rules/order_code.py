@@ -1,4 +1,4 @@
-"""Rules on parameters and order codes: every code has one reading and settles everything."""
+"""Rules on parameters and order codes: every code is unambiguous and sets everything."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ...model.expressions import Expression, ExpressionError
 from ..problems import WORDS_ONLY, DocumentReport, Path, quoted
 from .walk import Spec, items, mapping
 
-#: Codes of one family beyond which something is wrong with the spec; the largest catalogue pages have some hundreds.
+#: Largest number of codes of one family. More indicate an error, as the largest catalogue pages have some hundreds.
 MAX_CODES = 10_000
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
-#: Keys of a parameter that no order code sets, and where its value comes from instead.
+#: Keys of parameters that are not set by order codes, with the origin of their value.
 _NOT_SET = {
     "equals": "follows from other parameters (its 'equals')",
     "read_from": "is read from the encoder (its 'read_from')",
@@ -32,7 +32,7 @@ _PARTS: tuple[str, str] = ("order_code", "parts")
 
 @dataclass(frozen=True, slots=True)
 class _Code:
-    """One enumerated code: its text and the value chosen for each part."""
+    """One enumerated code: its text and the chosen value of each part."""
 
     text: str
     chosen: tuple[tuple[str, str, Spec], ...]
@@ -43,7 +43,7 @@ class _Code:
 
 
 def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No parameter follows from itself."""
+    """Check that no parameter is defined by itself."""
     parameters = mapping(spec, "parameters")
     definitions = {name: _parameters_in(item["equals"]) for name, item in parameters.items() if "equals" in item}
     settled: set[str] = set()
@@ -63,7 +63,7 @@ def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add(
                     "parameter-cycle",
                     ("parameters", loop[0], "equals"),
-                    f"the parameter follows from itself: {' -> '.join(loop)}",
+                    f"circular definition of parameter: {' -> '.join(loop)}",
                 )
                 settled.update(trail)
                 break
@@ -73,7 +73,7 @@ def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The pattern and the parts agree, and every code sets every parameter once and selects one interface."""
+    """Check that pattern and parts agree, and that every code sets each parameter once and selects one interface."""
     if not is_whole(spec, raw):
         return
     before = len(report)
@@ -86,14 +86,14 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         report.add(
             "order-code-pattern",
             _PARTS,
-            f"the parts combine to more than {MAX_CODES} order codes; leave open parts to 'open'",
+            f"the parts combine to more than {MAX_CODES} order codes; use 'open' for open parts",
             at_key=True,
         )
     elif not codes:
         report.add(
             "order-code-pattern",
             _PARTS,
-            "no order code is left; every combination is excluded by 'only_with'",
+            "'only_with' excludes every combination, so no order code remains",
             at_key=True,
         )
     else:
@@ -101,7 +101,7 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No text on a label can be read in two ways."""
+    """Check that no text on a label can be read in two ways."""
     parts = [part for _, part in items(spec, *_PARTS)]
     pattern = str(mapping(spec, "order_code").get("pattern", ""))
     by_part = {part["name"]: part for part in parts}
@@ -113,9 +113,9 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         return
     if sorted(_BRACES.findall(pattern)) != sorted(by_part):
         return
-    # Blanks mean nothing on a label.
+    # Blanks on a label are ignored.
     pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
-    # With parts of fixed length each code splits at fixed places, and can only be read as it was made.
+    # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     fixed = all("open" not in part and len({len(text) for text in part["values"]}) == 1 for part in parts)
     seen: dict[str, _Code] = {}
     for code in _codes(spec) or ():
@@ -124,7 +124,7 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "order-code-ambiguous",
                 ("order_code", "pattern"),
-                f"the code {quoted(code.text)} comes out twice: as {_words(other)}, and as {_words(code)}",
+                f"the code {quoted(code.text)} occurs twice: as {_words(other)}, and as {_words(code)}",
             )
             return
         readings = [] if fixed else list(itertools.islice(_readings(_without_blanks(code.text), pieces, by_part), 2))
@@ -142,7 +142,7 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Another spelling has every part once, and what stands in it stands for listed values."""
+    """Check that an alternative spelling has every part once, and that its texts represent listed values."""
     if not is_whole(spec, raw):
         return
     parts = {part["name"]: part for _, part in items(spec, *_PARTS)}
@@ -151,32 +151,34 @@ def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         used = _BRACES.findall(spelling["pattern"])
         if sorted(used) != sorted(parts):
             needed = f"it needs each of {', '.join(parts)} once, as in {quoted(pattern)}"
-            wrong = f"has the parts {', '.join(used) or 'none'}; {needed}"
+            wrong = f"has the parts {', '.join(used)}; {needed}" if used else f"has no parts; {needed}"
             report.add("also-written", (*path, "pattern"), f"{quoted(spelling['pattern'])} {wrong}")
             continue
         for name, texts in mapping(spelling, "values").items():
             if name not in parts:
-                wrong = f"there is no part {quoted(name)}; known are {', '.join(parts)}"
+                wrong = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
                 report.add("also-written", (*path, "values", name), wrong, at_key=True)
                 continue
             for text, value in texts.items():
                 if value not in parts[name]["values"]:
-                    wrong = f"{quoted(value)} is no value of {name}; listed are {', '.join(parts[name]['values'])}"
+                    wrong = f"{quoted(value)} is not a value of {name}; known: {', '.join(parts[name]['values'])}"
                     report.add("also-written", (*path, "values", name, text), wrong)
         wrong = _wrong_expression(spelling.get("then", ""))
         if wrong:
-            wrong = f"{quoted(spelling['then'])} is no regular expression for what follows: {wrong}"
+            wrong = f"{quoted(spelling['then'])} is not a valid regular expression: {wrong}"
             report.add("also-written", (*path, "then"), wrong)
 
 
 def _without_blanks(text: str) -> str:
-    """As labels are compared: blanks mean nothing there."""
+    """Return the text as used to compare labels, where blanks are ignored."""
     return "".join(text.split()).upper()
 
 
 def is_whole(spec: Spec, raw: Spec) -> bool:
-    """Whether nothing but words was cut out of order codes and parameters.
-    Anything else that is missing would look like a fault of what is left."""
+    """Return True if only prose was cut out of order codes and parameters.
+
+    Any other missing part would cause errors in the remaining data.
+    """
     return all(
         key in spec and _without_words(spec[key]) == _without_words(raw[key]) for key in ("order_code", "parameters")
     )
@@ -199,18 +201,15 @@ def _check_pattern(spec: Spec, report: DocumentReport) -> None:
         report.add(
             "order-code-pattern",
             path,
-            f"{quoted(wrong)} has no place outside of braces; "
-            "a code has letters, digits, '/', '-', '_', '.' and spaces",
+            f"{quoted(wrong)} is not allowed outside braces; a code has letters, digits, '/', '-', '_', '.' and spaces",
         )
     for name in dict.fromkeys(used):
         if name not in names:
             report.add(
-                "order-code-pattern", path, f"the part {{{name}}} is not among the parts; known are {', '.join(names)}"
+                "order-code-pattern", path, f"the part {{{name}}} is not among the parts; known: {', '.join(names)}"
             )
         if used.count(name) > 1:
-            report.add(
-                "order-code-pattern", path, f"the part {{{name}}} stands in the pattern {used.count(name)} times"
-            )
+            report.add("order-code-pattern", path, f"the part {{{name}}} is in the pattern {used.count(name)} times")
     for place, part in items(spec, *_PARTS):
         if part["name"] not in used:
             report.add(
@@ -228,55 +227,60 @@ def _check_values(spec: Spec, report: DocumentReport) -> None:
                     report.add(
                         "order-code-pattern",
                         (*path, "values", text, "sets", name),
-                        f"{quoted(name)} {_NOT_SET[origin]}; a code cannot set it as well",
+                        f"{quoted(name)} {_NOT_SET[origin]}; a code cannot set it too",
                     )
         wrong = _wrong_expression(part.get("open", ""))
         if wrong:
             report.add(
                 "order-code-pattern",
                 (*path, "open"),
-                f"{quoted(part['open'])} is no regular expression for a part: {wrong}",
+                f"{quoted(part['open'])} is not a valid regular expression: {wrong}",
             )
 
 
 def _wrong_expression(text: str) -> str:
-    """Why ``text`` cannot be the expression of an open part; empty where it can."""
+    """Return why ``text`` cannot be the expression of an open part, or an empty string if it can."""
     try:
         re.compile(text)
     except (re.error, OverflowError) as error:
         return str(error)
-    # Each count multiplies the ways in which a label can be tried; three are more than any catalogue needs.
-    return "it has more than three counts" if len(_COUNT.findall(_CLASS.sub("", text))) > 3 else ""
+    # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
+    return "more than three repetitions" if len(_COUNT.findall(_CLASS.sub("", text))) > 3 else ""
 
 
 def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
-    """Reports each kind of fault once, by the first code that has it."""
+    """Report each kind of error once, for the first code that has it."""
     faults: dict[str, tuple[Path, str]] = {}
     free = [name for name, item in spec["parameters"].items() if not any(key in item for key in _NOT_SET)]
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
             found = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
-            faults.setdefault("interface", (_PARTS, f"each code selects one interface; {code.text} selects {found}"))
+            faults.setdefault(
+                "interface", (_PARTS, f"each code must select one interface; {code.text} selects {found}")
+            )
         count = [name for _, _, value in code.chosen for name in mapping(value, "sets")]
         misspelt = any(name not in spec["parameters"] for name in count)
         for name in free:
             if count.count(name) == 0 and not misspelt:
                 message = (
                     f"no part of {code.text} sets {quoted(name)}; "
-                    "every code has to, or the parameter needs 'equals', 'read_from' or 'alternative'"
+                    "every code must, or the parameter needs 'equals', 'read_from' or 'alternative'"
                 )
                 faults.setdefault(name, (("parameters", name), message))
             elif count.count(name) > 1:
                 faults.setdefault(
                     name,
-                    (("parameters", name), f"{count.count(name)} parts of {code.text} set {quoted(name)}; one may"),
+                    (
+                        ("parameters", name),
+                        f"{count.count(name)} parts of {code.text} set {quoted(name)}; only one may",
+                    ),
                 )
     for path, message in faults.values():
         report.add("order-code-pattern", path, message, at_key=True)
     reached = {interface for code in codes for interface in code.interfaces}
     for interface in mapping(spec, "interfaces"):
-        # Where a code selects an interface that does not exist, that is the slip; another rule names it.
+        # If a code selects an interface that does not exist, that is the mistake. Another rule reports it.
         if interface not in reached and reached <= mapping(spec, "interfaces").keys():
             report.add(
                 "order-code-pattern",
@@ -287,7 +291,7 @@ def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> 
 
 
 def _codes(spec: Spec) -> list[_Code] | None:
-    """Every enumerated code, or None where they are too many."""
+    """Return every enumerated code, or None if there are too many."""
     parts = [part for _, part in items(spec, *_PARTS)]
     if math.prod(len(part["values"]) for part in parts) > MAX_CODES:
         return None
@@ -311,8 +315,10 @@ def _filled(pattern: str, texts: dict[str, str]) -> str:
 def _readings(
     text: str, pieces: Sequence[str], parts: dict[str, Spec], start: int = 0, index: int = 0
 ) -> Iterator[tuple[str, ...]]:
-    """Every way to split ``text`` from ``start`` on into the pattern's ``pieces`` from ``index`` on:
-    literals at even places, parts at odd ones."""
+    """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``.
+
+    Pieces at even indices are literals, those at odd indices are parts.
+    """
     literal = pieces[index].upper()
     if not text.startswith(literal, start):
         return

@@ -1,4 +1,4 @@
-"""Rules on parameters: over which interface they hold, and in which unit they count."""
+"""Rules on parameters: the interface that may use them, and their unit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .walk import (
     measurements,
 )
 
-#: What units count, in the words that manuals have for them. A unit that is not here is taken as it is.
+#: Quantities by their units as manuals name them. Other units are used unchanged.
 _KINDS = {
     "bits": ("bit", "bits"),
     "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
@@ -29,7 +29,7 @@ _KINDS = {
     "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
 }
 _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
-#: What each number of a measurement counts.
+#: Quantity of each number of a measurement.
 _WIDTHS = ("bits", "low_bit")
 _MEASURED = {
     "counts_per_turn": "counts",
@@ -41,12 +41,12 @@ _MEASURED = {
 
 
 def kind_of_unit(unit: str) -> str:
-    """What a unit counts, whatever a manual calls it; the unit itself where that is not known."""
+    """Return the quantity of a unit, or the unit itself if it is not known."""
     return _KIND_OF.get(unit, unit)
 
 
 def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A parameter that holds over one interface is not used for another."""
+    """Check that a parameter of one interface is not used for another."""
     parameters = mapping(raw, "parameters")
     for path, interface, text in uses(spec, raw):
         for name in dict.fromkeys(all_parameters(text, parameters)):
@@ -55,13 +55,13 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add(
                     "parameter-interface",
                     path,
-                    f"{quoted(name)} holds over {of} only, by its 'interface'; this is {interface}",
+                    f"{quoted(name)} is only for {of}, by its 'interface'; this is {interface}",
                 )
                 break
 
 
 def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
-    """Every expression of a spec, those of groups once."""
+    """Yield every expression of a spec, those of groups once."""
     for path, part in items(spec, "order_code", "parts"):
         yield from _under(path, part, ("label_is",))
     for name, parameter in mapping(spec, "parameters").items():
@@ -76,7 +76,7 @@ def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
 
 
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
-    """Where an interface uses expressions and parameters: the place, the interface, and the text."""
+    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
     groups = by_name(raw if raw is not None else spec, "field_groups")
     registers = (
         Fields(Has.REGISTER, register, path, interface_of(register)) for path, register in items(spec, "registers")
@@ -98,7 +98,7 @@ def _under(path: Path, item: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, 
 
 
 def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
-    """What a text equals is text; what a number equals may depend on the order code."""
+    """Return the expressions of a field. ``equals`` of a text field is text, otherwise an expression."""
     return _under(path, field, ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals"))
 
 
@@ -108,9 +108,9 @@ def _of_limits(path: Path, owner: Spec) -> Iterator[tuple[Path, int | str]]:
 
 
 def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
-    """The parameters in an expression, and those from which they follow."""
+    """Yield the parameters in an expression, and those that define them."""
     factors, seen = _factors(text), set()
-    # The list grows while it is gone through: what is named itself comes before what it follows from.
+    # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors:
         name = factor.parameter
         if name not in seen and name in parameters:
@@ -127,21 +127,21 @@ def _factors(text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors]
 
 
-#: What says where the value of a parameter comes from; without any the order code sets it.
+#: Keys for the origin of a parameter's value. Without any, the order code sets it.
 _ORIGINS = ("equals", "read_from", "alternative")
 
 
 def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The value of a parameter comes from one place."""
+    """Check that the value of a parameter has one origin."""
     for name, parameter in mapping(spec, "parameters").items():
         found = [key for key in _ORIGINS if key in parameter]
         if len(found) > 1:
-            wrong = f"{listed(map(quoted, found))} each say what {quoted(name)} is; keep one"
+            wrong = f"{listed(map(quoted, found))} each define {quoted(name)}; keep one"
             report.add("parameter-origin", ("parameters", name, found[1]), wrong, at_key=True)
 
 
 def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Only where the fields of a frame or register lie may depend on what the user decides: there code asks for it."""
+    """Check that alternatives affect only the places of fields, because only there generated code asks for them."""
     parameters = mapping(raw, "parameters")
     decided = {name for name in parameters if "alternative" in mapping(parameters, name)}
     used = [*expressions(spec), *((path, text) for path, _, text in uses(spec, raw) if path[-1] == "when")]
@@ -149,12 +149,12 @@ def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         name = next((factor.parameter for factor in _factors(text) if factor.parameter in decided), None)
         if name is not None and path[-1] not in _WIDTHS:
             of = mapping(parameters, name)["alternative"]
-            wrong = f"{quoted(name)} is set by the alternative {quoted(of)}, which code asks for at a frame or register"
+            wrong = f"{quoted(name)} is set by the alternative {quoted(of)}, which only frames and registers ask for"
             report.add("alternative-use", path, f"{wrong}; use it in 'bits' or 'low_bit' of a field")
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Two to the power of a parameter needs bits, and what a measurement counts needs the unit of that."""
+    """Check that exponents are in bits, and that numbers of a measurement have the right unit."""
     parameters = mapping(raw, "parameters")
 
     def compare(path: Path, factor: Factor, needed: str, use: str) -> None:

@@ -1,4 +1,4 @@
-"""Rules on what a manual prints once more: lists of defaults, last addresses, writes of procedures, labels."""
+"""Rules on facts that a manual prints twice: lists of defaults, last addresses, writes of procedures, labels."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WRITE = re.compile(
 
 
 def addresses(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The addresses as printed are those that address and length give."""
+    """Check that the printed addresses match address and length."""
     for path, register in items(spec, "registers"):
         printed = register.get("addresses")
         if printed is None:
@@ -34,7 +34,7 @@ def addresses(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def labels(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The number on a label is what its part says that it is."""
+    """Check that the number on a label matches the expression of its part."""
     for path, part in items(spec, "order_code", "parts"):
         expression = _expression(part.get("label_is"))
         if expression is None:
@@ -45,7 +45,7 @@ def labels(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             number = _value(expression, sets)
             if number is not None and int(text) != number:
-                wrong = f"the label {quoted(text)} is {expression.render()}, which is {number} here"
+                wrong = f"the label {quoted(text)} must be {expression.render()}, which is {number} here"
                 report.add("label-mismatch", (*path, "values", text, "sets"), wrong)
 
 
@@ -59,16 +59,16 @@ def _expression(text: object) -> Expression | None:
 def _value(expression: Expression, sets: Spec) -> int | None:
     try:
         return expression.value(sets)
-    except ExpressionError:  # An exponent out of reach, of which another rule tells.
+    except ExpressionError:  # The exponent is out of range. Another rule reports it.
         return None
 
 
 def default_lists(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The manual's list of defaults is that of the registers, but for rows that an erratum explains."""
+    """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum."""
     registers = by_name(spec, "registers")
     for path, row in items(spec, "printed_defaults"):
         if ("bytes" in row) == ("value" in row) or ("bytes" in row) == ("at" in row):
-            wrong = "a row has 'bytes', which are those of the whole register, or 'at' and 'value' for some of its bits"
+            wrong = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
             report.add("default-mismatch", path, wrong)
             continue
         register = registers.get(row["register"])
@@ -78,7 +78,7 @@ def default_lists(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if found is not None and "erratum" not in row:
             report.add("default-mismatch", (*path, found[0]), found[1])
         if found is None and "erratum" in row:
-            wrong = f"the row holds, so that {quoted(row['erratum'])} explains nothing; leave 'erratum' out"
+            wrong = f"the row is correct, so {quoted(row['erratum'])} explains nothing; leave 'erratum' out"
             report.add("default-mismatch", (*path, "erratum"), wrong)
 
 
@@ -91,30 +91,30 @@ def _row_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
         if len(printed) != register["length"]:
             yield "bytes", f"{name} has {register['length']} bytes; {len(printed)} are printed"
         elif default is None:
-            yield "bytes", f"{name} has no 'default'; by its bytes it is {number:#x}"
+            yield "bytes", f"{name} has no 'default'; the printed bytes are {number:#x}"
         elif default != number:
-            yield "bytes", f"the 'default' of {name} is {default:#x}; by the bytes that are printed it is {number:#x}"
+            yield "bytes", f"the 'default' of {name} is {default:#x}; the printed bytes are {number:#x}"
         return
     bounds = _bounds(row["at"])
     if bounds is None:
-        yield "at", f"{quoted(row['at'])} is no position; write a bit number, or a range such as 7:6"
+        yield "at", f"{quoted(row['at'])} is not a position; write a bit number, or a range such as 7:6"
         return
     high, low = bounds
     held = (default or 0) >> low & (1 << high - low + 1) - 1
     if default is None:
-        yield "value", f"{name} has no 'default', of which this would be a part"
+        yield "value", f"{name} has no 'default' that contains these bits"
     elif held != row["value"]:
         yield "value", f"the 'default' of {name} is {default:#x}, with {held} there; {row['value']} is printed"
     yield from _field_faults(row, register, bounds)
 
 
 def _field_faults(row: Spec, register: Spec, bounds: tuple[int, int]) -> Iterator[tuple[str, str]]:
-    """The field of a row lies there, and the number has the name that is printed beside it."""
+    """Yield the errors of a row's field: a different place, or a different name of the number."""
     fields = by_name(register, "fields")
     if "field" not in row:
         return
     field = fields.get(row["field"])
-    if field is None:  # Reported by the rule on references; or it stands in a group.
+    if field is None:  # Reported by the rule on references, or the field is in a group.
         return
     if "at" in field and _bounds(field["at"]) != bounds:
         yield "at", f"{quoted(row['field'])} is at {field['at']}; {row['at']} is printed"
@@ -135,7 +135,7 @@ def _bounds(at: object) -> tuple[int, int] | None:
 
 @dataclass(frozen=True)
 class _Write:
-    """A write: the addresses, the bit where it is one, and the number, None where the caller gives it."""
+    """A write: the addresses, the bit if it is a single one, and the number, or None if the caller supplies it."""
 
     first: int
     last: int
@@ -149,7 +149,7 @@ class _Write:
 
 
 def writes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The writes of a procedure as printed are those of its steps."""
+    """Check that the printed writes of a procedure match its steps."""
     registers, groups = by_name(spec, "registers"), by_name(spec, "field_groups")
     for path, procedure in items(spec, "procedures"):
         printed = [_printed(text) for text in procedure.get("printed_writes", ())]
@@ -159,11 +159,11 @@ def writes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         for index, write in enumerate(printed):
             if index >= len(made):
-                wrong = f"{write} is printed, and no step writes it"
+                wrong = f"{write} is printed, but no step writes it"
                 report.add("writes-mismatch", (*path, "printed_writes", index), wrong)
             elif write != made[index]:
                 line = report.document.position((*path, *steps[index][0]))[0]
-                wrong = f"{write} is printed, and the step on line {line} writes {made[index]}"
+                wrong = f"{write} is printed, but the step on line {line} writes {made[index]}"
                 report.add("writes-mismatch", (*path, "printed_writes", index), wrong)
         for below, _ in steps[len(printed) :]:
             report.add("writes-mismatch", (*path, *below), "this write is not among the 'printed_writes'")
@@ -179,7 +179,7 @@ def _printed(text: str) -> _Write:
 
 
 def _made(step: Spec, registers: Mapping[str, Spec], groups: Mapping[str, Spec]) -> _Write | None:
-    """What a step writes; None where that cannot be told from the text, or where another rule finds it at fault."""
+    """Return the write of a step, or None if the text does not determine it or another rule reports the step."""
     register = registers.get(step.get("register", ""))
     if register is None or "value" not in step:
         return None

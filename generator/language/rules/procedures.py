@@ -1,4 +1,4 @@
-"""Rules on procedures: a step can be carried out, and does as its procedure is called."""
+"""Rules on procedures: each step is possible, and matches the name of its procedure."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
 from .walk import Spec, bank_select, by_name, items, mapping, named_values
 
-#: What a step needs of the access of its register, and the access that rules it out.
+#: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What a procedure writes can be written, and what it reads can be read."""
+    """Check that procedures write only writable and read only readable registers."""
     registers = by_name(raw, "registers")
     for path, procedure in items(spec, "procedures"):
         for below, step in items(procedure, "steps"):
             access = registers.get(step.get("register", ""), {}).get("access")
             if access is not None and _REFUSED.get(step["do"]) == access:
-                wrong = f"{quoted(step['register'])} is {access}, so that a step cannot {step['do']} it"
+                wrong = f"{quoted(step['register'])} is {access}, so a step cannot {step['do']} it"
                 report.add("access-mismatch", (*path, *below, "register"), wrong)
     for path, register in items(spec, "registers"):
         opener = mapping(register, "opened_by").get("register")
@@ -25,19 +25,19 @@ def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "access-mismatch",
                 (*path, "opened_by", "register"),
-                f"{quoted(opener)} is read_only, so that nothing opens {quoted(register['name'])}",
+                f"{quoted(opener)} is read_only, so it cannot open {quoted(register['name'])}",
             )
     select = bank_select(spec)
     if registers.get(str(select), {}).get("access") == "read_only":
         report.add(
             "access-mismatch",
             ("interfaces", Biss.name, "bank_select"),
-            f"{quoted(select)} is read_only, so that it selects no bank",
+            f"{quoted(select)} is read_only, so it cannot select a bank",
         )
 
 
 def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """After a write to a register that takes its time, as much is waited for, at least before the next write."""
+    """Check that a procedure waits long enough after a write that takes time, at least before the next write."""
     registers = by_name(spec, "registers")
     for path, procedure in items(spec, "procedures"):
         steps = list(items(procedure, "steps"))
@@ -54,13 +54,13 @@ def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             place, key = next(
                 ((at, ("at_least_ms",)) for at, other in rest if other["do"] == "wait" and waits), (below, ())
             )
-            said = f"here the wait is of {sum(waits)} ms" if waits else "here nothing is waited for"
+            said = f"the wait here is {sum(waits)} ms" if waits else "there is no wait here"
             wrong = f"{quoted(step['register'])} needs {needed} ms after a write; {said}"
             report.add("wait-too-short", (*path, *place, *key), wrong)
 
 
 def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A procedure that has written to what opens a register has opened it with that."""
+    """Check that a procedure that writes to the opener of a register writes the value that opens it."""
     registers = by_name(spec, "registers")
     for path, procedure in items(spec, "procedures"):
         steps = list(items(procedure, "steps"))
@@ -72,35 +72,35 @@ def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             wrong = (
                 f"{quoted(step['register'])} is opened by {quoted(opener['value'])} in {quoted(opener['register'])},"
-                f" and {quoted(before[-1])} was written there"
+                f" but {quoted(before[-1])} was written there"
             )
             report.add("not-opened", (*path, *below, "register"), wrong)
 
 
 def _writes(step: Spec, opener: Spec) -> bool:
-    """Whether a step writes the register, and where it is one field of it the field, that opens another."""
+    """Return True if a step writes the register, or the field of it, that opens another register."""
     of = step["do"] == "write" and "value" in step and step.get("register", "") == opener.get("register", None)
     return of and "value" in opener and step.get("field", opener.get("field")) == opener.get("field")
 
 
 def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What a procedure is given, it writes."""
+    """Check that a procedure writes each of its arguments."""
     procedures = by_name(raw, "procedures")
     for path, procedure in items(spec, "procedures"):
-        # A step that the schema refused may be the one that writes it.
+        # A step rejected by the schema may be the one that writes it.
         steps = [step for _, step in items(procedures.get(procedure["name"], {}), "steps")]
-        written = [step.get("value") for step in steps]  # of what the schema refused, so of any type
+        written = [step.get("value") for step in steps]  # of any type, as the schema may have rejected the step
         for below, argument in items(procedure, "arguments"):
             if argument["name"] not in written:
                 wrong = (
                     f"no step writes the argument {quoted(argument['name'])}; write it with"
-                    f" 'value: {argument['name']}', or leave the argument out"
+                    f" 'value: {argument['name']}', or remove the argument"
                 )
                 report.add("argument-not-written", (*path, *below, "name"), wrong)
 
 
 def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A procedure that is called like a value of the register to which it writes, a command, writes that value."""
+    """Check that a procedure named like a value of a register that it writes, a command, writes that value."""
     registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
     for path, procedure in items(spec, "procedures"):
         name = procedure["name"]
@@ -114,7 +114,7 @@ def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if name not in [value for _, value in steps]:
                 place, value = steps[-1]
                 wrong = (
-                    f"the procedure is called {quoted(name)}, as is a value of {quoted(register_name)}, and writes"
-                    f" {quoted(value)}; write that value, or call it otherwise"
+                    f"the procedure {quoted(name)} is named like a value of {quoted(register_name)}, but writes"
+                    f" {quoted(value)}; write that value, or rename the procedure"
                 )
                 report.add("procedure-name", place, wrong)

@@ -1,4 +1,4 @@
-"""Rules on names that refer to something: it has to exist. The nearest name is offered where there is one."""
+"""Rules on names that refer to something, which must exist. Messages suggest the most similar name."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from .walk import (
 
 
 class _Names:
-    """What can be referred to in a spec as it was read, by its kind, and where to tell of what is not there."""
+    """Names defined in a spec as read, by kind, and the report for undefined ones."""
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
         self._report = report
@@ -48,40 +48,40 @@ class _Names:
         }
 
     def refer(self, path: Path, kind: str, name: str, known: Iterable[str] | None = None) -> None:
-        """Reports ``name`` at ``path`` unless it is known, by itself or among all of its kind."""
+        """Report ``name`` at ``path`` unless it is in ``known``, by default all names of its kind."""
         choices = list(self._known[kind] if known is None else known)
         if name not in choices:
-            wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices, 'known are')}"
+            wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
             self._report.add("undefined-reference", path, wrong)
 
     def tell(self, path: Path, wrong: str) -> None:
-        """Reports a name that is there, and does not say enough."""
+        """Report a name that exists but is not sufficient."""
         self._report.add("undefined-reference", path, wrong)
 
     def refer_by(self, key: str, path: Path, item: Spec, kind: str, known: Iterable[str] | None = None) -> None:
-        """The same for what ``item`` has under a key: a name, several, or nothing."""
+        """Call ``refer`` for the value of a key: one name, several names, or none."""
         found = item.get(key, ())
         for name, place in [(found, ())] if isinstance(found, str) else [(one, (at,)) for at, one in enumerate(found)]:
             self.refer((*path, key, *place), kind, name, known)
 
     def refer_to_bit(self, path: Path, text: str) -> None:
-        """Reports ``text``, written as ``register.field``, unless both exist."""
+        """Report ``text``, written as ``register.field``, unless both exist."""
         name, _, field = text.partition(".")
         self.refer(path, "register", name)
         if name in self.registers:
             self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))
 
     def bits(self, register: str) -> list[str]:
-        """What may follow the dot after the name of a register."""
+        """Return the names allowed after the dot that follows a register."""
         return bits_of(self.registers[register], self.groups)
 
     def values(self, register: str, field: str | None) -> list[str]:
-        """The names of values of a register, or of one of its fields."""
+        """Return the names of values of a register, or of one of its fields."""
         return named_values(self.registers[register], self.groups, field)
 
 
 def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What fields and layouts refer to: groups, CRCs, sibling fields, data IDs."""
+    """Check the references of fields and layouts: groups, CRCs, sibling fields, data IDs."""
     known = _Names(raw, report)
     for fields in field_lists(spec):
         names = list(field_names(fields, known.groups))
@@ -111,14 +111,14 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What registers refer to: their interface, the register that opens them, the field that their limits bound."""
+    """Check the references of registers: their interface, their opener, the field that their limits apply to."""
     known = _Names(raw, report)
     for path, register in items(spec, "registers"):
         known.refer_by("interface", path, register, "interface")
         if "interface" not in register and INTERFACE_OF_REGISTERS not in mapping(raw, "interfaces"):
             message = (
-                f"registers belong to {INTERFACE_OF_REGISTERS} unless 'interface' says otherwise, "
-                f"and this device has no {INTERFACE_OF_REGISTERS}"
+                f"registers belong to {INTERFACE_OF_REGISTERS} by default, "
+                f"but this device has no {INTERFACE_OF_REGISTERS}; give 'interface'"
             )
             report.add("undefined-reference", path, message)
         _opener((*path, "opened_by"), mapping(register, "opened_by"), known)
@@ -138,12 +138,12 @@ def _opener(path: Path, opened: Spec, known: _Names) -> None:
         values = known.values(name, opened.get("field"))
         known.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
         if "field" not in opened and opened.get("value") in values and len(known.bits(name)) > 1:
-            wrong = f"{quoted(name)} has several fields; say with 'field' which of them"
-            known.tell((*path, "value"), f"{wrong} is to hold {quoted(opened['value'])}")
+            wrong = f"{quoted(name)} has several fields; name with 'field' the one"
+            known.tell((*path, "value"), f"{wrong} that must hold {quoted(opened['value'])}")
 
 
 def _meaning(path: Path, meaning: Spec, known: _Names) -> None:
-    """The field on which the meaning of a register depends, and its value."""
+    """Check the field that selects the meaning of a register, and its value."""
     when = meaning["when"]
     known.refer_to_bit((*path, "when"), when)
     name, _, field = when.partition(".")
@@ -152,7 +152,7 @@ def _meaning(path: Path, meaning: Spec, known: _Names) -> None:
 
 
 def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What parameters, hardware inputs, the measurement and BiSS as a whole refer to."""
+    """Check the references of parameters, hardware inputs, the measurement and BiSS as a whole."""
     known = _Names(raw, report)
     for name, parameter in mapping(spec, "parameters").items():
         if "read_from" in parameter:
@@ -170,15 +170,13 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What alarms refer to: the flag in a field group or register, and the procedures that clear them."""
+    """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
     known = _Names(raw, report)
     for path, alarm in items(spec, "alarms"):
         known.refer_by("group", path, alarm, "field group")
         known.refer_by("register", path, alarm, "register")
         if "field" in alarm and "group" not in alarm and "register" not in alarm:
-            report.add(
-                "undefined-reference", (*path, "field"), "'field' names a flag; say where with 'group' or 'register'"
-            )
+            report.add("undefined-reference", (*path, "field"), "'field' names a flag; give its 'group' or 'register'")
         owner, owners = ("register", known.registers) if "register" in alarm else ("group", known.groups)
         if alarm.get(owner) in owners:
             flags = by_name(owners[alarm[owner]], "fields")
@@ -187,7 +185,7 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Steps by hand are those of a characteristic whose value counts them."""
+    """Check that steps by hand refer to a characteristic with numbered steps."""
     known = _Names(raw, report)
     counted = [name for name, item in by_name(raw, "characteristics").items() if has_steps(f"{item.get('value')}")]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
@@ -197,7 +195,7 @@ def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What procedures refer to: their interface, registers, values and data IDs."""
+    """Check the references of procedures: their interface, registers, values and data IDs."""
     known = _Names(raw, report)
     for path, procedure in items(spec, "procedures"):
         known.refer_by("interface", path, procedure, "interface")
@@ -214,7 +212,7 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _step(path: Path, step: Spec, procedure: Spec, known: _Names) -> None:
-    """The register of a step, with its field and its value."""
+    """Check the register of a step, with its field and its value."""
     known.refer_by("register", path, step, "register")
     name = step.get("register")
     if name in known.registers:
@@ -225,7 +223,7 @@ def _step(path: Path, step: Spec, procedure: Spec, known: _Names) -> None:
 
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The answers of an alternative set the same parameters, and those say so themselves."""
+    """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
     known, alternatives = _Names(raw, report), by_name(raw, "alternatives")
     for path, item in items(spec, "alternatives"):
         _answers(path, item, known, report)
@@ -247,7 +245,7 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
 
 
 def _answers(path: Path, item: Spec, known: _Names, report: DocumentReport) -> None:
-    """Each answer of an alternative sets all its parameters, and no others."""
+    """Check that each answer of an alternative sets all its parameters, and no others."""
     answers, of = item["values"], item["name"]
     own = [name for name in known.parameters if mapping(known.parameters, name).get("alternative") == of]
     first = {name: other for other in reversed(answers) for name in answers[other]["sets"]}
@@ -256,7 +254,7 @@ def _answers(path: Path, item: Spec, known: _Names, report: DocumentReport) -> N
         for name in sets:
             known.refer((*here, name), "parameter", name)
             if name in known.parameters and name not in own:
-                wrong = f"{quoted(name)} is no parameter of {quoted(of)}; give the parameter 'alternative: {of}'"
+                wrong = f"{quoted(name)} is not a parameter of {quoted(of)}; give it 'alternative: {of}'"
                 report.add("undefined-reference", (*here, name), wrong)
         for name in own:
             if name in first and name not in sets:
@@ -265,7 +263,7 @@ def _answers(path: Path, item: Spec, known: _Names, report: DocumentReport) -> N
 
 
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What examples refer to: what they are examples of, the fields that they give values of, and errata."""
+    """Check the references of examples: their subject, the fields with values, and errata."""
     known = _Names(raw, report)
     known_layouts = {
         layout.owner["name"]: layout for layout in layouts(raw) if isinstance(layout.owner.get("name"), str)
@@ -289,7 +287,7 @@ def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Each path of what an erratum affects leads somewhere."""
+    """Check that each path affected by an erratum exists."""
     known = _Names(raw, report)
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
@@ -304,8 +302,10 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _below(node: Any) -> Iterator[tuple[str, Any]]:
-    """What the next step of a path may be: a key or a name,
-    and from a map also the names in its lists, as in ``interfaces.biss.word``."""
+    """Yield the possible next steps of a path: keys and names.
+
+    For a map these include the names in its lists, as in ``interfaces.biss.word``.
+    """
     if isinstance(node, list):
         yield from ((str(item["name"]), item) for item in node if isinstance(item, dict) and "name" in item)
     elif isinstance(node, dict):
@@ -314,11 +314,11 @@ def _below(node: Any) -> Iterator[tuple[str, Any]]:
                 yield from _below(value)
             elif key == "values" and isinstance(value, dict):
                 yield from value.items()
-        yield from node.items()  # Last, so that a key wins over a name.
+        yield from node.items()  # Last, so that a key takes precedence over a name.
 
 
 def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Every expression can be read, and every parameter in it exists."""
+    """Check that every expression is valid, and that every parameter in it exists."""
     known = _Names(raw, report)
     for path, text in parameters.expressions(spec):
         try:
@@ -334,7 +334,7 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What the values of an order code refer to: parameters, interfaces, other parts and their values."""
+    """Check the references of order code values: parameters, interfaces, other parts and their values."""
     known, parts = _Names(raw, report), by_name(raw, "order_code", "parts")
 
     def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
@@ -354,7 +354,7 @@ def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None
 
 
 def printed_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The registers, fields and errata that rows of the manual's list of defaults name exist."""
+    """Check that registers, fields and errata named in the manual's list of defaults exist."""
     known = _Names(raw, report)
     for path, row in items(spec, "printed_defaults"):
         name = row["register"]
@@ -365,18 +365,18 @@ def printed_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The interfaces that a connector is wired for exist."""
+    """Check that the interfaces that a connector is wired for exist."""
     known = _Names(raw, report)
     for path, connector in items(spec, "connectors"):
         known.refer_by("interfaces", path, connector, "interface")
 
 
 def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Each CRC is a field of some frame, or its note says what it is for."""
+    """Check that each CRC is a field of some frame, or has a note."""
     used = {field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)}
     for path, crc in items(spec, "crcs"):
         if used <= by_name(raw, "crcs").keys() and crc["name"] not in used and "note" not in crc:
-            wrong = f"no frame has the CRC {quoted(crc['name'])}"
+            wrong = f"no frame uses the CRC {quoted(crc['name'])}"
             field = f"{{name: crc, crc: {crc['name']}}}"
-            right = f"write the field {field} at the end of its frame, or say in a 'note' what the CRC is for"
+            right = f"add the field {field} at the end of its frame, or explain in a 'note' what the CRC is for"
             report.add("unused-crc", (*path, "name"), f"{wrong}; {right}")

@@ -1,4 +1,4 @@
-"""A rule on lists whose items say nothing a second time: whoever lists one twice meant another."""
+"""A rule on lists that are sets, where a repeated item is a mistake."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from ..problems import DocumentReport, Path, quoted
 from .walk import Spec
 
-#: Lists that are sets, wherever they stand.
+#: Lists that are sets, at any place.
 _SETS = frozenset(
     """
     interfaces sums_up explained_by write_clears cleared_by by_hand data_id memory_access printed also_written
@@ -20,13 +20,13 @@ _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 
 
 def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No item of a list that is a set comes twice."""
+    """Check that no item of a list that is a set occurs twice."""
     for path, found in _sets((), spec):
         for index, item in enumerate(found):
             first = found.index(item)
             if first < index:
                 what = quoted(item) if isinstance(item, (str, int)) else "this"
-                wrong = f"{what} is already item {first + 1} of '{path[-1]}'; leave it out, or put what was meant"
+                wrong = f"{what} is already item {first + 1} of '{path[-1]}'; remove it, or write the intended one"
                 report.add("repeated-item", (*path, index), wrong)
 
 

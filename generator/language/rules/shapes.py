@@ -1,4 +1,4 @@
-"""Rules on which keys go together: what the schema cannot say without messages that nobody understands."""
+"""Rules on combinations of keys, which a schema could only check with incomprehensible messages."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from ..problems import DocumentReport, Path, listed, missing, quoted
 from .values import constant_width
 from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping, measurements
 
-#: Each says what kind of field it is; a field without any is a number.
+#: Keys that define the kind of a field. A field without any is a number.
 _KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
-#: Each says where a field stands.
+#: Keys that give the place of a field.
 PLACES = ("at", "top_bit", "low_bit")
 _OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two")
-#: What may stand beside ``use``.
+#: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
-#: Kinds whose width follows: a flag and a parity bit have one, a CRC its own.
+#: Kinds with an implied width: a flag and a parity bit have one bit, a CRC its own width.
 _WIDTH_FOLLOWS = ("active", "parity_of", "crc")
 
-#: What a kind of step or example needs, and what it may have beyond what all may have.
+#: Required keys and additional optional keys of a kind of step or example.
 _Keys = tuple[Collection[str], Collection[str]]
 _STEPS: dict[str, _Keys] = {
     "write": (("register", "value"), ("field",)),
@@ -31,7 +31,7 @@ _STEPS: dict[str, _Keys] = {
     "wait": (("at_least_ms",), ()),
     "send": (("data_id",), ("times", "every_at_least_us", "in_succession")),
 }
-#: What a measurement has, by whether the encoder measures an angle or a length.
+#: Keys of the measurement of an angle, and of a length.
 ANGLE = ("counts_per_turn", "turns")
 LENGTH = ("step_um", "modulus")
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
@@ -46,7 +46,7 @@ _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
 def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Fields and layouts have keys that go together."""
+    """Check that fields and layouts have valid combinations of keys."""
     for fields in field_lists(spec):
         for path, field in fields:
             if "use" in field:
@@ -60,56 +60,54 @@ def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_use(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
     if fields.kind is Has.GROUP:
-        report.add("layout-keys", (*path, "use"), "a field group cannot take in another; list the fields here")
+        report.add("layout-keys", (*path, "use"), "a field group cannot include another; list the fields here")
     elif fields.kind is Has.CONTROL:
-        report.add("layout-keys", (*path, "use"), "the control data takes in no groups; list the fields here")
+        report.add("layout-keys", (*path, "use"), "the control data cannot include groups; list the fields here")
     beside = [key for key in field if key not in _BESIDE_USE]
     if beside:
         report.add(
             "layout-keys",
             (*path, beside[0]),
-            f"{quoted(beside[0])} cannot stand beside 'use'; it belongs to a field of the group",
+            f"{quoted(beside[0])} is not allowed with 'use'; it belongs to a field of the group",
             at_key=True,
         )
 
 
 def _check_field(path: Path, field: Spec, report: DocumentReport) -> None:
     if "name" not in field:
-        report.add("layout-keys", path, "a field needs 'name', or 'use' to take in a group")
+        report.add("layout-keys", path, "a field needs 'name', or 'use' to include a group")
         return
     _check_kind(path, field, report)
     _check_width(path, field, report)
 
 
 def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
-    """A field is of one kind, and has keys of that kind only."""
+    """Check that a field is of one kind, and has only keys of that kind."""
     name = quoted(field["name"])
     kinds = [key for key in _KINDS if key in field]
     if len(kinds) > 1:
-        wrong = f"{listed(map(quoted, kinds))} do not go together; a field is one of them"
+        wrong = f"{listed(map(quoted, kinds))} exclude each other; keep one"
         report.add("layout-keys", (*path, kinds[1]), wrong, at_key=True)
     for key in _OF_NUMBERS:
         if key in field and kinds:
-            wrong = f"{quoted(key)} belongs to a number; {name} has {quoted(kinds[0])} and is none"
+            wrong = f"{quoted(key)} belongs to a number; {name} has {quoted(kinds[0])} and is not one"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     for key in _OF_FLAGS:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
-            wrong = f"{quoted(key)} belongs to a flag; {name} needs 'active: high' or 'active: low' with it"
+            wrong = f"{quoted(key)} belongs to a flag; {name} also needs 'active: high' or 'active: low'"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     if "parity" in field and "parity_of" not in field:
-        wrong = (
-            f"'parity' belongs to a parity bit; {name} needs 'parity_of' with it, which names the field it goes with"
-        )
+        wrong = f"'parity' belongs to a parity bit; {name} also needs 'parity_of', which names the covered field"
         report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
-        report.add("layout-keys", (*path, "equals"), f"{name} is a text; what it equals is put in quotes")
+        report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
 
 
 def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:
-    """A field has a width, and its width and its place are said once."""
+    """Check that a field has a width, and that its width and place are given once."""
     name = quoted(field["name"])
     if _is_nothing(field.get("bits")):
-        wrong = f"{name} has no bits; a field has one at least, unless its width follows from a parameter"
+        wrong = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
         report.add("layout-keys", (*path, "bits"), wrong)
     given = [key for key in PLACES if key in field]
     if len(given) > 1:
@@ -123,7 +121,7 @@ def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:
 
 
 def _is_nothing(bits: object) -> bool:
-    """Whether a width is a plain number, and none that a field can have."""
+    """Return True if a width is a plain number that is not valid for a field."""
     try:
         width = Expression.parse(bits) if isinstance(bits, (int, str)) else None
     except ExpressionError:  # Reported by the rule on expressions.
@@ -132,7 +130,7 @@ def _is_nothing(bits: object) -> bool:
 
 
 def _check_placing(fields: Fields, report: DocumentReport) -> None:
-    """All fields of a layout follow each other, or all have positions."""
+    """Check that either all or none of the fields of a layout have positions."""
     listed_fields = list(fields)
     placed = [(path, field) for path, field in listed_fields if _is_placed(field)]
     if not placed or len(placed) == len(listed_fields):
@@ -172,18 +170,18 @@ def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
             at_key=True,
         )
     if carried_as == "bits" and "when" in layout:
-        wrong = f"{name} is carried as bits, and only frames of bytes are told apart by 'when'"
+        wrong = f"{name} is carried as bits, and 'when' only distinguishes frames of bytes"
         report.add(
-            "layout-keys", (*fields.path, "when"), f"{wrong}; leave it out, or say 'carried_as: bytes'", at_key=True
+            "layout-keys", (*fields.path, "when"), f"{wrong}; leave it out, or write 'carried_as: bytes'", at_key=True
         )
     if "channel" in layout and not INTERFACES[fields.interface].has_channels:
         report.add(
-            "layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has several", at_key=True
+            "layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has channels", at_key=True
         )
 
 
 def _is_one_byte(fields: Fields, raw: Spec) -> bool:
-    """Whether the layout is plainly one byte whose fields need no order: a single field, or all with positions."""
+    """Return True if the layout is one byte whose fields need no order: a single field, or all with positions."""
     groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
     listed_fields = [field for _, field in fields]
     if all("at" in field or "top_bit" in field for field in listed_fields):
@@ -197,7 +195,7 @@ def _is_one_byte(fields: Fields, raw: Spec) -> bool:
 
 
 def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A register of several bytes says which comes first; no default is safe to guess."""
+    """Check that registers of several bytes have a byte order, because no default is safe."""
     for path, register in items(spec, "registers"):
         if register["length"] > 1 and "byte_order" not in register:
             message = (
@@ -208,7 +206,7 @@ def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Each step has the keys of its kind."""
+    """Check that each step has the keys of its kind."""
     for path, procedure in items(spec, "procedures"):
         for below, step in items(procedure, "steps"):
             kind: str = step["do"]
@@ -217,18 +215,16 @@ def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
-    """What is between the requests of a step, or how far they are apart, is said of several."""
+    """Check that conditions between the requests of a step are only given for several requests."""
     between = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
     if step["do"] == "send" and between is not None and step.get("times", 1) == 1:
         found = "sends one" if "times" in step else "has no 'times'"
-        wrong = (
-            f"{quoted(between)} is about several requests, and the step {found}; say how many 'times', or leave it out"
-        )
+        wrong = f"{quoted(between)} is for several requests, but the step {found}; give 'times', or leave it out"
         report.add("step-shape", (*path, between), wrong, at_key=True)
 
 
 def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Each example has the keys of its kind, and one that does not hold is explained."""
+    """Check that each example has the keys of its kind, and that an incorrect one is explained."""
     for path, example in items(spec, "examples"):
         kind: str = example["kind"]
         _check_keys("example-shape", f"a {kind} example", path, example, _EXAMPLES[kind], _ALL_EXAMPLES, report)
@@ -245,19 +241,17 @@ def _check_frame(path: Path, example: Spec, report: DocumentReport) -> None:
             "example-shape",
             path,
             "'layout' is missing; a frame example needs it"
-            + ("" if "bits" in example else ", or 'refused' where it fits none"),
+            + ("" if "bits" in example else ", or 'refused' if it fits none"),
         )
     if "refused" in example:
         if "erratum" not in example and "note" not in example:
-            report.add(
-                "example-shape", path, "an example that is refused needs 'erratum' or 'note' to say why it is here"
-            )
+            report.add("example-shape", path, "a refused example needs 'erratum' or 'note' to explain it")
     elif "values" not in example:
         report.add("example-shape", path, "'values' is missing; a frame example needs it, or 'refused'")
 
 
 def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """An example of a procedure gives every argument of it."""
+    """Check that an example of a procedure gives all its arguments."""
     procedures = by_name(raw, "procedures")
     for path, example in items(spec, "examples"):
         procedure = procedures.get(example.get("procedure", ""))
@@ -270,13 +264,13 @@ def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What the position counts fits the movement."""
+    """Check that the measurement matches the movement."""
     movement = spec.get("movement")
     if movement not in ("rotary", "linear"):
         return
     needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
     for path, measurement in measurements(spec):
-        # A key that the schema refused is gone; what it stood for is not missing as well.
+        # A key rejected by the schema was removed. It must not be reported as missing, too.
         if needed[0] not in measurement and measurement.keys() == mapping(raw, *map(str, path)).keys():
             report.add(
                 "measurement-shape",
@@ -295,7 +289,7 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Each row of a table has a cell for every column."""
+    """Check that each row of a table has one cell per column."""
     for path, table in items(spec, "tables"):
         columns = len(table["columns"])
         for index, row in enumerate(table["rows"]):

@@ -14,8 +14,8 @@ from .walk import Spec, explained, field_lists, interface_of, items, mapping, wa
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
-#: A section by number, or by its heading where it has no number;
-#: a heading, a table or a figure may have a number of its own.
+#: A section by number, or by its heading if it has no number.
+#: A heading, a table or a figure may have its own number.
 _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
@@ -24,7 +24,7 @@ _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 
 def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The parameters of a CRC fit its width, and its polynomial ends in + 1."""
+    """Check that the parameters of a CRC fit its width, and that its polynomial ends in + 1."""
     for path, crc in items(spec, "crcs"):
         width = crc["width"]
         if crc["poly"] >> width:
@@ -50,7 +50,7 @@ def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """What a field is said to hold fits into it, where its width does not depend on the order code."""
+    """Check that the values of a field fit into it, if its width does not depend on the order code."""
     for fields in field_lists(spec):
         for path, field in fields:
             width = constant_width(field)
@@ -73,7 +73,7 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A register lies within the addresses of its interface."""
+    """Check that a register is within the addresses of its interface."""
     for path, register in items(spec, "registers"):
         last = register["address"] + register["length"] - 1
         interface = INTERFACES[interface_of(register)]
@@ -91,7 +91,7 @@ def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A timing has a bound, and its bounds are in order."""
+    """Check that a timing has bounds, in ascending order."""
     for path, timing in _timings(spec):
         bounds = [(key, timing[key]) for key in ("at_least_us", "typical_us", "at_most_us") if key in timing]
         if not bounds:
@@ -106,7 +106,7 @@ def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The lowest clock is not above the highest."""
+    """Check that the lowest clock is not above the highest."""
     for interface in mapping(spec, "interfaces"):
         clock = mapping(spec, "interfaces", interface, "clock")
         if clock and clock["min_hz"] > clock["max_hz"]:
@@ -118,7 +118,7 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A longer cable bears no faster clock, and no row of the table says the same as another."""
+    """Check that longer cables have slower clocks, and that no row of the table repeats another."""
     for interface in mapping(spec, "interfaces"):
         rows = sorted(items(spec, "interfaces", interface, "cable_lengths"), key=lambda row: row[1]["shorter_than_m"])
         if explained(raw, "interfaces", interface, "cable_lengths", "below_hz"):
@@ -128,29 +128,29 @@ def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 wrong = (
                     f"below {long['shorter_than_m']} m the clock is below {long['below_hz']} Hz, and below"
                     f" {short['shorter_than_m']} m below {short['below_hz']} Hz; a longer cable needs a slower clock."
-                    f" Where the manual has it so, say it in an erratum that affects"
+                    f" If the manual has it so, add an erratum that affects"
                     f" interfaces.{interface}.cable_lengths.below_hz"
                 )
                 report.add("cable-order", ("interfaces", interface, "cable_lengths", *path[3:], "below_hz"), wrong)
 
 
 def dates(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A date is one of the calendar, and revisions follow each other, up to the one that was transcribed."""
+    """Check that dates exist, and that revisions are in order, up to the transcribed one."""
     manual = mapping(spec, "manual")
     places: list[tuple[Path, Spec]] = [(("manual",), manual)]
     for key in ("editions", "history"):
         places += ((("manual", *path), item) for path, item in items(manual, key))
     for path, item in places:
         if "date" in item and len(item["date"]) > len("2024") and _date(item["date"]) is None:
-            report.add("date", (*path, "date"), f"{quoted(item['date'])} is no day of the calendar")
+            report.add("date", (*path, "date"), f"{quoted(item['date'])} is not a valid date")
     history = [(path, item) for path, item in places if "history" in path and _date(item.get("date"))]
     for (_, earlier), (path, later) in pairwise(history):
         if later["date"] < earlier["date"]:
             wrong = f"revision {later['revision']} is of {later['date']}, before revision {earlier['revision']}"
-            report.add("date", (*path, "date"), f"{wrong}, of {earlier['date']}; the oldest comes first")
+            report.add("date", (*path, "date"), f"{wrong}, of {earlier['date']}; list the oldest first")
     own = next((item for _, item in reversed(history) if item["revision"] == manual.get("revision")), None)
     if own is not None and _date(manual.get("date")) and own["date"] != manual["date"]:
-        wrong = f"revision {manual['revision']} is of {manual['date']}, and of {own['date']} in its 'history'"
+        wrong = f"revision {manual['revision']} is of {manual['date']}, but of {own['date']} in its 'history'"
         report.add("date", ("manual", "date"), wrong)
 
 
@@ -162,7 +162,7 @@ def _date(text: object) -> datetime.date | None:
 
 
 def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The lowest supply voltage is not above the highest, of the device or of a value of its order code."""
+    """Check that the lowest supply voltage of a device or order code value is not above the highest."""
     device = mapping(spec, "supply")
     supplies: list[tuple[Path, Spec]] = [(("supply",), device)] if device else []
     for path, part in items(spec, "order_code", "parts"):
@@ -171,7 +171,7 @@ def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 here = (*path, "values", text, "supply")
                 supplies.append((here, value["supply"]))
                 if device:
-                    wrong = "the device has a 'supply' of its own; say it in one place only"
+                    wrong = "the device already has a 'supply'; keep only one of them"
                     report.add("supply-range", here, wrong, at_key=True)
     for path, supply in supplies:
         if supply["min_mv"] > supply["max_mv"]:
@@ -180,7 +180,7 @@ def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The time-outs that a manual works out are what its rule gives, to the nearest nanosecond."""
+    """Check that the time-outs calculated in the manual match its rule, to the nearest nanosecond."""
     path: Path = ("interfaces", Biss.name, "timeout")
     timeout = mapping(spec, *map(str, path))
     if not timeout:
@@ -195,7 +195,7 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             "timeout-mismatch",
             path,
             "a time-out that follows the clock needs 'half_clock_periods', "
-            "or 'typical_ns', 'at_most_ns' or 'printed' where no rule is given",
+            "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule",
             at_key=True,
         )
     if timeout["rule"] == "fixed":
@@ -219,7 +219,7 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """A source can be read, and the edition or document that it cites is listed."""
+    """Check that sources are well-formed, and that cited editions and documents are listed."""
     editions = [
         item["language"] for _, item in items(raw, "manual", "editions") if isinstance(item.get("language"), str)
     ]
@@ -239,19 +239,19 @@ def _check_piece(
     if key is not None and key == own:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")
     elif key is not None and key not in editions and key not in documents:
-        hint = suggestion(key, [*editions, *documents], "known are")
+        hint = suggestion(key, [*editions, *documents])
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
     elif key in documents and place:
         return  # Public documents have sections of every kind.
     elif not _PLACE.fullmatch(place):
-        shown = quoted(piece) if piece else "an empty text"
+        shown = quoted(piece) if piece else "empty text"
         forms = (
             "a section as in '6.4' or 'Cover', a table as in 'Table 41', a page as in 'p.35', "
             "or a page after one of these"
         )
         message = (
-            f"{shown} is no source: {forms}; "
-            "several are parted by semicolons, another document has its key and a colon before"
+            f"{shown} is not a source: {forms}; "
+            "separate several by semicolons, and put key and colon before those in other documents"
         )
         report.add("bad-source", path, message)
 
@@ -263,7 +263,7 @@ def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
 
 
 def constant_width(field: Spec) -> int | None:
-    """The width of a field where it is plain to see; None where it depends on others or another rule tells of it."""
+    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it."""
     if isinstance(field.get("bits"), int):
         return int(field["bits"]) if field["bits"] > 0 else None
     if "bits" in field:

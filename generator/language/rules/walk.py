@@ -1,8 +1,8 @@
-"""Ways through a spec that several rules take.
+"""Iterators over a spec, shared by several rules.
 
-Rules speak about the pruned data, which keeps to the schema. What names exist they ask of the data as it was read,
-since a name is not undefined only because something else about its item is wrong; that data may have any shape,
-so everything here is careful about shapes.
+Rules check the pruned data, which follows the schema. Existing names are looked up in the data as read, because a name
+is still defined if something else about its item is wrong. That data may have any shape, so every function here checks
+shapes.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from ..problems import DocumentReport, Path
 
 #: A spec, or part of one.
 Spec = dict[str, Any]
-#: A rule: the pruned data, the data as read, and where to say what is wrong.
+#: A rule, called with the pruned data, the data as read, and the report.
 Rule = Callable[[Spec, Spec, DocumentReport], None]
 
 INTERFACE_OF_REGISTERS = Biss.name
 
 
 def mapping(data: Any, *keys: str) -> Spec:
-    """The map found by following ``keys``; an empty one where there is none."""
+    """Return the map found by following ``keys``, or an empty one."""
     for key in keys:
         data = data.get(key) if isinstance(data, dict) else None
     return data if isinstance(data, dict) else {}
 
 
 def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
-    """The maps in the list found by following ``keys``, each with its path."""
+    """Yield the maps in the list found by following ``keys``, each with its path."""
     found = mapping(data, *keys[:-1]).get(keys[-1])
     for index, item in enumerate(found if isinstance(found, list) else ()):
         if isinstance(item, dict):
@@ -39,7 +39,7 @@ def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
 
 
 def by_name(data: Any, *keys: str) -> dict[str, Spec]:
-    """The items of a list by their names; of several with one name, the first."""
+    """Return the items of a list by name. The first one counts if several have the same name."""
     found: dict[str, Spec] = {}
     for _, item in items(data, *keys):
         name = item.get("name")
@@ -49,7 +49,7 @@ def by_name(data: Any, *keys: str) -> dict[str, Spec]:
 
 
 class Has(Enum):
-    """What has a list of fields, by the key under which it stands."""
+    """Owners of a list of fields, by their key."""
 
     LAYOUT = "layouts"
     REGISTER = "registers"
@@ -59,7 +59,7 @@ class Has(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Fields:
-    """A list of fields: where it is, what has it, and over which interface it goes, which is empty for groups."""
+    """A list of fields with its owner, its place and its interface, which is empty for groups."""
 
     kind: Has
     owner: Spec
@@ -67,20 +67,20 @@ class Fields:
     interface: str
 
     def __iter__(self) -> Iterator[tuple[Path, Spec]]:
-        """The fields as listed, with ``use`` as an item of its own."""
+        """Yield the fields as listed, with ``use`` as a separate item."""
         for path, field in items(self.owner, "fields"):
             yield (*self.path, *path), field
 
 
 def layouts(data: Spec) -> Iterator[Fields]:
-    """The layouts of all interfaces."""
+    """Yield the layouts of all interfaces."""
     for interface in mapping(data, "interfaces"):
         for path, layout in items(data, "interfaces", interface, "layouts"):
             yield Fields(Has.LAYOUT, layout, path, interface)
 
 
 def field_lists(data: Spec) -> Iterator[Fields]:
-    """Everything that has fields, in the order of the language."""
+    """Yield every list of fields, in the order of the language."""
     for path, group in items(data, "field_groups"):
         yield Fields(Has.GROUP, group, path, "")
     yield from layouts(data)
@@ -94,12 +94,12 @@ def field_lists(data: Spec) -> Iterator[Fields]:
 
 
 def interface_of(register: Mapping[str, Any]) -> str:
-    """The interface of a register; BiSS unless said, as only that has registers by its nature."""
+    """Return the interface of a register. The default is BiSS, the only one that always has registers."""
     return str(register.get("interface", INTERFACE_OF_REGISTERS))
 
 
 def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
-    """The fields with groups taken in; the path of a field from a group is that of its ``use``."""
+    """Yield the fields with groups included. The path of a field from a group is that of its ``use``."""
     for path, field in fields:
         group = groups.get(field["use"]) if isinstance(field.get("use"), str) else None
         if group is None:
@@ -109,13 +109,15 @@ def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path,
 
 
 def field_names(fields: Fields, groups: Mapping[str, Spec]) -> dict[str, Spec]:
-    """The fields by name, groups taken in."""
+    """Return the fields by name, with groups included."""
     return {field["name"]: field for _, field in expanded(fields, groups) if isinstance(field.get("name"), str)}
 
 
 def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
-    """Every name under which a decoder hands out a value: fields, joins and runs of digits.
-    A register without fields is one number."""
+    """Return the names of all values of a decoder: fields, joins and runs of digits.
+
+    A register without fields is one number.
+    """
     inner = field_names(fields, groups)
     digits = [
         run["name"] for field in inner.values() for _, run in items(field, "digits") if isinstance(run.get("name"), str)
@@ -126,7 +128,7 @@ def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
 
 
 def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = None) -> list[str]:
-    """The names of values that any field of a register has, or the field called ``only``."""
+    """Return the names of values of all fields of a register, or of the field called ``only``."""
     fields = Fields(Has.REGISTER, register, (), "")
     return [
         name
@@ -137,7 +139,7 @@ def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = 
 
 
 def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
-    """The measurement of the device and those of its interfaces, each with its path."""
+    """Yield the measurements of the device and its interfaces, each with its path."""
     if mapping(spec, "measurement"):
         yield ("measurement",), mapping(spec, "measurement")
     for kind, interface in mapping(spec, "interfaces").items():
@@ -146,19 +148,19 @@ def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
 
 
 def bank_select(data: Spec) -> Any:
-    """The name of the register that selects banks, if there is one."""
+    """Return the name of the register that selects banks, or None."""
     return mapping(data, "interfaces", Biss.name).get("bank_select")
 
 
 def bits_of(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
-    """What may follow the dot in ``register.field``: the fields, or for a register without any its own name."""
+    """Return the names allowed after the dot in ``register.field``: the fields, or the register's own name."""
     if "fields" in register:
         return list(field_names(Fields(Has.REGISTER, register, (), ""), groups))
     return [str(register.get("name"))]
 
 
 def explained(data: Spec, *keys: str) -> bool:
-    """Whether an erratum affects this very place, by the path that leads there through keys and names."""
+    """Return True if an erratum affects exactly this place, given by keys and names."""
     place = ".".join(keys)
     return any(place in erratum["affects"] for _, erratum in items(data, "errata") if _is_list(erratum.get("affects")))
 
@@ -168,7 +170,7 @@ def _is_list(value: object) -> bool:
 
 
 def walk(data: Any, path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
-    """Every entry of every map: the path of the entry, its key, its value."""
+    """Yield every entry of every map: its path, its key, its value."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield (*path, key), key, value
