@@ -338,7 +338,7 @@ def _mistake_lines(why: Why) -> list[str]:
         for item in why.explanations:
             lines.append(wrapped(item.text, WIDTH, " " * 6, "    - "))
             lines.append(wrapped(_beside(item), WIDTH, " " * 6, " " * 6))
-    return [*lines, wrapped(f"This CRC cannot detect {', or '.join(why.cannot_see)}.", WIDTH, "  ", "")]
+    return [*lines, wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", "")]
 
 
 def _beside(item: Explanation) -> str:
