@@ -163,11 +163,11 @@ def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
 def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
     assert "crc fault: the CRC is 0x7f; over these bits it has to be 0x7e" in seen["fault"]
     assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
-    early = seen["why"].index("read one bit early: a bit such as CDS is in front")
+    early = seen["why"].index("started one clock early: an extra bit such as CDS is in front")
     assert 0 < seen["why"].index("one bit was disturbed on the way: the CRC fits with bit 0 inverted") < early
-    assert "Every bit is 0: the line does not move." in seen["low"]
-    assert "Every bit is 1: the line does not move." in seen["high"]
-    assert "Every bit is 0: a line that does not move looks the same" in seen["ssi"]
+    assert "Every bit is 0: the line never changes." in seen["low"]
+    assert "Every bit is 1: the line never changes." in seen["high"]
+    assert "Every bit is 0. A dead line looks the same" in seen["ssi"]
 
 
 @pytest.mark.slow
