@@ -227,7 +227,7 @@ def _label_lines(device: Device, match: Match) -> Iterator[str]:
 def label_differences(device: Device, match: Match) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
     if match.written_as_in:
-        yield wrapped(f"the label follows the notation of {match.written_as_in}", WIDTH, "  ")
+        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
     if match.unlisted:
         yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  ")
     if match.tail:

@@ -217,5 +217,5 @@ def test_a_folder_is_needed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     old = specs(tmp_path / "old")
     assert main(["diff", str(old), str(old / "demo.yaml"), "--record"]) == 2
     assert capsys.readouterr().err == (
-        "codewheel: --record is for a folder of specs: the version is that of all families of a maker\n"
+        "codewheel: --record needs a folder of specs: all families of a manufacturer share a version\n"
     )

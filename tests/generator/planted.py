@@ -126,8 +126,8 @@ def status_left_out(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     position, _ = parts(encoder, source)
-    yield _plant(encoder, position + crc(position), "status_not_sent", "over the rest")
-    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "none active")
+    yield _plant(encoder, position + crc(position), "status_not_sent", "covers the rest")
+    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "as inactive")
 
 
 def other_answer(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -149,13 +149,13 @@ def read_late(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """One clock late: the first bit is gone, and a bit that follows is taken for the last."""
     frame = sound(encoder, source)
     if not encoder.zeros:
-        yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"a {frame[0]}")
+        yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"first bit ({frame[0]})")
 
 
 def first_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
     if not encoder.zeros:
-        yield _plant(encoder, frame[1:], "first_bit_missing", f"a {frame[0]}")
+        yield _plant(encoder, frame[1:], "first_bit_missing", f"first bit ({frame[0]})")
 
 
 def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -166,17 +166,17 @@ def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 def bit_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
-    yield _plant(encoder, noise(source, 1) + frame, "bits_in_front", "a bit too many")
+    yield _plant(encoder, noise(source, 1) + frame, "bits_in_front", "an extra bit")
 
 
 def start_and_cds_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
-    yield _plant(encoder, "1" + noise(source, 1) + frame, "bits_in_front", "start and CDS")
+    yield _plant(encoder, "1" + noise(source, 1) + frame, "bits_in_front", "start bit and CDS")
 
 
 def bit_behind(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
-    yield _plant(encoder, frame + noise(source, 1), "bits_behind", "a bit too many")
+    yield _plant(encoder, frame + noise(source, 1), "bits_behind", "an extra bit")
 
 
 def last_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -186,8 +186,8 @@ def last_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]
 def start_in_crc(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     data = "".join(parts(encoder, source))
     yield _plant(encoder, data + crc("1" + data), "start_bits_in_crc", "the start bit, or")
-    yield _plant(encoder, data + crc("10" + data), "start_bits_in_crc", "CDS bit 0")
-    yield _plant(encoder, data + crc("11" + data), "start_bits_in_crc", "CDS bit 1")
+    yield _plant(encoder, data + crc("10" + data), "start_bits_in_crc", "CDS bit of 0")
+    yield _plant(encoder, data + crc("11" + data), "start_bits_in_crc", "start bit and a CDS bit of 1")
 
 
 def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -196,10 +196,13 @@ def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     before, behind = "0" * encoder.zeros, "0" * encoder.below
     check = crc(before + position + behind + flags)
     yield _plant(
-        encoder, before + gray(position) + behind + flags + check, "other_code", "in binary; here it is in Gray"
+        encoder, before + gray(position) + behind + flags + check, "other_code", "in binary, but here it is in Gray"
     )
     yield _plant(
-        encoder, before + binary(position) + behind + flags + check, "other_code", "in Gray code; here it is in binary"
+        encoder,
+        before + binary(position) + behind + flags + check,
+        "other_code",
+        "in Gray code, but here it is already binary",
     )
 
 
@@ -207,7 +210,7 @@ def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]
     """The CRC as long as its polynomial makes it."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
-        yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x}:")
+        yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x},")
 
 
 def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -215,7 +218,7 @@ def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Itera
     the first of a longer one, or a shorter one and the zeros that follow it."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
-        yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x}:")
+        yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x},")
 
 
 def other_order_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -316,7 +319,7 @@ def byte_mistakes(code: str, source: random.Random) -> Iterator[Plant]:
     frame = reply(source, code)
     data, check = frame[:-1], frame[-1]
     random_byte = bytes([source.getrandbits(8)])
-    yield Plant(code, (data + bytes([check ^ 0xFF])).hex(), "crc_not_inverted", "starts with 0xff")
+    yield Plant(code, (data + bytes([check ^ 0xFF])).hex(), "crc_not_inverted", "start value is 0xff")
     yield Plant(code, (data + bytes([check ^ data[0]])).hex(), "first_byte_left_out")
     yield Plant(code, (frame[:1] + frame).hex(), "bytes_in_front")
     yield Plant(code, (frame + random_byte).hex(), "bytes_behind")

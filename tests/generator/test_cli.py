@@ -82,7 +82,7 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
 
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown(capsys, "SMA21-SC4-0050")
-    assert "50 µm to a count, 1,048,576 counts in all, the highest 1,048,575; 52,428.800 mm in all" in sma21
+    assert "50 µm to a count, 1,048,576 counts in all, the highest 1,048,575, 52,428.800 mm in total" in sma21
     assert "configuration.select_preset_offset holds 0 (preset), it holds preset, 0 to 1,048,575:" in sma21
     assert "Time-out follows the clock, at most 16 µs" in sma21
     ssi = shown(capsys, "AMC3616/4096-GG")
@@ -101,7 +101,7 @@ def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest
     assert "--register 0x56=0x.." in biss
     assert "position_bits 28" not in biss
     assert (
-        "As delivered: the widths are those in register 56h (singleturn_bits_used.bits) and register 57h "
+        "Factory default: the widths in register 56h (singleturn_bits_used.bits) and register 57h "
         "(multiturn_bits_used.bits)."
     ) in biss
     assert "--register" not in shown(capsys, "AM3616/4096-BG")
@@ -156,7 +156,7 @@ def test_faults_exit_1(capsys: pytest.CaptureFixture[str], arguments: tuple[str,
     assert kind in [item["kind"] for item in found["problems"]]
     code, out, _ = run(capsys, "decode", *arguments)
     assert code == 1
-    assert f"{kind} fault: " in out
+    assert f"{kind} error: " in out
 
 
 def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str]) -> None:
@@ -276,10 +276,10 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())
         assert (
-            "For you to decide, since the manual leaves it open eeprom_address: Where the byte ADF of an EEPROM access "
+            "Open in the manual, for you to choose eeprom_address: Where the byte ADF of an EEPROM access "
             "over RS-485 has the address [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
-        assert "decode takes the answer as: --choose eeprom_address=as_printed" in out
+        assert "give decode the answer with --choose eeprom_address=as_printed" in out
         assert "Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format." in out
     assert "The picture has as_printed." in out
     assert "For you to decide" not in run(capsys, "show", "AMM5A17/1SC1")[1]

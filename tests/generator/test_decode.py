@@ -99,17 +99,17 @@ def test_error_and_warning_over_biss(
 def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
     code, out = text(capsys, "AMM5A21/65KSC1", "0xf424316")
     assert code == 3
-    assert "no fault" not in out
+    assert "no frame error" not in out
     assert "°" not in out
     assert "the encoder reports: - error (Error, nE): error active in the system." in out
     assert "- warning (Warning, nW): " in out
     assert out.endswith("so the position is not usable")
     code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
     assert code == 0
-    assert "no fault" not in out
+    assert "no frame error" not in out
     assert out.endswith("so the position is usable, with a warning")
     assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith(
-        "(x^6 + x + 1, sent inverted) no fault; the position is usable"
+        "(x^6 + x + 1, sent inverted) no frame error; the position is usable"
     )
 
 
@@ -208,7 +208,7 @@ def test_where_there_is_no_verdict(
 
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
-        "no fault; this frame carries no CRC; no bit of this frame says whether the position is usable"
+        "no frame error; this frame has no CRC; no bit of this frame says whether the position is usable"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
@@ -303,13 +303,13 @@ def test_public_frames_of_the_eeprom(capsys: Capture, frame: str, address: int, 
     code, data = decode(capsys, *master, *AS_PRINTED)
     assert (code, [item["field"] for item in data["problems"]]) == (1, ["mem_busy"])
     code, out = text(capsys, *master, *AS_T_FORMAT)
-    assert "read with eeprom_address = as_t_format: Bits 6:0, as public T-format stacks have it" in out
+    assert "decoded with eeprom_address = as_t_format: Bits 6:0, as public T-format stacks have it" in out
 
 
 @pytest.mark.parametrize(("length", "lines"), [(80, 1), (81, 2)])
 def test_what_was_chosen_is_wrapped_at_80_columns(capsys: Capture, tmp_path: Path, length: int, lines: int) -> None:
     base = Path(__file__).parents[1] / "changes" / "base"
-    start = "read with memory = low: "
+    start = "decoded with memory = low: "
     # The last word fits into the line, or is the first that does not.
     meaning = "x" * (length - len(start) - 5) + " last"
     changed = (base / "demo.yaml").read_text(encoding="utf-8").replace('"Bits 6:0"', meaning)
@@ -325,7 +325,7 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     for more in ((), ("--json",)):
         message = refused(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
         assert message == (
-            "'eeprom_read_request' cannot be decoded before you decide. Where the byte ADF of an EEPROM access over "
+            "'eeprom_read_request' cannot be decoded until you decide. Where the byte ADF of an EEPROM access over "
             "RS-485 has the address: add --choose eeprom_address=as_printed (Bits 7:1, MEM BUSY in bit 0, as the "
             "manual prints it) or --choose eeprom_address=as_t_format (Bits 6:0, as public T-format stacks have it; "
             "MEM BUSY then is the bit that is left, 7)"
@@ -334,7 +334,7 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     # Not even the length of a word is known before: 33 bits, or 34. A register is what it is.
     for frame in ("0x3c1", "0b" + "0" * 33, "0b" + "0" * 34, "0b0"):
         message = refused(capsys, "ASC8525/SC1", frame)
-        assert message.startswith("'single_cycle_data' cannot be decoded before you decide. Constant 0 bit between ")
+        assert message.startswith("'single_cycle_data' cannot be decoded until you decide. Constant 0 bit between ")
         assert "add --choose zero_bit=as_printed (Sent, " in message
         assert " or --choose zero_bit=left_out (Not sent, " in message
     assert decode(capsys, "ASC8525/SC1", "--as", "status", "01")[0] == 0
@@ -347,14 +347,14 @@ def test_an_undecided_frame_among_others(capsys: Capture, monkeypatch: pytest.Mo
     assert main(["decode", "AMM5A23/65KJP1", "--from", "master", "-", "--json"]) == 2
     captured = capsys.readouterr()
     assert [json.loads(line)["line"] for line in captured.out.splitlines()] == [1, 3]
-    assert captured.err.startswith("codewheel: line 2: 'eeprom_read_request' cannot be decoded before you decide. ")
+    assert captured.err.startswith("codewheel: line 2: 'eeprom_read_request' cannot be decoded until you decide. ")
     assert captured.err.count("\n") == 1
 
 
 @pytest.mark.parametrize(
     ("encoder", "chosen", "message"),
     [
-        ("AMM5A23/65KJP1", ["eeprom=as_printed"], f"'eeprom' is nothing to choose with AMM5A23/65KJP1; write {BOTH}"),
+        ("AMM5A23/65KJP1", ["eeprom=as_printed"], f"AMM5A23/65KJP1 has no choice 'eeprom'; write {BOTH}"),
         ("AMM5A23/65KJP1", ["eeprom_address"], f"'eeprom_address' has no answer ''; write {BOTH}"),
         ("AMM5A23/65KJP1", ["eeprom_address=7:1"], f"'eeprom_address' has no answer '7:1'; write {BOTH}"),
         (
@@ -362,7 +362,7 @@ def test_an_undecided_frame_among_others(capsys: Capture, monkeypatch: pytest.Mo
             ["eeprom_address=as_printed", "eeprom_address=as_t_format"],
             "'eeprom_address' is chosen twice, as 'as_printed' and as 'as_t_format'",
         ),
-        ("AMM5A17/1SC1", ["eeprom_address=as_printed"], "with AMM5A17/1SC1 there is nothing to choose"),
+        ("AMM5A17/1SC1", ["eeprom_address=as_printed"], "AMM5A17/1SC1 has nothing to choose"),
     ],
 )
 def test_a_wrong_choice_is_told_the_right_ones(capsys: Capture, encoder: str, chosen: list[str], message: str) -> None:
@@ -398,7 +398,7 @@ def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, 
     code, out = text(capsys, "SMA21-SC1-0010", *arguments)
     assert code == 1
     assert message in out
-    assert out.endswith("no other fault")
+    assert out.endswith("no other error")
 
 
 def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
@@ -436,7 +436,7 @@ def test_a_frame_with_another_id_is_decoded(capsys: Capture, tmp_path: Path) -> 
         assert next(item["value"] for item in data["fields"] if item["name"] == "position") == 1
         assert [item["message"] for item in data["differences"]] == ["KIND is 0x17, the manual has 0x23"] * differs
         assert (
-            "not as documented: KIND is 0x17, the manual has 0x23 no other fault" in text(capsys, *arguments)[1]
+            "not as documented: KIND is 0x17, the manual has 0x23 no other error" in text(capsys, *arguments)[1]
         ) is differs
 
 
@@ -467,11 +467,8 @@ def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pyt
     started = [line for line in out.splitlines() if "AMM5A23/65KJP1" in line]
     assert started == [f"line {number}: AMM5A23/65KJP1, RS-485, from the encoder" for number in (2, 4, 6, 8)]
     assert err.splitlines() == [
-        (
-            "codewheel: line 5: '022' has an odd number of hex digits, and a byte has two: "
-            "a digit is missing or one too many"
-        ),
-        "codewheel: line 7: 'zz' is not hex; write the bytes as in: 02 00 12 34 00 24",
+        "codewheel: line 5: '022' has an odd number of hex digits: one is missing or one too many",
+        "codewheel: line 7: 'zz' is not hex; write the bytes like 02 00 12 34 00 24",
     ]
     code, out, _ = many(capsys, monkeypatch, FRAMES, "--json")
     rows = [json.loads(line) for line in out.splitlines()]
@@ -534,12 +531,12 @@ def test_other_streams(tmp_path: Path) -> None:
     [
         (
             "022 0C7D16A5E",
-            "'022' has an odd number of hex digits, and a byte has two: a digit is missing or one too many",
+            "'022' has an odd number of hex digits: one is missing or one too many",
         ),
-        ("02 20C", "'20C' has an odd number of hex digits, and a byte has two: a digit is missing or one too many"),
-        ("2 20 C7 D1 6A 5E", "'2' is one hex digit, and a byte has two; write 02 if it is a byte"),
-        ("", "there is nothing to decode"),
-        (",", "there is nothing to decode"),
+        ("02 20C", "'20C' has an odd number of hex digits: one is missing or one too many"),
+        ("2 20 C7 D1 6A 5E", "'2' is one hex digit; write 02 if it is a byte"),
+        ("", "the frame is empty"),
+        (",", "the frame is empty"),
     ],
 )
 def test_no_digit_is_guessed(capsys: Capture, typed: str, message: str) -> None:
@@ -560,13 +557,13 @@ def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
         assert data["fields"][-1]["value"] == 1000003
     assert (
         refused(capsys, "AMM5A21/65KSC1", "0F4243D3")
-        == "'0F4243D3' is no frame of 45 bits; write 0x0F4243D3 if it is hex"
+        == "'0F4243D3' is not a frame of 45 bits; write 0x0F4243D3 if it is hex"
     )
     assert (
         refused(capsys, "AMM5A21/65KSC1", "101")
-        == "'101' is no frame of 45 bits; write 0x101 if it is hex, 0b101 if it is bits"
+        == "'101' is not a frame of 45 bits; write 0x101 if it is hex, 0b101 if it is bits"
     )
-    assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' can be bits or hex bytes; write 0b or 0x before it"
+    assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' could be bits or hex bytes; prefix it with 0b or 0x"
     assert "write 0b and all 45 bits" in refused(capsys, "AMM5A21/65KSC1", "0F 42 4")
 
 

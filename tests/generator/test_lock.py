@@ -188,7 +188,7 @@ def test_the_command_says_that_it_waits(
     with lock.locked(tmp_path / "out", list):
         assert main(["generate", "demo.yaml", "--target", "browser", "-o", "out"]) == 1
     assert capsys.readouterr().err == (
-        "codewheel: waiting for another run that writes into out\n"
+        "codewheel: waiting for another run that is writing to out\n"
         "codewheel: another run of codewheel has been writing into out for 60 s; nothing has changed; "
         "try again when it has ended\n"
     )

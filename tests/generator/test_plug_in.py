@@ -128,7 +128,7 @@ def test_help_lists_all_targets_and_options(
     assert "rust a crate --option rust.edition=2018|2021: of the language (default: 2021)" in shown
     assert "--option rust.crate=VALUE: its name (default: acme)" in shown
     assert "broken the target 'broken' cannot be loaded: ImportError: no such module" in shown
-    listed = out[out.index("targets, of which") :].splitlines()
+    listed = out[out.index("targets (python") :].splitlines()
     assert max(map(len, (line for line in listed if "/" not in line))) <= 79
 
 
@@ -141,8 +141,8 @@ def test_help_lists_all_targets_and_options(
         ("docs.std=no", "the target 'docs' has no option 'std'; it has none"),
         ("c.std=no", "'c.std' is for a target that does not run; add --target c"),
         ("ruts.edition=2018", "there is no target 'ruts'; did you mean 'rust'?"),
-        ("edition=2018", "'edition=2018' is no setting; write it as in TARGET.OPTION=VALUE"),
-        ("rust.edition", "'rust.edition' is no setting; write it as in TARGET.OPTION=VALUE"),
+        ("edition=2018", "'edition=2018' is not a setting; write it like TARGET.OPTION=VALUE"),
+        ("rust.edition", "'rust.edition' is not a setting; write it like TARGET.OPTION=VALUE"),
     ],
 )
 def test_a_wrong_option_is_one_line(

@@ -88,7 +88,7 @@ def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.C
     assert generate(capsys) == (
         2,
         (
-            "codewheel: nothing is written, for templates without effect:\n"
+            "codewheel: nothing written: these templates have no effect:\n"
             "  no output uses t/c/devce.h.jinja; did you mean 'c/device.h.jinja'?\n"
             "  no output uses t/device.h.jinja; did you mean 'c/device.h.jinja'?\n"
             "  no output uses t/docs/x.jinja\n"

@@ -81,7 +81,7 @@ def test_json_in_any_encoding(encoding: str) -> None:
 def test_messages_in_ascii() -> None:
     done = run("show", "n→n", PYTHONIOENCODING="ascii", PYTHONUTF8="1")
     assert done.returncode == 2
-    assert b"'n->n' is no known order code" in done.stderr
+    assert b"'n->n' is not a known order code" in done.stderr
 
 
 #: No file may grow, so that each write to one fails as on a full disk.

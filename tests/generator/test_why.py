@@ -290,9 +290,7 @@ def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.Capt
         assert [item["kind"] for item in data["why"]["explanations"]] == ["line_stuck"]
         assert main(["decode", "AMM5A23/65KBG1", frame]) == 0
         out = " ".join(capsys.readouterr().out.split())
-        assert (
-            f"Every bit is {level}: a line that does not move looks the same, and without a CRC nothing tells." in out
-        )
+        assert f"Every bit is {level}. A dead line looks the same, and there is no CRC to tell." in out
     assert decode("AMM5A23/65KBG1", "0x1")[1]["why"] is None
 
 
@@ -302,7 +300,7 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
     assert (code, data["why"]["disturbed"]) == (1, [0])
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
     out = " ".join(capsys.readouterr().out.split())
-    first = "one bit was disturbed on the way: the CRC fits with bit 0 inverted"
+    first = "noise flipped one bit: the CRC matches with bit 0 inverted"
     assert 0 < out.index(first) < out.index("the polynomial is 0x25")
     # x^8 + 1 tells in which of eight places, not in which byte: a parity bit, a constant and padding cannot be it.
     reply = bytes.fromhex("02 00 15 CD 5B 81")
@@ -369,7 +367,7 @@ def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: 
     assert swapped[1]["crc"]["ok"] is True
     assert swapped[1]["fields"] != sane[1]["fields"]
     assert any(
-        "changed places" in text for text in decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F")[1]["why"]["cannot_see"]
+        "swapped bytes" in text for text in decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F")[1]["why"]["cannot_see"]
     )
 
 

@@ -79,10 +79,10 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
         ),
         (["AM3619/4096-GG", "--cable", "400"], 1, "cable of 400 m: the table of the encoder's manual ends at 400 m"),
         (["AMM5A21/65KSC1", "--cable", "1001"], 1, "AN15 of iC-Haus, revision A3, for RS-422 ends at 1000 m"),
-        (["AMM5A21/65KSC1", "--cable", "long"], 2, "'long' is no length in metres, such as 30"),
-        (["AMM5A21/65KSC1", "--cable", "0"], 2, "'0' is no length in metres"),
-        (["AMM5A21/65KSC1", "--cable", "nan"], 2, "'nan' is no length in metres"),
-        (["AMM5A21/65KSC1", "--cable", "inf"], 2, "'inf' is no length in metres"),
+        (["AMM5A21/65KSC1", "--cable", "long"], 2, "'long' is not a length in metres, such as 30"),
+        (["AMM5A21/65KSC1", "--cable", "0"], 2, "'0' is not a length in metres"),
+        (["AMM5A21/65KSC1", "--cable", "nan"], 2, "'nan' is not a length in metres"),
+        (["AMM5A21/65KSC1", "--cable", "inf"], 2, "'inf' is not a length in metres"),
     ],
 )
 def test_what_cannot_be_said(

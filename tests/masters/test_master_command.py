@@ -66,7 +66,7 @@ def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "master", "ASC8525/SC1")
     assert (code, out) == (2, "")
-    assert err.startswith("codewheel: 'single_cycle_data' has no settings before you decide. Constant 0 bit between ")
+    assert err.startswith("codewheel: 'single_cycle_data' has no settings until you decide. Constant 0 bit between ")
     assert "add --choose zero_bit=as_printed (Sent, " in err
     assert " or --choose zero_bit=left_out (Not sent, " in err
     assert run(capsys, "master", "ASC8525/BG1", "--choose", "zero_bit=left_out")[0] == 2
@@ -103,7 +103,7 @@ def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
             2,
             "there is no master 'synaptikon'; did you mean 'synapticon'?",
         ),
-        (["AMM5A23"], 2, "is no known order code"),
+        (["AMM5A23"], 2, "is not a known order code"),
         (["AMM5A23/65KSC1", "--register", "0x56=0x10"], 2, "does not change how a frame is read"),
     ],
 )
