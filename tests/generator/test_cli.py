@@ -281,7 +281,7 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
         ) in out
         assert "give decode the answer with --choose eeprom_address=as_printed" in out
         assert "Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format." in out
-    assert "The picture has as_printed." in out
+    assert "The picture shows as_printed." in out
     assert "For you to decide" not in run(capsys, "show", "AMM5A17/1SC1")[1]
     assert data(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []
     found = data(capsys, "show", "AMM5A23/65KJP1", "--json")[1]

@@ -41,7 +41,7 @@ def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> No
     exit_code, out, err = run(capsys, "master", *code.split())
     assert (exit_code, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
-    assert "Nothing has been tried on hardware." in " ".join(out.split())
+    assert "Not yet tested on hardware." in " ".join(out.split())
 
 
 def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,7 +96,7 @@ def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
         (
             ["AMM5A23/65KJP1"],
             1,
-            "AMM5A23/65KJP1 has the interface RS-485; only SSI and BiSS C-mode have masters to set up",
+            "AMM5A23/65KJP1 has the interface RS-485; there are masters for SSI and BiSS C-mode only",
         ),
         (
             ["AMM5A23/65KSC1", "--master", "synaptikon"],

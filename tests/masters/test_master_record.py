@@ -91,16 +91,18 @@ def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
     found = record_of("AM3616/4096-I7")
     assert [part.active for part in found.parts if part.role == "status"] == ["", ""]
     assert found.words["status_active"] == "low"
-    assert "error and warning: always 1, a bit that a master takes for a status bit that says nothing." in found.notes
+    assert "error and warning: always 1, which a master treats as an inactive status bit." in found.notes
 
 
 def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf) -> None:
     notes = record_of("AM3616/4096-I7").notes
-    assert any("(56h)" in note and "(57h)" in note and "widths" in note and "as delivered" in note for note in notes)
+    assert any(
+        "(56h)" in note and "(57h)" in note and "widths" in note and "factory defaults" in note for note in notes
+    )
     assert any("(49h)" in note and "code" in note for note in notes)
     whatever_cable = (
-        "The clocks shown are the fastest that encoder and master take, whatever the cable; "
-        "codewheel master --cable METRES chooses them for one."
+        "The clocks shown are the fastest that encoder and master support, regardless of the cable. "
+        "Use --cable METRES to choose them for a cable length."
     )
     assert record_of("AMM5A23/65KSC1").notes == (whatever_cable,)
     device = devices["am36"]
@@ -165,7 +167,7 @@ def test_rs485_has_no_master(record_of: RecordOf) -> None:
 
 
 def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
-    with pytest.raises(Undecided, match="'single_cycle_data' depends on zero_bit, which is for you to decide"):
+    with pytest.raises(Undecided, match="'single_cycle_data' depends on zero_bit, which you must choose"):
         record_of("ASC8525/SC1")
     assert record_of("ASC8525/SC1 left_out").notes[0].startswith("With zero_bit=left_out: Not sent, as ")
 
@@ -183,7 +185,7 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
         return replace(device, interfaces=others)
 
     position, zero, error, warning, crc = layout.fields
-    with pytest.raises(NoRecord, match="'warning' is no position, status bit or CRC"):
+    with pytest.raises(NoRecord, match="'warning' is not a position, status bit or CRC"):
         record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
         record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
@@ -198,7 +200,7 @@ def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
     variant = find(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
         crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)
-        with pytest.raises(NoRecord, match="straight or inverted as a whole"):
+        with pytest.raises(NoRecord, match="either plain or fully inverted"):
             record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
     straight = tuple(replace(item, xorout=0) for item in device.crcs)
     assert record(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0
