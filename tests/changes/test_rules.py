@@ -211,8 +211,8 @@ def test_explain() -> None:
         "  Python  breaking\n"
         "  XML     breaking\n"
         "  pages   documentation\n"
-        "  Its names are gone from C and Python, and its element from the XML: what uses\n"
-        "  them no longer builds."
+        "  Its names are gone from C and Python, and its element from the XML. Code that\n"
+        "  uses them no longer builds."
     )
     assert all(rule.name in explain(None) for rule in RULES.values())
     assert max(map(len, explain(None).splitlines())) <= 80

@@ -208,7 +208,7 @@ def test_a_version_that_cannot_be_written(
     assert code == 1
     if message:
         assert err == (
-            f'codewheel: {new}/manufacturer.yaml has no line such as version: "1.4.2"; write 2.0.0 into it\n'
+            f'codewheel: {new}/manufacturer.yaml has no line like version: "1.4.2"; set it to 2.0.0 by hand\n'
         )
         assert not (new / "demo.changes.json").exists()
 
