@@ -21,7 +21,7 @@ _VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """Versions of a manufacturer's package: ``old`` and ``stated`` as in the specs, ``due`` according to the changes."""
+    """Versions of a manufacturer's package: ``old`` and ``stated`` are from the specs, ``due`` is from the changes."""
 
     maker: str
     name: str

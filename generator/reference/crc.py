@@ -1,6 +1,6 @@
 """Cyclic redundancy checks: the plain definition, and the table-free plan for polynomials of two or three terms.
 
-Parameters are named as everywhere in the field: width, poly (without its top bit), init, refin, refout, xorout.
+Parameters have their usual names: width, poly (without its top bit), init, refin, refout, xorout.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from ..model import Crc, FoldStep, Form
 
 
 def reflect(value: int, width: int) -> int:
-    """``value`` with its ``width`` bits in the opposite order."""
+    """Return ``value`` with its ``width`` bits in reverse order."""
     return int(f"{value:0{width}b}"[::-1], 2)
 
 
 def compute_bits(crc: Crc, number: int, bits: int) -> int:
-    """CRC over ``bits`` bits of ``number``, most significant first, bit by bit as the definition says.
+    """Compute the CRC over ``bits`` bits of ``number``, most significant first, bit by bit as in the definition.
 
-    ``refin`` has no meaning for a string of bits and is taken as false.
+    ``refin`` has no meaning for a string of bits and is ignored.
     """
     register = crc.init
     top = 1 << (crc.width - 1)
@@ -33,7 +33,7 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
-    """CRC over whole bytes, each taken least significant bit first when ``refin`` is set."""
+    """Compute the CRC over whole bytes, each least significant bit first if ``refin`` is set."""
     number = 0
     for byte in data:
         number = number << 8 | (reflect(byte, 8) if crc.refin else byte)
@@ -41,13 +41,13 @@ def compute_bytes(crc: Crc, data: bytes) -> int:
 
 
 def polynomial_text(width: int, poly: int) -> str:
-    """The generator polynomial as ``x^6 + x + 1``."""
+    """Return the generator polynomial in the form ``x^6 + x + 1``."""
     powers = [width, *(power for power in range(width - 1, -1, -1) if poly >> power & 1)]
     return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
 
 
 def form(width: int, poly: int, init: int, refin: bool, refout: bool) -> Form:
-    """How code should compute a CRC with these parameters."""
+    """Return the form in which code should compute a CRC with these parameters."""
     if init == 0 and poly & 1:
         if width == 8 and poly == 1 and refin == refout:
             return Form.XOR
@@ -57,9 +57,9 @@ def form(width: int, poly: int, init: int, refin: bool, refout: bool) -> Form:
 
 
 def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
-    """For each byte what it leaves of a CRC whose last bits it is: its remainder, moved up by the CRC's width.
+    """Return the table of remainders of every byte shifted left by the CRC's width.
 
-    ``reflected`` is for a register that is kept with its bits in the opposite order, as reflected input wants it.
+    ``reflected`` is for a register with its bits in reverse order, as needed for reflected input.
     """
     whole = poly | 1 << width
     if reflected:
@@ -68,32 +68,34 @@ def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
 
 
 def word_table(width: int, poly: int) -> tuple[int, ...]:
-    """For each byte above the ``max(width, 8)`` bits of a number its remainder: what brings a word down byte by byte as
-    it is."""
+    """Return the table of remainders of every byte above the lowest ``max(width, 8)`` bits of a number.
+
+    It reduces a whole word byte by byte.
+    """
     return tuple(remainder(byte << max(width, 8), poly | 1 << width) for byte in range(256))
 
 
 def remainder(number: int, polynomial: int) -> int:
-    """Long division of polynomials, ``polynomial`` with its top bit."""
+    """Return the remainder of a long division of polynomials. ``polynomial`` includes its top bit."""
     while number.bit_length() >= polynomial.bit_length():
         number ^= polynomial << (number.bit_length() - polynomial.bit_length())
     return number
 
 
 def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
-    """The fewest steps that bring a word of ``bits`` bits down to its remainder modulo x^n + x^m + 1 or x^n + 1.
+    """Return the fewest steps that reduce a word of ``bits`` bits to its remainder modulo x^n + x^m + 1 or x^n + 1.
 
     Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word above bit n*2^k can be
     added to the part below it once in place and once shifted by m*2^k. For x^n + 1 both places are the same part, added
-    once. The largest power is not always the best: a smaller one may leave a word that the next steps bring down
-    sooner. Among plans of as many steps the one is taken that is within 32 bits soonest, and then the one of the
-    smaller powers: a short mask is a cheaper constant.
+    once. The largest power is not always the best: a smaller one may leave a word that the next steps reduce faster.
+    Among plans with equally many steps, the best is the one that gets within 32 bits first, and then the one with the
+    smaller powers, since a short mask is a cheaper constant.
     """
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
 
     @cache
     def cheapest(left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Steps, those that leave more than 32 bits, the sum of the powers, and the powers."""
+        """Return the steps, those that leave more than 32 bits, the sum of the powers, and the powers."""
         if left <= width:
             return 0, 0, 0, ()
         plans = []

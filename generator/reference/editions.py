@@ -1,4 +1,4 @@
-"""Which edition of its manual an encoder is of, as its label or a register tells."""
+"""Infer the edition of the manual that applies to an encoder from its label or its registers."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from .order_codes import Match
 
 
 def edition_before(device: Device, revision: str) -> str:
-    """The revision before this one."""
+    """Return the revision before this one."""
     names = [item.revision for item in device.editions]
     return names[names.index(revision) - 1]
 
 
 def told_by_label(device: Device, match: Match) -> str:
-    """The edition in which labels are written like this one; empty where the label tells none."""
+    """Return the edition in which labels are written like this one, or "" if that is unknown."""
     patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
     found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
     return next(found, "")
 
 
 def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
-    """The tests of a register, each with the revision from which on the register reads so."""
+    """Yield the tests of a register, each with the first revision in which the register is read that way."""
     for edition in device.editions:
         for test in edition.tests:
             if test.register == register:
@@ -34,7 +34,7 @@ def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
-    """What cannot be in a register that is read as this edition has it: the encoder is of another one."""
+    """Yield values that a register cannot have in this edition, which means that the encoder belongs to another one."""
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name
@@ -48,10 +48,10 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 
 
 def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> str:
-    """The latest edition that an encoder can be of by what its registers hold.
+    """Return the latest edition that is compatible with the registers of an encoder.
 
     Raises:
-        ValueError: No register that would tell is given, as a whole.
+        ValueError: None of the registers that identify the edition is given completely.
     """
     given = False
     for edition in device.editions:
@@ -72,7 +72,7 @@ def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> 
 
 
 def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
-    """What registers hold beside those that tell the edition."""
+    """Return the registers without those that identify the edition."""
     registers = [device.register(test.register) for item in device.editions for test in item.tests]
     telling = {address for item in registers for address in range(item.address, item.last_address + 1)}
     return {address: value for address, value in held.items() if address not in telling}
@@ -81,9 +81,9 @@ def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
 def _needed(device: Device) -> str:
     names = dict.fromkeys(test.register for item in device.editions for test in item.tests)
     if not names:
-        return f"no register of {device.name} tells the edition"
+        return f"no register of {device.name} identifies the edition"
     asked = []
     for name in names:
         item = device.register(name)
         asked.append(" ".join(f"--register 0x{at:02X}=0x.." for at in range(item.address, item.last_address + 1)))
-    return f"to tell the edition, give all of {' or '.join(names)}: {'; or '.join(asked)}"
+    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(asked)}"

@@ -194,7 +194,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
         ("v1.0:/a/b", "v1.0:/a/b is outside the repository; paths are relative to its top"),
         ("$(touch x):specs", "there is no revision '$(touch x)' in this repository; known: master, v1.0"),
         ("v1.0\x1b[2J:specs", "there is no revision 'v1.0\\x1b[2J' in this repository; did you mean 'v1.0'?"),
-        ("specs/nowhere.yaml", "there is no file or folder specs/nowhere.yaml"),
+        ("specs/nowhere.yaml", "no such file or folder: specs/nowhere.yaml"),
     ],
 )
 def test_what_is_not_there(
