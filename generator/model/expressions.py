@@ -194,7 +194,7 @@ def _times(one: Expression, other: Expression) -> Expression:
     if one == Expression(1):
         return other
     if one.is_constant or other.is_constant:
-        raise ExpressionError("a product can contain parameters and powers of two of parameters, but not numbers")
+        raise ExpressionError("a product is made of parameters and powers of two of parameters, not of numbers")
     return Expression(0, (Term(1, (*one.terms[0].factors, *other.terms[0].factors)),))
 
 
@@ -205,5 +205,5 @@ def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
     if not factor.power:
         return number
     if not 0 <= number <= LARGEST_EXPONENT:
-        raise ExpressionError(f"2^{factor.parameter} is out of range with {factor.parameter} = {number}")
+        raise ExpressionError(f"2^{factor.parameter} is too large with {factor.parameter} = {number}")
     return 1 << number

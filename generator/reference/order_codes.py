@@ -71,10 +71,8 @@ def find(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
     if len(text) > LONGEST:
-        reason = (
-            f"'{text[:20]}...' is not an order code: it has {len(text)} characters, but labels have at most {LONGEST}"
-        )
-        raise UnknownOrderCode(reason, close=True)
+        size = f"it has {len(text)} characters, more than the {LONGEST} of any label"
+        raise UnknownOrderCode(f"'{text[:20]}...' is not an order code: {size}", close=True)
     code = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which counts only after the code.
     for spelling in (_as_listed(device.order_code), *device.order_code.also_written):
@@ -181,7 +179,7 @@ def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[s
         if any(_fitting(device, {**known, part.name: value.text}) for value in part.values)
     ]
     listed = " and ".join(f"{name} '{known[name] or parts[name]}'" for name in names) or "its parts"
-    return f"'{code}' combines {listed}, which is not available; the nearest codes are {_nearest(device, code)}"
+    return f"'{code}' has {listed}, which cannot be combined; the nearest codes are {_nearest(device, code)}"
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
@@ -209,7 +207,7 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
     valid = ", ".join(value.text for value in part.values)
     wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
     return UnknownOrderCode(
-        f"'{code}' {wrong}; valid values are {valid}. The nearest codes are {_nearest(device, code)}", close=True
+        f"'{code}' {wrong}; valid values: {valid}. The nearest codes are {_nearest(device, code)}", close=True
     )
 
 

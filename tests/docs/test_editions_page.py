@@ -329,7 +329,7 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
         (
             ["decode", "AMM5B21/65KSC1", "0x0", "--edition", "1.7"],
             (
-                "in edition 1.7 of the manual: 'AMM5B21/65KSC1' has mount 'B'; valid are A. The nearest codes are "
+                "in edition 1.7 of the manual: 'AMM5B21/65KSC1' has mount 'B'; valid values: A. The nearest codes are "
                 "AMM5A21/65KSC1, AMM5A17/65KSC1, AMM5A23/65KSC1"
             ),
         ),

@@ -414,7 +414,7 @@ def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
     ]
     _, data = decode(capsys, "SMA21-SC1-0010", *right[2:], frame)
     assert [item["message"] for item in data["differences"]] == [
-        "profile_id: what is given of it is ..14h, SMA21-SC1-0010 has ..16h"
+        "profile_id: the given part is ..14h, SMA21-SC1-0010 has ..16h"
     ]
     assert "does not change how a frame is read" in refused(capsys, "SMA21-SC1-0010", "--register", "0x44=1", frame)
 
@@ -511,7 +511,7 @@ def test_other_streams(tmp_path: Path) -> None:
     assert b"line 2" in done.stdout
     done = subprocess.run(f"{shlex.join(command)} <&-", shell=True, capture_output=True)
     assert done.returncode == 2
-    assert done.stderr == b"codewheel: standard input is closed, so there is no frame to read\n"
+    assert done.stderr == b"codewheel: cannot read frames: standard input is closed\n"
     # The reader leaves after the first line; the fault of that frame is not forgotten.
     lines = tmp_path / "frames"
     lines.write_text("02 20 C7 D1 6A 5F\n" * 2000)

@@ -69,5 +69,5 @@ def test_a_procedure_accepts_no_more_than_its_register(devices: Mapping[str, Dev
     variant = find(device, "AM3616/4096-I7").variant
     procedure = device.procedure("set_configuration")
     assert register_writes(device, procedure, variant, {"configuration": 0x64})[0].value == 0x64
-    with pytest.raises(EncodeError, match=f"{unused:#x} is no value of 'configuration'"):
+    with pytest.raises(EncodeError, match=f"{unused:#x} is not a value of 'configuration'"):
         register_writes(device, procedure, variant, {"configuration": unused})

@@ -135,7 +135,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
         with pytest.raises(write.WriteError) as caught:
             write.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
         assert str(caught.value) == (
-            f"another run of codewheel has been writing into {tmp_path / way} for 60 s; nothing has changed; "
+            f"another run of codewheel has been writing to {tmp_path / way} for 60 s; nothing has changed; "
             "try again when it has ended"
         )
         assert waited == [True]
@@ -189,6 +189,6 @@ def test_the_command_says_that_it_waits(
         assert main(["generate", "demo.yaml", "--target", "browser", "-o", "out"]) == 1
     assert capsys.readouterr().err == (
         "codewheel: waiting for another run that is writing to out\n"
-        "codewheel: another run of codewheel has been writing into out for 60 s; nothing has changed; "
+        "codewheel: another run of codewheel has been writing to out for 60 s; nothing has changed; "
         "try again when it has ended\n"
     )

@@ -56,14 +56,14 @@ def test_what_a_code_decides(amm5: Device) -> None:
 @pytest.mark.parametrize(
     ("label", "message"),
     [
-        ("AMM5A22/65KSC1", "has singleturn '22'; valid are 17, 21, 23"),
-        ("AMM5C21/65KSC1", "has mount 'C'; valid are A, B"),
-        ("AMM5A21/65SC1", "has turns '65'; valid are 1, 65K"),
-        ("AMM5A21/65K", "has no interface; valid are BG1, SC1, JP1"),
-        ("AMM5A21/65KSC2", "has interface 'SC2'; valid are BG1, SC1, JP1"),
-        ("AMM5", "is no order code of AMM5; the nearest are"),
+        ("AMM5A22/65KSC1", "has singleturn '22'; valid values: 17, 21, 23"),
+        ("AMM5C21/65KSC1", "has mount 'C'; valid values: A, B"),
+        ("AMM5A21/65SC1", "has turns '65'; valid values: 1, 65K"),
+        ("AMM5A21/65K", "has no interface; valid values: BG1, SC1, JP1"),
+        ("AMM5A21/65KSC2", "has interface 'SC2'; valid values: BG1, SC1, JP1"),
+        ("AMM5", "is not an order code of AMM5; the nearest are"),
         ("AMM5A21/65KSC1x", "has interface 'SC1X'"),
-        ("", "is no order code"),
+        ("", "is not an order code"),
     ],
 )
 def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, message: str) -> None:
@@ -76,18 +76,18 @@ def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, mes
 @pytest.mark.parametrize(
     ("family", "label", "message"),
     [
-        ("asc85", "ASC8529/SC1", "has resolution '29'; valid are 20, 21, 22, 23, 24, 25."),
-        ("am36", "AM36/4096-I7", "has no singleturn; valid are 16, 19."),
+        ("asc85", "ASC8529/SC1", "has resolution '29'; valid values: 20, 21, 22, 23, 24, 25."),
+        ("am36", "AM36/4096-I7", "has no singleturn; valid values: 16, 19."),
         (
             "am36",
             "AM3617/4096-GG",
-            "has singleturn '17' and output 'GG', which do not go together; the nearest codes are AM3616/4096-GG",
+            "has singleturn '17' and output 'GG', which cannot be combined; the nearest codes are AM3616/4096-GG",
         ),
-        ("sma21", "SMA21-G1-0050", "has no supply; valid are 1, 4."),
+        ("sma21", "SMA21-G1-0050", "has no supply; valid values: 1, 4."),
         (
             "sma21",
             "SMA21-JP4-0050",
-            "has output 'JP' and supply '4', which do not go together; the nearest codes are SMA21-JP1-0050",
+            "has output 'JP' and supply '4', which cannot be combined; the nearest codes are SMA21-JP1-0050",
         ),
     ],
 )
@@ -159,11 +159,11 @@ def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: st
 @pytest.mark.parametrize("label", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6])
 def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys: pytest.CaptureFixture[str]) -> None:
     begin = time.process_time()
-    with pytest.raises(UnknownOrderCode, match="no label has more than 100") as caught:
+    with pytest.raises(UnknownOrderCode, match="more than the 100 of any label") as caught:
         find(amm5, label)
     assert time.process_time() - begin < 0.5
     assert len(str(caught.value)) < 200
     assert main(["show", label]) == 2
     shown = capsys.readouterr().err
-    assert shown.startswith(f"codewheel: '{label[:20]}...' is no order code: it has {len(label)} characters")
+    assert shown.startswith(f"codewheel: '{label[:20]}...' is not an order code: it has {len(label)} characters")
     assert len(shown) < 200

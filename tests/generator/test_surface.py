@@ -287,7 +287,7 @@ def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Pa
     (own / "docs/README.md").write_text("my own text")
     code, _, err = run(capsys, "generate", "-o", ".")
     assert code == 1
-    assert err.startswith("codewheel: not written by codewheel and in its way; nothing has changed; ")
+    assert err.startswith("codewheel: in the way and not written by codewheel; nothing has changed; ")
     assert "\n  docs/README.md\n" in err
     assert (own / "docs/README.md").read_text() == "my own text"
     assert not (own / "python").exists()

@@ -77,7 +77,7 @@ def test_a_template_of_ours_that_misses_a_part_of_theirs(place: Path, capsys: py
 def test_what_is_no_text(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "t" / INDEX).write_text(r'{{ "\ud800" }}')
     code, err = generate(capsys)
-    assert (code, err) == (1, f"codewheel: t/{INDEX}: the text holds U+D800, which is no character\n")
+    assert (code, err) == (1, f"codewheel: t/{INDEX}: the text contains U+D800, which is not a character\n")
 
 
 def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -102,7 +102,7 @@ def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.C
 def test_a_folder_without_templates_is_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, err = generate(capsys)
     assert code == 2
-    assert "the folder t holds no template" in err
+    assert "the folder t has no templates" in err
 
 
 def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pytest.CaptureFixture[str]) -> None:

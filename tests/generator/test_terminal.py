@@ -109,7 +109,7 @@ def test_closed_streams(tmp_path: Path) -> None:
     assert run("show", "nonsense", redirect="2>&-").returncode == 2
     assert run("list", redirect="<&- >&- 2>&-").returncode == 0
     done = run("decode", "AMM5A23/65KJP1", "-", redirect="<&-")
-    assert (done.returncode, done.stderr) == (2, b"codewheel: standard input is closed, so there is no frame to read\n")
+    assert (done.returncode, done.stderr) == (2, b"codewheel: cannot read frames: standard input is closed\n")
 
 
 @pytest.mark.slow
