@@ -325,7 +325,7 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
 def _mistake_lines(why: Why) -> list[str]:
     by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "usual mistake")
-    noise = f"{tried} tried. Of 100 frames of random bits, {by_chance} would match at least one"
+    noise = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
     if not why.explanations:
         lines = ["", wrapped(f"No usual mistake explains it ({noise}).", WIDTH, "  ", "")]
     else:

@@ -65,7 +65,7 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
 def _cables(record: Record) -> str:
     """Return the table, the requested cable length, and the errata."""
     table = record.cables
-    chosen = f"clocks shown for a cable of {record.cable_m} m. " if record.cable_m is not None else ""
+    chosen = f"clocks chosen for a cable of {record.cable_m} m; " if record.cable_m is not None else ""
     errata = f"; errata {', '.join(table.errata)}" if table.errata else ""
     return f"{chosen}{'; '.join(row.text for row in table.rows)} (table in {table.origin}{errata})"
 
