@@ -1,4 +1,4 @@
-"""``codewheel diff``: what it reads, what it prints in each form, and how it ends."""
+"""``codewheel diff``: its input, its output in each form, and its exit code."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def edit(file: Path, old: str, new: str) -> None:
 
 @pytest.fixture
 def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
-    """A repository with the base in the folder ``specs``, which is the tag v1.0."""
+    """Create a repository with the base in the folder ``specs`` and the tag v1.0."""
     copytree(BASE, tmp_path / "specs")
     monkeypatch.chdir(tmp_path)
-    # In a hook of git's own, these lead to another repository.
+    # In a git hook, these point to another repository.
     for name in ("GIT_DIR", "GIT_INDEX_FILE", "GIT_WORK_TREE"):
         monkeypatch.delenv(name, raising=False)
-    # The settings of the user, such as hooks or signatures, have no part in this.
+    # Ignore the user's settings, such as hooks or signatures.
     monkeypatch.setenv("GIT_CONFIG_NOSYSTEM", "1")
     monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "no.gitconfig"))
 
@@ -282,7 +282,7 @@ def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
 
 
 def test_amm5_needs_a_decision(amm5: Device) -> None:
-    """A decision that a frame comes to need breaks its callers, as its going does."""
+    """A decision that a frame now needs breaks its callers, and so does its removal."""
     before = replace(amm5, alternatives=())
     there, back = _rules(before, amm5), _rules(amm5, before)
     assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= there

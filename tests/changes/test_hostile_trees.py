@@ -1,4 +1,4 @@
-"""``codewheel diff`` on a git tree that somebody else made: it writes nowhere, runs nothing and reads no giant."""
+"""``codewheel diff`` on a hostile git tree does not write elsewhere, run commands or read huge files."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FILE, FOLDER = "100644", "40000"
 
 @pytest.fixture
 def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
-    """A repository with the base in the folder ``specs``; temporary folders are made in ``tmp_path/deep/down/tmp``."""
+    """Create a repository with the base in ``specs``. Temporary folders are in ``tmp_path/deep/down/tmp``."""
     repository = tmp_path / "repository"
     copytree(BASE, repository / "specs")
     monkeypatch.chdir(repository)
@@ -49,7 +49,7 @@ def blob(git: Git, content: bytes) -> str:
 
 
 def tree(git: Git, *entries: Entry) -> str:
-    """The tree of these entries, whatever their names; git itself refuses to make such a one."""
+    """Return the tree of these entries with any names, which git itself would refuse to create."""
     raw = b"".join(f"{mode} ".encode() + os.fsencode(name) + b"\0" + bytes.fromhex(of) for mode, name, of in entries)
     return git("hash-object", "-t", "tree", "--literally", "-w", "--stdin", given=raw)
 

@@ -1,4 +1,4 @@
-"""Frames with one mistake planted in each: the encoder's side written out bit by bit, without anything of codewheel.
+"""Frames with one planted mistake each. The encoder's side is written bit by bit, independent of codewheel.
 
 Frames are texts of ``0`` and ``1``, first bit sent first. Widths are those of the manuals.
 """
@@ -52,7 +52,7 @@ ENCODERS = (
 
 @dataclass(frozen=True)
 class Plant:
-    """A frame with a mistake: the order code that the user names, the text that is typed, and what has to be found."""
+    """A frame with a mistake: the order code that the user gives, the typed text, and the expected explanation."""
 
     code: str
     text: str
@@ -93,12 +93,12 @@ def binary(position: str) -> str:
 
 
 def status(encoder: Encoder, source: random.Random) -> str:
-    """Error and warning, low active: nothing to tell in nine of ten frames."""
+    """Return error and warning, active low. Nine of ten frames have none."""
     return noise(source, 2) if encoder.has_status and source.random() < 0.1 else "11"
 
 
 def parts(encoder: Encoder, source: random.Random) -> tuple[str, str]:
-    """What stands before the status bits, and these."""
+    """Return the bits before the status bits, and these."""
     return "0" * encoder.zeros + noise(source, encoder.position) + "0" * encoder.below, status(encoder, source)
 
 
@@ -131,8 +131,8 @@ def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def other_answer(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The 0 bit below the position is not sent, as a public driver reads it: 33 bits instead of 34 at 25 bits;
-    or the reader clocks once more."""
+    """The 0 bit below the position is not sent, as in a public driver: 33 bits instead of 34 for 25 bits.
+    Or the reader sends one more clock."""
     if encoder.below:
         position, flags = parts(encoder, source)
         data = position[: -encoder.below] + flags
@@ -146,7 +146,7 @@ def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def read_late(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """One clock late: the first bit is gone, and a bit that follows is taken for the last."""
+    """One clock late: the first bit is missing, and an extra bit follows the last."""
     frame = sound(encoder, source)
     if not encoder.zeros:
         yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"first bit ({frame[0]})")
@@ -159,7 +159,7 @@ def first_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant
 
 
 def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """One clock early: the CDS bit in front, the last bit of the CRC not there."""
+    """One clock early: the CDS bit is in front, and the last bit of the CRC is missing."""
     frame = sound(encoder, source)
     yield _plant(encoder, noise(source, 1) + frame[:-1], "bits_in_front")
 
@@ -191,7 +191,7 @@ def start_in_crc(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The position goes through the other code between sender and reader; the CRC does not."""
+    """The position is converted to the other code between sender and reader, but the CRC is not."""
     position, flags = noise(source, encoder.position), status(encoder, source)
     before, behind = "0" * encoder.zeros, "0" * encoder.below
     check = crc(before + position + behind + flags)
@@ -207,29 +207,29 @@ def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The CRC as long as its polynomial makes it."""
+    """The CRC has the length of its polynomial."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
         yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x},")
 
 
 def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The same, and the reader takes 6 bits of CRC as ever:
-    the first of a longer one, or a shorter one and the zeros that follow it."""
+    """The same, but the reader still expects 6 bits of CRC:
+    the first bits of a longer one, or a shorter one with zeros after it."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
         yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x},")
 
 
 def other_order_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The frame of another order code, as long as that makes it."""
+    """The frame of another order code, with its length."""
     for other, width in encoder.others:
         frame = sound(Encoder(other, 0, width, encoder.below), source)
         yield _plant(encoder, frame, "other_order_code", other)
 
 
 def other_order_code_read_on(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The same with a shorter frame, and the reader clocks on: the stop bit and what follows it are 0."""
+    """The same with a shorter frame and more clocks: the stop bit and the bits after it are 0."""
     for other, width in encoder.others:
         made = Encoder(other, 0, width, encoder.below)
         if made.bits < encoder.bits:
@@ -266,7 +266,7 @@ def polynomial_reversed(encoder: Encoder, source: random.Random) -> Iterator[Pla
     yield _plant(encoder, data + crc(data, 0b1100001), "polynomial_reversed")
 
 
-#: By what the planting does; the three before the last are not in every master's way, but cheap to try.
+#: Named after the planted mistake. The three before the last are rare, but cheap to try.
 MISTAKES: tuple[Maker, ...] = (
     not_inverted,
     status_left_out,
@@ -296,7 +296,7 @@ MISTAKES: tuple[Maker, ...] = (
 
 
 def as_hex(plant: Plant) -> Plant:
-    """The same frame typed as a hex number, which does not tell the zeros in front."""
+    """Return the same frame typed as a hex number, which does not show leading zeros."""
     return Plant(plant.code, hex(int(plant.text, 0)), plant.kind, plant.words)
 
 

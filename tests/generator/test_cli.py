@@ -127,7 +127,7 @@ def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
 # Public vector: TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
 def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     code, found = data(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
-    assert code == 3  # sound, but the encoder reports a fault
+    assert code == 3  # valid, but the encoder reports a fault
     fields = {item["name"]: item["value"] for item in found["fields"]}
     assert (found["layout"], found["direction"], found["problems"]) == ("singleturn_reply", "encoder", [])
     assert fields["singleturn"] == 7000519
@@ -178,7 +178,7 @@ def test_json_is_indented_by_two_and_not_escaped(
 
 
 def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixture[str]) -> None:
-    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for what edition 1.0 has as AMx36xx/4096-I7-..."""
+    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for AMx36xx/4096-I7-... of edition 1.0."""
     label, frame = "AM3616/4096SC1", f"0x{0b11 << 6 | 0x3F:x}"
     for arguments in (("show", label), ("decode", label, frame), ("master", label)):
         out = " ".join(run(capsys, *arguments)[1].split())

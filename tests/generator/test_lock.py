@@ -1,4 +1,4 @@
-"""Two runs that write into one folder: one after the other, also where one of them is killed."""
+"""Two runs that write to one folder do so one after the other, even if one of them is killed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def files(text):
 def waiting():
     print("waiting", flush=True)
 """
-#: Stops after the first target until there is a file ``go``.
+#: Waits after the first target until the file ``go`` exists.
 SLOW = """
 real = write._exchange
 def slow(stage, place):

@@ -1,4 +1,4 @@
-"""A spec to start from passes check, and every output comes of it."""
+"""The spec that ``new`` writes passes check and yields every output."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Order codes as they stand on labels. The codes are those of the AMM5 manual, cover and section 2."""
+"""Order codes as printed on labels. The codes are those of the AMM5 manual, cover and section 2."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_labels(amm5: Device, label: str, code: str, tail: str, special: bool) -
 def test_what_a_code_decides(amm5: Device) -> None:
     variant = find(amm5, "AMM5A23/65KSC1").variant
     assert variant.interface == "biss"
-    # No code decides what the manual leaves open: until the user does, it is the first answer.
+    # No code decides an open question of the manual. Until the user does, the first answer applies.
     open_ = {item.name for item in amm5.parameters if item.alternative}
     assert {name: variant.parameters[name] for name in open_} == {"eeprom_address_bit": 1, "mem_busy_bit": 0}
     assert {name: value for name, value in variant.parameters.items() if name not in open_} == {
@@ -119,8 +119,8 @@ def test_labels_of_the_other_families(
     assert (match.variant.code, match.unlisted, match.written_as_in) == (code, unlisted, "")
 
 
-#: Labels as edition 1.1 of the AM36 manual writes them (p.21: AMx36xx/4096SCx-...),
-#: and the code of edition 1.0 that they stand for.
+#: Labels as written in edition 1.1 of the AM36 manual (p.21: AMx36xx/4096SCx-...),
+#: and the corresponding codes of edition 1.0.
 EDITION_1_1 = {
     "AM3616/4096SC1": "AM3616/4096-I7",
     "am3619/4096scx".replace("x", "2"): "AM3619/4096-I7",
@@ -152,7 +152,7 @@ def test_what_edition_1_1_does_not_write_is_refused(devices: Mapping[str, Device
     ("label", "code"), [("SMA21 -BG1-0050", "SMA21-BG1-0050"), (" SMA21 - SC4-0001 -R", "SMA21-SC4-0001")]
 )
 def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: str, code: str) -> None:
-    """The cover of the SMA21 manual prints SMA21 -BGx-..., all the rest of it SMA21-BGx-..."""
+    """The cover of the SMA21 manual prints SMA21 -BGx-..., the rest of it SMA21-BGx-..."""
     assert find(devices["sma21"], label).variant.code == code
 
 

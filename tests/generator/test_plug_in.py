@@ -1,4 +1,4 @@
-"""Targets of others: they are like ours, and whatever they do wrong is one line."""
+"""Third-party targets work like built-in ones, and each of their errors is reported in one line."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def test_options_reach_it_and_the_command_that_mends(
 
 
 def of_amm5(library: Library) -> Iterable[TargetProblem]:
-    """A problem of one register, with a second place; nothing where there is no such family."""
+    """Yield a problem of one register, with a second place, or nothing without that family."""
     for device in library.devices:
         if device.name == "amm5":
             place = ("registers", "preset", "length")

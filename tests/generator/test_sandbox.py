@@ -1,4 +1,4 @@
-"""Templates of a user: no way out of the sandbox, no endless work, and the same text as without a sandbox."""
+"""A user's templates cannot leave the sandbox or run endlessly, and give the same text as without a sandbox."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ def test_a_link_out_of_the_folder_is_not_followed(rendered: Render, tmp_path: Pa
 def test_code_compiled_outside_the_sandbox_is_not_used_in_it(
     rendered: Render, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The file is the same, so that its name and its content would be found in a cache that both share."""
+    """The file is the same, so a cache shared by both would find its name and content."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     text = "{{ 2**40000 * 2**40000 * 2**40000 % 7 }}"
     (tmp_path / "own/x.jinja").write_text(text)

@@ -1,4 +1,4 @@
-"""What a user meets who mistypes, forgets a path, or asks for help."""
+"""Behaviour for users who mistype, forget a path, or ask for help."""
 
 from __future__ import annotations
 
@@ -254,7 +254,7 @@ def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.Captur
     code, out, _ = run(capsys, "decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", ".", "--json")
     assert code == 0
     assert json.loads(out)["problems"] == []
-    # What is wanted may be in the broken file.
+    # The requested family may be in the broken file.
     code, out, err = run(capsys, "show", "bad", "--specs", ".")
     assert code == 1
     assert not out

@@ -1,4 +1,4 @@
-"""Streams of every kind: other encodings, full ones, closed ones.
+"""Streams with other encodings, full streams, and closed ones.
 
 Never a traceback, and never an exit code that says done where it is not.
 """
@@ -134,7 +134,7 @@ def test_a_folder_whose_name_is_no_text(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_reader_that_leaves_early_is_not_told_done() -> None:
-    # The first frame has a fault; the rest is more than a pipe takes.
+    # The first frame has an error, and the rest is more than a pipe can hold.
     frames = b"02 20 C7 D1 6A 5F\n" + b"02 20 C7 D1 6A 5E\n" * 3000
     with subprocess.Popen(
         [*COMMAND, *DECODE[:2], "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE

@@ -1,4 +1,4 @@
-"""Writing: whole or not at all, and nothing outside the folder."""
+"""Output is written completely or not at all, and never outside the folder."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_a_full_disk_leaves_the_old_tree_whole(tmp_path: Path, monkeypatch: pyte
 
 
 class Killed(BaseException):
-    """Stands for a kill: what comes after is not run."""
+    """Simulates a kill: the code after it does not run."""
 
 
 @pytest.mark.parametrize("moment", ["_exchange", "_same", "_remove"])
@@ -171,7 +171,7 @@ def test_a_kill_between_two_renames_loses_nothing(tmp_path: Path, monkeypatch: p
 
 
 def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
-    """Also those that are named like a stage, and whose content is named like that of a stage."""
+    """This includes folders whose name and content look like those of a stage."""
     names = [".python-virtualenv", ".python-packages", ".python-abcd1234", ".python-abcd1234-old", ".codewheel-python"]
     names += [".codewheel-python-drafts-2024", ".codewheel-python-abcd1234", ".codewheel-python-packages"]
     names += [".codewheel-c-abcd1234"]
@@ -309,7 +309,7 @@ def test_a_file_with_the_name_of_a_target_is_kept(tmp_path: Path, force: bool) -
 
 
 def no_exchange(*_: object, **__: object) -> None:
-    """Stands for a system on which two folders cannot change places in one step."""
+    """Simulates a system that cannot exchange two folders in one step."""
     raise OSError
 
 

@@ -1,4 +1,4 @@
-"""The clock by length of cable: section 5.3 of the manuals for SSI, AN15 of iC-Haus (revision A3, table 1) for BiSS."""
+"""Clock by cable length: section 5.3 of the manuals for SSI, AN15 of iC-Haus (revision A3, table 1) for BiSS."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_biss(capsys: pytest.CaptureFixture[str], code: str, metres: str, kilohe
 
 
 def test_a_list_of_clocks(capsys: pytest.CaptureFixture[str]) -> None:
-    """Below 400 kHz the terminal has 19, 250 kHz, alone; the unit of the other master 300 kHz, which is 2."""
+    """Below 400 kHz the terminal has only 19, 250 kHz. The other master has 300 kHz, which is 2."""
     settings = told(capsys, "AM3619/4096-GG", "beckhoff_el5042", "--cable", "30")["settings"]
     assert (settings["Clock Frequency, EL5042"]["value"], settings["Clock Frequency, EJ5042"]["value"]) == (19, 19)
     assert told(capsys, "AM3619/4096-GG", "omron_nx", "--cable", "30")["settings"]["Baud Rate"]["value"] == 2

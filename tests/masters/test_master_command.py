@@ -1,4 +1,4 @@
-"""The command and the pages, as their users see them."""
+"""The command and the pages from a user's view."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> No
 def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0
-    # Alone on its line, so that it can be copied; the mark stands apart.
+    # It is on its own line, so that it can be copied without the mark.
     assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in [
         line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()
     ]
@@ -170,7 +170,7 @@ def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library
 
 def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     page = pages["docs/sma21-masters.md"]
-    # The mark stands outside of what is copied.
+    # The mark is outside the text to copy.
     assert "`biss_chan_0=crc%6pnwarning%1bnerror%1bposition%24e` \\*" in page
     # Four lengths of 24 bits are one row, the fifth of 25 another.
     ic_mb = page.split("### iC-Haus")[1].split("###")[0]
@@ -183,7 +183,7 @@ def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A master's text that holds marks of Markdown and HTML opens nothing on the page."""
+    """Markdown and HTML in a master's text have no effect on the page."""
     from dataclasses import replace
 
     hostile = "a | b `c` <script>x</script> [d](e) *f* <!-- g --> ]]>"
@@ -210,7 +210,7 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.slow
 def test_a_device_without_masters(library: Library) -> None:
-    """A family with RS-485 alone has no page."""
+    """A family with only RS-485 has no page."""
     device: Device = next(item for item in library.devices if item.name == "amm5")
     assert masters.has_masters(device)
     from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Encoders that do not exist, each just within and just beyond a master's limit: the reason has the master's figure."""
+"""Imaginary encoders just within and just beyond each master's limits, whose figures are in the reasons."""
 
 from __future__ import annotations
 
@@ -196,7 +196,7 @@ settings:
 
 
 def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
-    """A file of one's own stands beside ours or replaces one of the same name; an impossible value is a refusal."""
+    """A user's file is added to ours or replaces one with its name, and an impossible value is a refusal."""
     (tmp_path / "mine.yaml").write_text(OWN.format(name="mine", title="Mine"), encoding="utf-8")
     (tmp_path / "moteus.yaml").write_text(OWN.format(name="moteus", title="Other"), encoding="utf-8")
     found, report = load_masters([tmp_path])

@@ -1,4 +1,4 @@
-"""The record: what masters ask of an order code, against the manuals, and what is refused or said as unknown."""
+"""The record of an order code for masters, compared with the manuals, and its refusals and unknown values."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_items(record_of: RecordOf, code: str, item: str, value: int | None) -> 
 
 
 def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
-    """AM36 sends error and warning as 1, always; a master that wants low active status bits can take it."""
+    """AM36 always sends error and warning as 1, which suits a master that expects active low status bits."""
     found = record_of("AM3616/4096-I7")
     assert [part.active for part in found.parts if part.role == "status"] == ["", ""]
     assert found.words["status_active"] == "low"
@@ -120,7 +120,7 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
 @pytest.mark.parametrize(
     ("registers", "turns", "bits"),
     [
-        ({0x57: 0x0D}, 8192, 13),  # 13 bits tell 2^13 revolutions apart, whatever 4E-4F held as delivered
+        ({0x57: 0x0D}, 8192, 13),  # 13 bits distinguish 2^13 revolutions, regardless of the default of 4E-4F
         ({0x57: 0x00}, 1, 0),
         ({0x57: 0x0A, 0x4E: 0x03, 0x4F: 0xE8}, 1000, 10),  # 3E8h = 1000 revolutions in 10 bits
     ],
@@ -128,7 +128,7 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
 def test_no_more_turns_than_bits(
     devices: Mapping[str, Device], masters: dict[str, Master], registers: dict[int, int], turns: int, bits: int
 ) -> None:
-    """Drives that are told the revolutions take the width of the frame from them."""
+    """Drives that are set to the revolutions derive the width of the frame from them."""
     device = devices["am36"]
     found = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False
@@ -148,7 +148,7 @@ def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[st
 
 
 def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
-    """Some masters can, others cannot: the reason is theirs."""
+    """Some masters can, others cannot, each for its own reason."""
     device = devices["am36"]
     gray = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
@@ -173,7 +173,7 @@ def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
 
 
 def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
-    """A field of another kind, and one at another place, are no matter for the rules."""
+    """The rules do not cover a field of another kind or at another place."""
     device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
     interface = device.interface("biss")

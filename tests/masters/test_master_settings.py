@@ -79,8 +79,8 @@ def test_beckhoff_ssi(
 
 
 def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
-    """The terminals give 5 V or 9 V: AM36, 10 V to 30 V, cannot be fed by them;
-    SMA21-SC4, 5 V to 30 V, and ASC85/SC1 can; ASC85/SC2 cannot."""
+    """The terminals supply 5 V or 9 V, which is enough for SMA21-SC4 (5 V to 30 V) and ASC85/SC1,
+    but not for AM36 (10 V to 30 V) and ASC85/SC2."""
     for code, is_fed in (
         ("AM3616/4096-I7", False),
         ("AM3619/4096-GG", False),
@@ -205,7 +205,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
         "Single-turn bits": single,
         "Position start bit": start,
     }
-    # Nothing of a CRC and of Gray code: the document has neither.
+    # There are no settings for CRC and Gray code, which are not in the document.
     assert told("novanta", code) == {**expected, "Protocol": 0, "Baud rate": 10_000, "Wait cycles": 0}
 
 
