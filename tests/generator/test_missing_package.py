@@ -36,7 +36,7 @@ def test_check_runs_and_says_what_is_left_out() -> None:
     done = without_lxml("check", str(TV62))
     assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "no problems in 1 family: tv62")
     assert done.stderr == (
-        "codewheel: the target 'biss' needs the Python package 'lxml', which is missing; this target is run\n"
+        "codewheel: the target 'biss' needs the Python package 'lxml', which is missing; this target is skipped\n"
     )
 
 
