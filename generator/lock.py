@@ -1,7 +1,7 @@
-"""The lock of an output folder: one process at a time writes into it.
+"""Lock of an output folder, so that only one process at a time writes to it.
 
-The system releases the lock when the process ends, however it ends. It is on the folder itself where the system can
-lock a folder, so that nothing is left behind. Where it cannot, as on some network drives, there is no lock.
+The system releases the lock when the process ends for any reason. The lock is on the folder itself, so no file is left
+behind. If the file system cannot lock folders, as on some network drives, there is no lock.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-#: A run writes for a few seconds. A run that takes longer has been stopped or is on a very slow disk.
+#: A run writes for a few seconds. A run that takes longer was stopped or uses a very slow disk.
 PATIENCE_S = 60.0
 _PAUSE_S = 0.1
 
 
 class Busy(Exception):
-    """Another process kept the lock until the end of the wait."""
+    """Another process held the lock for the whole wait."""
 
 
 if sys.platform == "win32":
@@ -28,7 +28,7 @@ if sys.platform == "win32":
     import tempfile
 
     def _open(folder: Path) -> int:
-        """Open a file of the user's temporary folder that stands for ``folder``: Windows locks no folders."""
+        """Open a file in the user's temporary folder that stands for ``folder``, since Windows cannot lock folders."""
         name = hashlib.sha256(os.path.normcase(os.path.realpath(folder)).encode()).hexdigest()[:16]
         return os.open(os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock"), os.O_RDWR | os.O_CREAT)
 
@@ -46,13 +46,13 @@ else:
         return os.open(folder, os.O_RDONLY)
 
     def _take(handle: int, folder: Path) -> bool:
-        """Lock the open folder; False while another process has it, or if ``folder`` is not this one any more."""
+        """Lock the open folder. Return False if another process has it, or ``folder`` is now another one."""
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             return False
         except OSError:
-            return True  # This file system locks no folders.
+            return True  # This file system cannot lock folders.
         try:
             return os.path.samestat(os.fstat(handle), os.stat(folder))
         except FileNotFoundError:
@@ -61,15 +61,15 @@ else:
 
 @contextmanager
 def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
-    """Hold the lock of a folder, which is made if there is none.
+    """Hold the lock of a folder, which is created if it does not exist.
 
     Args:
         folder: The folder. Links to it share its lock.
         waiting: Called once if another process has the lock.
 
     Raises:
-        Busy: Another process has had the lock for ``PATIENCE_S``.
-        OSError: The folder cannot be made or opened.
+        Busy: Another process has held the lock for ``PATIENCE_S``.
+        OSError: The folder cannot be created or opened.
     """
     end = time.monotonic() + PATIENCE_S
     handle = _attempt(folder)
@@ -87,7 +87,7 @@ def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
 
 
 def _attempt(folder: Path) -> int | None:
-    """Return the open lock, or None if it cannot be had now."""
+    """Return the open lock, or None if it is taken."""
     folder.mkdir(parents=True, exist_ok=True)
     handle = _open(folder)
     if _take(handle, folder):

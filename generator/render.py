@@ -1,6 +1,6 @@
-"""Templates: the Jinja templates of a target, and a user's own, which come before them file by file.
+"""Render the Jinja templates of a target, each of which a user's own template can override.
 
-A mistake in a template of the user's is told by file and line. A template that has no effect is told as well.
+Errors in a user's template are reported with file and line. Templates without effect are reported too.
 """
 
 from __future__ import annotations
@@ -33,26 +33,26 @@ from .say.lines import plain, wrapped
 
 _SUFFIX = ".jinja"
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
-#: Before the name of a template: the one that ships with the target, also where the user has one of that name.
+#: Prefix of a template's name that selects the target's own one, even if the user overrides it.
 _SHIPPED = "shipped"
-#: The filters that all targets have.
+#: Filters of all targets.
 COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": plain, "wrapped": wrapped}
 
 
 class TemplateFault(ValueError):
-    """A template of the user's is at fault; the message says where and how, in one line."""
+    """An error in a user's template. The message gives place and reason in one line."""
 
 
 class _Compiled(FileSystemBytecodeCache):
-    """Compiled templates of earlier runs, in a folder of the user's own; compiling them is a third of a run.
+    """Cache of compiled templates in the user's own folder. Compiling takes a third of a run.
 
-    It is a convenience: where the disk is full or the cache spoilt, templates are compiled anew.
+    If the disk is full or the cache is damaged, templates are compiled again.
     """
 
     def load_bytecode(self, bucket: Bucket) -> None:
         try:
             super().load_bytecode(bucket)
-        except Exception:  # Whatever a spoilt file makes of unpickling.
+        except Exception:  # A damaged file can raise anything when unpickled.
             bucket.reset()
 
     def dump_bytecode(self, bucket: Bucket) -> None:
@@ -64,11 +64,11 @@ def _compiled() -> FileSystemBytecodeCache | None:
     try:
         return _Compiled()
     except (RuntimeError, OSError):
-        return None  # There is no such folder here, or it belongs to somebody else.
+        return None  # There is no such folder here, or it belongs to another user.
 
 
 class _OwnTemplates(FileSystemLoader):
-    """The user's templates of one folder; ``used`` names those that were read."""
+    """The user's templates in one folder. ``used`` has the names of those that were read."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder, encoding="utf-8-sig")
@@ -78,16 +78,16 @@ class _OwnTemplates(FileSystemLoader):
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         path = self.folder / template
         if not path.resolve().is_relative_to(self.folder.resolve()):
-            raise TemplateFault(f"{path.as_posix()}: this leads out of the folder of templates")
+            raise TemplateFault(f"{path.as_posix()}: this path is outside the folder of templates")
         try:
             found = super().get_source(environment, template)
         except TemplateNotFound:
             raise
         except UnicodeDecodeError:
             place = f"{path.as_posix()}:{_first_bad_line(path)}"
-            raise TemplateFault(f"{place}: this is not UTF-8; save the template as UTF-8") from None
+            raise TemplateFault(f"{place}: not UTF-8; save the template as UTF-8") from None
         except OSError as error:
-            raise TemplateFault(f"{path.as_posix()}: the template cannot be read: {error.strerror or error}") from None
+            raise TemplateFault(f"{path.as_posix()}: cannot read the template: {error.strerror or error}") from None
         self.used.add(template)
         return found
 
@@ -102,7 +102,7 @@ def _first_bad_line(path: Path) -> int:
 
 
 def our_templates(target: str) -> Path:
-    """The folder of the templates that ship with codewheel for a target of ours."""
+    """Return the folder of the shipped templates for a built-in target."""
     return Path(str(resources.files("codewheel.templates"))) / target
 
 
@@ -113,20 +113,21 @@ def _own_loader(own: Path) -> _OwnTemplates:
 
 @dataclass(frozen=True, eq=False)
 class Templates:
-    """The templates of a target: the ``*.jinja`` files of a folder, and what they can use.
+    """The templates of a target: the ``*.jinja`` files in a folder, with their values, filters, functions and tests.
 
-    A user's template of the same name comes first; in it ``shipped/NAME`` is the one that it stands for. An undefined
-    name is an error. A line that holds nothing but a statement leaves nothing behind.
+    A user's template of the same name overrides one of these, and can include it as ``shipped/NAME``. An undefined name
+    is an error. A line with only a statement produces no output.
 
     Attributes:
-        folder: Where the files lie; in a package of yours ``Path(__file__).parent / "templates"``.
+        folder: Folder of the files, in your own package ``Path(__file__).parent / "templates"``.
         values: For each template that is rendered by name, the ``TypedDict`` of its values, each value ``Annotated``
-            with a line on it. Only the page of templates is made from this.
-        filters: Filters by name, besides those of Jinja, ``plain`` and ``wrapped``. Text from a spec can be anything;
-            they make it harmless in the language of the output. The page shows the first lines of their docstrings.
-        functions: Functions by name, which every template can call. The page shows them likewise.
+            with a one-line description. This is used only for the page about templates.
+        filters: Filters by name, in addition to those of Jinja, ``plain`` and ``wrapped``. Text from a spec can be
+            anything, and filters make it harmless in the output's language. The page shows their docstrings' first
+            lines.
+        functions: Functions by name, which every template can call. The page shows them in the same way.
         autoescape: Whether values are escaped for XML.
-        tests: Classes that templates can ask for, by the name of the test: ``op is zeros_above``. ``tests_for`` names
+        tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` names
             them. The page shows the first lines of their docstrings.
     """
 
@@ -139,19 +140,19 @@ class Templates:
 
     @property
     def names(self) -> list[str]:
-        """The file names of all templates, sorted."""
+        """Return the file names of all templates, sorted."""
         return sorted(path.name for path in self.folder.glob(f"*{_SUFFIX}"))
 
     def render(self, template: str, values: Mapping[str, object], own: Path | None) -> str:
-        """The text that a template makes of these values.
+        """Render a template with these values.
 
         Args:
-            template: Its file name.
+            template: File name of the template.
             values: Values by name.
-            own: The folder of the user's templates for this target: ``Library.own_templates``.
+            own: Folder of the user's templates for this target, ``Library.own_templates``.
 
         Raises:
-            TemplateFault: A template of the user's is at fault.
+            TemplateFault: A user's template has an error.
         """
         try:
             made = environment(self, own)
@@ -171,10 +172,10 @@ class Templates:
 
 @cache
 def environment(templates: Templates, own: Path | None = None) -> Environment:
-    """Return the environment in which templates are rendered: a sandbox if a user's templates come before ours."""
+    """Return the environment for rendering templates, which is a sandbox if the user has templates."""
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})
-    # Code that was compiled for one of the two does not serve the other, so that of the sandbox is not kept.
+    # Compiled code is specific to one of the two environments, so that of the sandbox is not cached.
     kind = Environment if own is None else Sandbox
     made = kind(
         loader=shipped if own is None else ChoiceLoader([_own_loader(own), by_name, shipped]),
@@ -195,7 +196,7 @@ def environment(templates: Templates, own: Path | None = None) -> Environment:
 
 
 def tests_for(*classes: object) -> dict[str, type]:
-    """The test for each of these classes, alone or in a union: ``zeros_above`` for a ``ZerosAbove``."""
+    """Return the test for each of these classes, alone or in a union, such as ``zeros_above`` for ``ZerosAbove``."""
     found = [item for one in classes for item in get_args(one) or (one,)]
     return {_CAPITAL.sub("_", item.__name__).lower(): item for item in found}
 
@@ -205,7 +206,7 @@ def _is(kind: type, item: object) -> bool:
 
 
 def _place(error: Exception, own: Path) -> str:
-    """File and line of a fault: in the user's template if it arose there, else in one of ours that uses theirs."""
+    """Return file and line of an error, in the user's template or in one of ours that includes it."""
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(_SUFFIX)]
@@ -217,28 +218,28 @@ def _reason(error: Exception) -> str:
     if isinstance(error, TemplateNotFound):
         return f"there is no template '{plain(error.name)}'"
     if isinstance(error, UnicodeEncodeError):
-        return f"the text holds U+{ord(error.object[error.start]):04X}, which is no character"
+        return f"the text contains U+{ord(error.object[error.start]):04X}, which is not a character"
     if isinstance(error, MemoryError):
-        return "the template takes too much memory"
+        return "the template uses too much memory"
     module = type(error).__module__
     kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
     return f"{kind}{plain(error)}"
 
 
 def unused_templates(own: Path, rendered: Mapping[str, Templates | None], others: Iterable[str]) -> Iterator[str]:
-    """A line for each template of the user's that has no effect; to be asked after rendering.
+    """Yield a line for each of the user's templates without effect. Call this after rendering.
 
     Args:
         own: The user's folder, which has a folder for each target.
-        rendered: The templates of the targets that were run, by the name of the target.
-        others: The names of targets that were not run; nothing is said of their folders.
+        rendered: The templates of the targets that ran, by the name of the target.
+        others: The names of targets that did not run, whose folders are ignored.
     """
     ours = {f"{name}/{file}" for name, templates in rendered.items() if templates for file in templates.names}
     found = [path.relative_to(own) for path in sorted(own.rglob(f"*{_SUFFIX}"))]
     visible = [path for path in found if not any(part.startswith(".") for part in path.parts)]
     if not visible:
-        example = f"; a template of ours has a path such as {min(ours)} in it" if ours else ""
-        yield f"the folder {own.as_posix()} holds no template{example}"
+        example = f"; the path of a template in it looks like {min(ours)}" if ours else ""
+        yield f"the folder {own.as_posix()} has no templates{example}"
     for path in visible:
         folder, name = path.parts[0], path.as_posix()
         if name in ours or (folder not in rendered and folder in others):

@@ -1,7 +1,7 @@
-"""The sandbox for templates of a user: they see values and change nothing, and what they compute has bounds.
+"""Sandbox for a user's templates, which can read values but change nothing, and whose computing effort is limited.
 
-Jinja's own sandbox keeps them from the rest of Python. This one counts as well: every item of a loop, every call, every
-value that is printed, and the length of texts and lists. The count of a file is the same on every machine.
+Jinja's own sandbox keeps them from the rest of Python. This one also counts every item of a loop, every call, every
+printed value, and the length of texts and lists. The count of a file is the same on every machine.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from jinja2.sandbox import ImmutableSandboxedEnvironment
 MOST_STEPS = 1_000_000
 #: Characters of a text that count as one step.
 _CHARACTERS = 100
-#: Characters or items that a repetition may make, and bits of a number.
+#: Most characters or items from a repetition, and most bits in a number.
 _MOST_REPEATED = 10_000_000
 _MOST_BITS = 100_000
-#: Filters of Jinja whose numbers are lengths, and the greatest such number.
+#: Jinja filters whose numbers are lengths, and the largest length.
 _WITH_LENGTHS = ("batch", "center", "indent", "round", "slice", "truncate", "urlize", "wordwrap")
 _MOST_LENGTH = 10_000
-#: What lets a program reach files or other code, whoever hands it to a template.
+#: Types that give access to files or other code, even if a target passes them to a template.
 _OUTSIDE = (PurePath, ModuleType, IOBase, type)
-#: Memory for one file, where the system can limit it.
+#: Memory for one file, if the system can limit it.
 _MOST_BYTES = 2**30
 _WITH_ITEMS = (str, bytes, list, tuple, dict, set, frozenset, range, KeysView, ValuesView, ItemsView)
 _COUNTED = "counted by the sandbox"
@@ -41,29 +41,29 @@ Filter = Callable[..., Any]
 
 
 class Sandbox(ImmutableSandboxedEnvironment):
-    """An environment for templates of a user. ``finish`` is to be called when it has all its filters."""
+    """An environment for a user's templates. Call ``finish`` when it has all its filters."""
 
     intercepted_binops = frozenset(("*", "**", "+", "%"))
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        # A constant expression is not computed before the count begins.
+        # Do not compute constant expressions before the count begins.
         super().__init__(*args, **kwargs, optimized=False, finalize=self._spent)
         del self.globals["lipsum"]
         self.left = MOST_STEPS
 
     def text_of(self, template: str, values: Mapping[str, object]) -> str:
-        """Render a template within the bounds of one file.
+        """Render a template within the limits of one file.
 
         Raises:
-            SecurityError: It reaches for what it may not, or takes too many steps.
-            MemoryError: It takes too much memory.
+            SecurityError: It accesses something forbidden, or takes too many steps.
+            MemoryError: It uses too much memory.
         """
         self.left = MOST_STEPS
         with limited_memory():
             return "".join(map(self._spent, self.get_template(template).generate(values)))
 
     def finish(self, filters: Iterable[str]) -> None:
-        """Make these filters count, and all others that are there."""
+        """Make these filters and all others count."""
         own = frozenset(filters)
         for name, function in list(self.filters.items()):
             self.filters[name] = self._counting(function, name in _WITH_LENGTHS and name not in own)
@@ -92,7 +92,7 @@ class Sandbox(ImmutableSandboxedEnvironment):
         return super().get_template(*args, **kwargs)
 
     def _generate(self, source: nodes.Template, *args: Any, **kwargs: Any) -> str:
-        """Let the items of loops and the parts of joined texts pass through the count."""
+        """Count the items of loops and the parts of joined texts."""
         for loop in source.find_all(nodes.For):
             loop.iter = _through_the_count(loop.iter, loop.lineno)
         for joined in source.find_all(nodes.Concat):
@@ -100,12 +100,12 @@ class Sandbox(ImmutableSandboxedEnvironment):
         return super()._generate(source, *args, **kwargs)
 
     def _spent(self, value: Any) -> Any:
-        """Count a value, and return it; a generator comes back as one that counts its items."""
+        """Count a value and return it. A generator is wrapped in one that counts its items."""
         cost = len(value) if isinstance(value, _WITH_ITEMS) else 0
         self.left -= 1 + (cost // _CHARACTERS if isinstance(value, (str, bytes)) else cost)
         if self.left < 0:
             raise SecurityError(
-                f"the template takes more than {MOST_STEPS} steps for one file; look for a loop that does not end"
+                f"the template takes more than {MOST_STEPS} steps for one file; look for an endless loop"
             )
         return self._items(value) if isinstance(value, GeneratorType) else value
 
@@ -137,7 +137,7 @@ def _refuse_long(value: Any, times: Any) -> None:
 
 @contextmanager
 def limited_memory() -> Iterator[None]:
-    """Let this process take no more than 1 GB beyond what it has, on Linux; elsewhere there is no such limit."""
+    """Limit this process to 1 GB of additional memory on Linux. Other systems have no such limit."""
     if sys.platform != "linux":
         yield
         return

@@ -1,9 +1,9 @@
-"""Writing: the only module that touches the output folder.
+"""Write the output folder, which no other module touches.
 
-Each target owns one folder of the output. Its new content is put together in a stage beside the old one,
-in full, and only when every target is complete do the folders change places. One process at a time does this.
-Files and folders of a target folder that are not ours are kept; a list in the folder names those that are ours.
-Nothing else is ever overwritten or removed, unless the user asks for it.
+Each target owns one folder of the output. Its complete new content is put into a stage next to the old one, and only
+when every target is complete are the folders exchanged. One process at a time does this. A list in a target's folder
+names the files written by codewheel. All other files and folders are kept, and never overwritten or removed unless the
+user asks for it.
 """
 
 from __future__ import annotations
@@ -24,38 +24,38 @@ from .lock import PATIENCE_S, Busy, locked
 LIST = ".codewheel"
 _LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
 _LIST_SIGN = b"# Written by codewheel generate"
-#: The first file in a stage, so that a later run knows the stage of a killed one from a folder of the user's.
+#: The first file in a stage, by which a later run distinguishes the stage of a killed run from a user's folder.
 _MARK = ".codewheel-stage"
 _PREFIX = ".codewheel-"
-_MARK_TEXT = "codewheel generate put files together here; its next run removes this folder.\n"
+_MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
 _NEW, _OLD = "new", "old"
-_A_FOLDER = ", a folder where a file belongs"
+_A_FOLDER = ", a folder in place of a file"
 _SAFE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 
 
 class WriteError(Exception):
-    """The output could not be written or compared; the message says whether anything has changed."""
+    """The output could not be written or compared. The message says whether anything has changed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What happens to one file: ``written``, ``unchanged`` or ``removed``."""
+    """Change of one file: ``written``, ``unchanged`` or ``removed``."""
 
     path: str
     what: str
 
 
 def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]:
-    """What writing ``files`` would do to the target's folder, in order of path.
+    """Return the changes that writing ``files`` would make in the target's folder, in order of path.
 
     Args:
         folder: The output folder.
         target: The target's name, which is the first part of every path.
-        files: Text by path, relative to the output folder, parted by slashes.
+        files: Text by path, relative to the output folder, with slashes.
 
     Raises:
-        WriteError: A path leads out of the target's folder, or the folder cannot be read.
+        WriteError: A path is outside the target's folder, or the folder cannot be read.
     """
     _refuse_bad_paths(folder, target, files)
     found = [
@@ -74,17 +74,17 @@ def write(
     force: bool = False,
     waiting: Callable[[], None] = lambda: None,
 ) -> list[Change]:
-    """Make the folders of ``targets`` hold exactly their files, besides files that are not ours.
+    """Write the files of ``targets`` to their folders, remove old ones, and keep foreign files.
 
     Args:
         folder: The output folder.
         targets: The files of each target, by its name.
-        force: Overwrite files that are in the way and not ours.
-        waiting: Called if another run writes into the folder, before the wait for its end.
+        force: Overwrite foreign files that are in the way.
+        waiting: Called before waiting for another run that is writing to the folder.
 
     Raises:
-        WriteError: A file that is not ours is in the way, another run does not end, or something could not be written.
-            Nothing has changed then, or the message names the targets that could not be put back as they were.
+        WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. Nothing has
+            changed then, or the message names the targets that could not be restored.
     """
     for target, files in targets.items():
         _refuse_bad_paths(folder, target, files)
@@ -95,10 +95,10 @@ def write(
                 return _written(folder, targets, force)
             finally:
                 if is_new:
-                    with suppress(OSError):  # It stays if anything is in it.
+                    with suppress(OSError):  # It stays if it is not empty.
                         folder.rmdir()
     except Busy:
-        wrong = f"another run of codewheel has been writing into {folder} for {PATIENCE_S:.0f} s"
+        wrong = f"another run of codewheel has been writing to {folder} for {PATIENCE_S:.0f} s"
         raise WriteError(f"{wrong}; nothing has changed; try again when it has ended") from None
     except OSError as error:
         raise WriteError(
@@ -107,7 +107,7 @@ def write(
 
 
 def _written(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool) -> list[Change]:
-    """Write the targets into the folder, whose lock this process holds."""
+    """Write the targets to the folder, whose lock this process holds."""
     _clear(folder, targets)
     found = {target: changes(folder, target, files) for target, files in targets.items()}
     to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name])]
@@ -138,7 +138,7 @@ def _needs_writing(folder: Path, target: str, files: Mapping[str, str], found: I
 
 
 def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
-    """The path of an error as the user knows it: no path of a stage."""
+    """Return the path of an error as the user knows it, not that of a stage."""
     path = str(error.filename or folder)
     for stage in stages:
         for inside in (stage.new, stage.folder):
@@ -152,7 +152,7 @@ def _state(written: list[str]) -> str:
 
 
 def _taken_back(stage: _Stage) -> bool:
-    """Put the old content of a target's folder back, if the system lets us."""
+    """Restore the old content of a target's folder, and return whether that succeeded."""
     try:
         if os.path.lexists(stage.old):
             os.rename(stage.place, stage.new)
@@ -167,7 +167,7 @@ def _taken_back(stage: _Stage) -> bool:
 
 
 def _clear(folder: Path, targets: Iterable[str]) -> None:
-    """Remove what a killed run has left behind: stages of ours by name and by mark, nothing else."""
+    """Remove the remains of a killed run: only stages with our name and mark."""
     name_of_a_stage = re.compile(rf"{re.escape(_PREFIX)}({'|'.join(map(re.escape, targets))})-[a-z0-9_]{{8}}")
     with os.scandir(folder) as entries:
         for entry in list(entries):
@@ -179,7 +179,7 @@ def _clear(folder: Path, targets: Iterable[str]) -> None:
 
 
 def _is_a_stage(folder: Path) -> bool:
-    """Tell a stage by its mark. A run that was killed before the mark was complete has put nothing beside it."""
+    """Return whether a folder is a stage, by its mark. A run killed before completing the mark left nothing else."""
     mark = _read(folder / _MARK)
     if mark == _MARK_TEXT.encode():
         return True
@@ -187,9 +187,9 @@ def _is_a_stage(folder: Path) -> bool:
 
 
 def _remove(stage: Path, place: Path) -> None:
-    """Remove a stage, its mark last, so that a run that is killed here leaves one that can still be known."""
+    """Remove a stage, its mark last, so that a run killed here leaves a recognisable stage."""
     if os.path.lexists(stage / _OLD) and not os.path.lexists(place):
-        with suppress(OSError):  # The run was stopped between two renames.
+        with suppress(OSError):  # The run was killed between two renames.
             os.rename(stage / _OLD, place)
     for root, folders, _ in os.walk(stage):
         for name in folders:
@@ -210,20 +210,20 @@ def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> No
     for path in files:
         if not _SAFE.fullmatch(path) or ".." in path.split("/") or path.split("/")[0] != target:
             raise WriteError(
-                f"the target '{target}' asks for the path '{path}', which is not one inside its folder '{target}/'"
+                f"the target '{target}' uses the path '{path}', which is not inside its folder '{target}/'"
             )
     place = folder / target
     if place.is_symlink():
-        raise WriteError(f"{place} is a link; the output goes into real folders only")
+        raise WriteError(f"{place} is a link; output is written to real folders only")
     for needed in (folder, place):
         if _kind_of(needed) == "file":
-            raise WriteError(f"{needed} is a file, and a folder of this name is needed; nothing has changed")
+            raise WriteError(f"{needed} is a file, but must be a folder; nothing has changed")
 
 
 def _refuse_what_is_in_the_way(
     folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool
 ) -> None:
-    """Refuse to overwrite what no list of ours names; ``force`` takes files, but no folder with all that is in it."""
+    """Refuse to overwrite anything not in our lists. ``force`` allows files, but not whole folders."""
     blocked: list[str] = []
     for target, files in targets.items():
         differing = {item.path for item in found[target] if item.what == "written"}
@@ -233,16 +233,16 @@ def _refuse_what_is_in_the_way(
     if blocked:
         all_folders = all(line.endswith(_A_FOLDER) for line in blocked)
         remedy = "move it away" if all_folders else "move it away, or overwrite files with --force"
-        raise WriteError(f"not written by codewheel and in its way; nothing has changed; {remedy}:{''.join(blocked)}")
+        raise WriteError(f"in the way and not written by codewheel; nothing has changed; {remedy}:{''.join(blocked)}")
 
 
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
-    """What stands where one of ``files`` or a folder of theirs belongs and is not ours, with a word on each."""
+    """Yield foreign files and folders in the place of ``files`` or their folders, each with a remark."""
     ours = set(_ours(folder, target))
     folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
     for path in sorted(folders - ours):
         if _kind_of(folder / path) in ("file", "link"):
-            yield path, ", where a folder belongs"
+            yield path, ", in place of a folder"
     for path in sorted(differing):
         kind = _kind_of(folder / path)
         if kind == "folder":
@@ -257,7 +257,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
 
 
 def _kind_of(place: Path) -> str:
-    """``folder``, ``link`` or ``file``, whatever else it may be; empty where there is nothing."""
+    """Return ``folder``, ``link``, ``file`` for anything else, or "" if nothing exists."""
     try:
         mode = os.lstat(place).st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -279,7 +279,7 @@ def _read(path: Path) -> bytes | None:
 
 
 def listed_in(place: Path) -> list[str]:
-    """The paths in the list of a target's folder, seen from there; one that leads out of the folder is passed over.
+    """Return the paths in the list of a target's folder, relative to it. Paths outside the folder are ignored.
 
     Raises:
         WriteError: The list cannot be read.
@@ -295,9 +295,9 @@ def _ours(folder: Path, target: str) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Stage:
-    """Where the new content of a target's folder is put together: ``folder`` with a mark, and ``new`` in it.
+    """Folder for assembling the new content of a target's folder: ``folder`` with a mark, and ``new`` in it.
 
-    The old content ends in ``new``, or in ``old`` where two folders cannot change places in one step.
+    The old content ends up in ``new``, or in ``old`` if two folders cannot be exchanged in one step.
     """
 
     folder: Path
@@ -313,7 +313,7 @@ class _Stage:
         return self.folder / _OLD
 
     def fill(self, files: Mapping[str, str], unchanged: set[str]) -> None:
-        """Put in all that the target's folder shall hold; what stays the same becomes a second name of its file."""
+        """Put in the whole content of the target's folder. Unchanged files become hard links."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         inside = {Path(path).relative_to(self.place.name): path for path in files}
@@ -332,7 +332,7 @@ class _Stage:
                 made.chmod(mode)
 
     def _carry_over(self, ours: set[Path]) -> None:
-        """Take along what is not ours, empty folders included; a folder that held only files of ours goes with them."""
+        """Carry over foreign files and empty folders. A folder that held only our files is removed with them."""
         for root, folders, names in os.walk(self.place, onerror=_raise) if self.place.is_dir() else ():
             here = Path(root).relative_to(self.place)
             for name in (*names, *(name for name in folders if (Path(root) / name).is_symlink())):
@@ -344,7 +344,7 @@ class _Stage:
                 self._make(here)
 
     def _make(self, path: Path) -> None:
-        """Make a folder of the new content, with owner and mode of the old one of that name."""
+        """Create a folder of the new content, with owner and mode of the old one of that name."""
         made, old = self.new / path, self.place / path
         if made in self._modes:
             return
@@ -354,7 +354,7 @@ class _Stage:
         self._modes[made] = 0o700
         if old.is_dir() and not old.is_symlink():
             was = old.stat()
-            with suppress(OSError, AttributeError):  # Only its owner can give it away, and not on every system.
+            with suppress(OSError, AttributeError):  # Only the owner can change this, and not on every system.
                 os.chown(made, was.st_uid, was.st_gid)
             shutil.copystat(old, made)
             self._modes[made] = stat.S_IMODE(was.st_mode)
@@ -373,7 +373,7 @@ def _same(old: Path, new: Path) -> None:
 
 
 def _exchange(stage: Path, place: Path) -> None:
-    """Let the two folders change places, in one step where the system can; ``place`` need not exist yet."""
+    """Exchange the two folders, in one step if the system can do that. ``place`` need not exist yet."""
     if not place.exists():
         os.rename(stage, place)
         return
@@ -383,7 +383,7 @@ def _exchange(stage: Path, place: Path) -> None:
             return
     except (AttributeError, OSError, TypeError):
         pass
-    # No exchange here: two renames, and back again if the second one fails.
+    # Without an exchange, use two renames, and undo the first if the second fails.
     old = stage.with_name(_OLD)
     os.rename(place, old)
     try:

@@ -1,7 +1,7 @@
-"""What another version of the specs changes for those who use what is made of them.
+"""Compare two versions of specs, and report the impact of each change on users of the outputs.
 
-Compared are resolved models: ``walk`` goes through two families side by side, ``pairs`` finds what was only renamed,
-``values`` compares expressions by what they come to, and each difference has a rule of ``rules``, which says whom it
-reaches. ``text``, ``markdown`` and ``data`` tell the changes, ``version`` draws the version from them, ``record`` keeps
-them. ``revisions`` reads specs as they were in git.
+Resolved models are compared: ``walk`` goes through two families side by side, ``pairs`` recognises renamed things, and
+``values`` compares expressions by their values. Each difference has a rule in ``rules``, which gives its impact.
+``text``, ``markdown`` and ``data`` report the changes, ``version`` derives the version, and ``record`` saves them.
+``revisions`` reads specs from git.
 """

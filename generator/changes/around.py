@@ -1,4 +1,4 @@
-"""What is around the frames: order codes and what follows from them, alarms, wiring, and what is only told."""
+"""Compare everything outside the frames: order codes, quantities, alarms, wiring, and facts without effect on code."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .reach import pattern
 from .shown import arrow
 from .sides import Sides
 
-#: Sections that only tell: the rule, the member of the family, and how one is called.
+#: Sections without effect on code: the rule, the member of the family, and the word for one item.
 _TOLD = (
     ("erratum", "errata", "erratum"),
     ("example", "examples", "example"),
@@ -28,7 +28,7 @@ _TOLD = (
 
 
 def family(sides: Sides) -> Iterator[Change]:
-    """The family itself, its maker and its manual."""
+    """Compare the family itself, its manufacturer and its manual."""
     old, new = sides.old, sides.new
     if old.name != new.name:
         thing = Thing("device", f"family {old.name} → {new.name} (the same order codes)")
@@ -38,11 +38,11 @@ def family(sides: Sides) -> Iterator[Change]:
     if old.movement != new.movement:
         said = f": {arrow(old.movement, new.movement)}"
         yield sides.change("movement", Thing("movement", new.name), said, old.movement, new.movement)
-    maker = Thing(f"manufacturers.{new.manufacturer.name}", f"maker {new.manufacturer.name}")
-    yield from members(sides, maker, old.manufacturer, new.manufacturer)
+    manufacturer = Thing(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
+    yield from members(sides, manufacturer, old.manufacturer, new.manufacturer)
     if old.manual != new.manual:
         texts = [f"{item.revision}{f' of {item.date}' if item.date else ''}" for item in (old.manual, new.manual)]
-        said = f" {arrow(*texts)}" if texts[0] != texts[1] else ": what is told of it"
+        said = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"
         yield sides.change("manual", Thing("manual", "manual"), said, old.manual, new.manual)
 
 
@@ -71,7 +71,7 @@ def order_codes(sides: Sides) -> Iterator[Change]:
 
 
 def in_new(sides: Sides, pattern: str) -> str:
-    """An old pattern with the new names of its parts."""
+    """Return an old pattern with the new names of its parts."""
     for before, after in sides.names.get("part", {}).items():
         pattern = pattern.replace(f"{{{before}}}", f"{{{after}}}")
     return pattern
@@ -91,7 +91,7 @@ def _codes(sides: Sides, rule: str, word: str, device: Device, found: list[Varia
 
 
 def _same_codes(sides: Sides) -> Iterator[Change]:
-    """What order codes that both have stand for: their interface and their numbers."""
+    """Compare the interface and the numbers of order codes that both sides have."""
     after = {item.code: item for item in sides.new.variants}
     both = [(item, after[sides.shared[item.code]]) for item in sides.old.variants if item.code in sides.shared]
     moved: dict[tuple[str, str], list[str]] = {}
@@ -118,7 +118,7 @@ def _same_codes(sides: Sides) -> Iterator[Change]:
 
 
 def _is_of_code(item: Parameter | None) -> bool:
-    """Whether order codes set it: it follows from nothing else, and neither a register nor a decision has it."""
+    """Return whether order codes set it, rather than a formula, a register or a decision."""
     return item is not None and item.equals is None and not item.read_from and not item.alternative
 
 
@@ -142,7 +142,7 @@ def _parts(sides: Sides) -> Iterator[Change]:
 
 
 def _with(sides: Sides, part: str, text: str) -> tuple[str, ...]:
-    """The order codes that have this text in this part; all where the manual lists none."""
+    """Return the order codes with this text in this part, or all if the manual lists none."""
     found = tuple(item.code for item in sides.new.variants if item.parts.get(part) == text)
     return found or sides.codes("")
 
@@ -170,7 +170,7 @@ def _spellings(sides: Sides) -> Iterator[Change]:
 def supply(
     sides: Sides, thing: Thing, old: Supply | None, new: Supply | None, codes: tuple[str, ...] | None = None
 ) -> Iterator[Change]:
-    """The supply of a family, or of a value of its order code, which ``codes`` have."""
+    """Compare the supply of a family, or of a value in its order code that ``codes`` have."""
     place = Thing(f"{thing.path}.supply".removeprefix("."), f"{thing.label} supply".strip())
     if old is not None and new is not None:
         for change in members(sides, place, old, new):
@@ -181,7 +181,7 @@ def supply(
 
 
 def quantities(sides: Sides) -> Iterator[Change]:
-    """Parameters, decisions and the measurement."""
+    """Compare parameters, decisions and the measurement."""
     for pair in sides.parameters():
         item = pair.new or pair.old
         assert item is not None
@@ -243,7 +243,7 @@ def alarms(sides: Sides) -> Iterator[Change]:
 
 
 def _interface_of(device: Device, alarm: Any) -> str:
-    """The one interface in whose frames or registers an error shows; empty where there are several."""
+    """Return the only interface whose frames or registers show an error, or "" if there are several."""
     found = {item.interface for item in device.registers if item.name == alarm.register}
     for interface, layout in device.layouts():
         if alarm.group and any(field.group == alarm.group for field in layout.fields):
@@ -252,7 +252,7 @@ def _interface_of(device: Device, alarm: Any) -> str:
 
 
 def wiring(sides: Sides) -> Iterator[Change]:
-    """Supply, connectors and inputs."""
+    """Compare supply, connectors and inputs."""
     yield from supply(sides, Thing("", ""), sides.old.supply, sides.new.supply)
     same = lambda item: tuple((part.contact, part.signal) for part in item.contacts)  # noqa: E731 (said once)
     for pair in known.named(sides.old.connectors, sides.new.connectors, same):
@@ -288,13 +288,13 @@ def _contacts(sides: Sides, thing: Thing, olds: Any, news: Any) -> Iterator[Chan
 
 
 def told(sides: Sides) -> Iterator[Change]:
-    """Errata, examples, and facts that no code acts on."""
+    """Compare errata, examples, and facts that no code depends on."""
     for rule, section, word in _TOLD:
         olds, news = ({_key(item): item for item in getattr(device, section)} for device in (sides.old, sides.new))
         for key in dict.fromkeys((*olds, *news)):
             old, new = olds.get(key), news.get(key)
             if old != new:
-                how = " is new" if old is None else " is gone" if new is None else ": in other words"
+                how = " is new" if old is None else " is gone" if new is None else " has changed"
                 yield sides.change(rule, Thing(f"{section}.{key}", f"{word} {key}"), how, old, new)
     for group in known.named(sides.old.field_groups, sides.new.field_groups, known.nothing):
         if group.old is not None and group.new is not None:

@@ -1,4 +1,4 @@
-"""One change, and the two families that are held against each other."""
+"""A change, and the thing that it is about."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from .impact import OUTPUTS, Impact, Rule
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One difference: ``text`` says it; ``old`` and ``new`` are plain data, None where there is nothing.
+    """One difference, described by ``text``. ``old`` and ``new`` are plain data, or None.
 
-    ``codes`` are the order codes that it reaches, ``reach`` says which these are, and ``names`` has what it is called
-    in an output where it has a name there.
+    ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` has its name in
+    each output that has one.
     """
 
     family: str
@@ -32,15 +32,15 @@ class Change:
         return self.rule.impact
 
     def reached(self, impact: Impact) -> list[str]:
-        """The outputs in which it has this impact."""
+        """Return the outputs in which it has this impact."""
         return [name for name, found in zip(OUTPUTS, self.rule.impacts, strict=True) if found is impact]
 
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """What a change is about: its path in the spec, how a sentence calls it, the order codes that it concerns.
+    """Subject of a change: its path in the spec and its name in a sentence.
 
-    ``interface`` is empty for what all order codes have.
+    ``interface`` is empty if it concerns all order codes.
     """
 
     path: str
@@ -50,5 +50,5 @@ class Thing:
     python: str = ""
 
     def inside(self, path: str, label: str) -> Thing:
-        """Something inside of it."""
+        """Return a thing inside it."""
         return Thing(f"{self.path}.{path}", label, self.interface, self.c, self.python)

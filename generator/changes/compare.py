@@ -1,4 +1,4 @@
-"""Two parts of one kind, member by member, by the table of ``members``."""
+"""Compare two parts of one kind, member by member, using the table in ``members``."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .shown import arrow, differing_items, plain, shown, without_words
 from .sides import Sides
 from .values import Differing
 
-#: Rules under which a change is told by its place alone.
+#: Rules whose changes are described by their place alone.
 _IN_WORDS = ("words", "source")
 
 
 def members(sides: Sides, thing: Thing, old: Any, new: Any, scope: str = "") -> Iterator[Change]:
-    """Every member that has changed; ``scope`` is the frame or register in which names of fields are looked up."""
+    """Yield every changed member. ``scope`` is the frame or register in which to look up the names of fields."""
     table = MEMBERS.get(type(new).__name__, {})
     for item in fields(new):
         treatment = table.get(item.name, Plain("unforeseen", item.name))
@@ -73,7 +73,7 @@ def _allows_less(limit: Limit, old: int | None, new: int | None) -> bool:
 
 
 def numbers(found: Differing, old: Expression | None, new: Expression | None, form: str = "") -> str:
-    """What two expressions come to where they differ: one pair of numbers, else the expressions, else some pairs."""
+    """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
     if len(found.values) == 1 and found.everywhere:
         return arrow(*found.values[0], form)
     texts = shown(old, form), shown(new, form)

@@ -1,4 +1,4 @@
-"""Changes as data, which ``language/diff.schema.json`` describes."""
+"""Changes as data, in the shape of ``language/diff.schema.json``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ VERSION = 2
 
 
 def as_data(found: Found) -> dict[str, Any]:
-    """What ``codewheel diff --json`` prints."""
+    """Return the output of ``codewheel diff --json``."""
     counts = {impact.word: sum(change.impact is impact for change in found.changes) for impact in Impact if impact}
     return {
         "version": VERSION,
@@ -29,7 +29,7 @@ def as_data(found: Found) -> dict[str, Any]:
 
 
 def change_data(change: Change) -> dict[str, Any]:
-    """One change."""
+    """Return one change as data."""
     impacts = {name: impact.word for name, impact in zip(OUTPUTS, change.rule.impacts, strict=True)}
     return {
         "family": change.family,

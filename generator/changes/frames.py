@@ -1,4 +1,4 @@
-"""Frames and registers as layouts: their fields, named values and joined numbers."""
+"""Compare frames and registers as layouts: their fields, named values and joined numbers."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ _WORDS = {
     Decimal: "decimal digits",
     Text: "text",
 }
-#: The words of a flag, on which nothing depends.
+#: Members of a flag that are only text.
 _TOLD = ("when_active", "when_inactive")
-#: Kinds whose coming or going changes only how bits are read.
+#: Kinds among which a change affects only how bits are read.
 _PLAIN = (Number, Decimal, Text)
 
 
 def layout(sides: Sides, thing: Thing, old: Layout, new: Layout, scope: str) -> Iterator[Change]:
-    """What differs in a frame, or in the layout of a register, which ``scope`` names."""
+    """Yield the differences in a frame or in the layout of a register, which ``scope`` names."""
     yield from members(sides, thing, old, new, scope)
     for pair in known.fields(sides, old, new, thing.interface):
         yield from _field(sides, thing, pair, scope)
@@ -63,17 +63,17 @@ def layout(sides: Sides, thing: Thing, old: Layout, new: Layout, scope: str) -> 
 
 
 def _short(thing: Thing) -> str:
-    """A register or frame as its fields name it: by its name alone."""
+    """Return the bare name of a register or frame, as used for its fields."""
     return thing.label.rpartition(" ")[2]
 
 
 def _field(sides: Sides, thing: Thing, pair: Pair[Field], scope: str) -> Iterator[Change]:
     item = pair.new or pair.old
     assert item is not None
-    # What a group brings into many frames is told once, as the group's.
+    # A field of a group is in many frames, but its change is reported once, for the group.
     path = f"field_groups.{item.group}.{item.name}" if item.group else f"{thing.path}.{item.name}"
     place = Thing(path, f"{item.group or _short(thing)}: field {item.name}", thing.interface)
-    # The one field of a plain register is called as the register is.
+    # The only field of a plain register has the register's name.
     if not (item.name == scope and pair.old and sides.to_new("register", pair.old.name) == scope):
         yield from sides.presence("field", place, pair.old, pair.new)
     if pair.old is None or pair.new is None:
@@ -88,13 +88,13 @@ def _field(sides: Sides, thing: Thing, pair: Pair[Field], scope: str) -> Iterato
 
 
 def _of_data_ids(device: Device, field: Field) -> bool:
-    """Whether its values are the data IDs of an interface, which are told as such."""
+    """Return whether its values are the data IDs of an interface, which are compared separately."""
     found = [item.data_ids for item in device.interfaces if isinstance(item, Rs485)]
     return any({value.name for value in field.values} == {data_id.name for data_id in each} for each in found)
 
 
 def _expected(sides: Sides, place: Thing, old: Field, new: Field) -> Iterator[Change]:
-    """The value that the manual documents."""
+    """Compare the documented value."""
     before, after = (Expression(item) if isinstance(item, int) else item for item in (old.equals, new.equals))
     codes = None
     if isinstance(before, str) or isinstance(after, str):
@@ -117,7 +117,7 @@ def _value(sides: Sides, thing: Thing, pair: Pair[Value]) -> Iterator[Change]:
 
 
 def _kind(sides: Sides, place: Thing, old: Field, new: Field, scope: str) -> Iterator[Change]:
-    """How the bits become a value."""
+    """Compare the conversion of bits to a value."""
     before, after = old.kind, new.kind
     if type(before) is not type(after):
         said = f": {_WORDS[type(before)]} → {_WORDS[type(after)]}"

@@ -1,4 +1,4 @@
-"""How much a change asks of whom, and in which output."""
+"""Impact of a change on users, by output."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from enum import IntEnum
 
 
 class Impact(IntEnum):
-    """What a change asks of a user; the highest counts."""
+    """Effort that a change means for users, in rising order."""
 
     NONE = 0
-    #: Words, sources and other facts that no code acts on.
+    #: Words, sources and other facts that no code depends on.
     DOCUMENTATION = 1
-    #: Something new; all that was there is as it was.
+    #: Something new. Everything else is as before.
     COMPATIBLE = 2
-    #: Code builds as before, and sends, reads, accepts or refuses something else.
+    #: Code still builds, but sends, reads, accepts or rejects something else.
     BEHAVIOUR = 3
-    #: Code that uses it no longer builds, or asks for something that is no longer there.
+    #: Code that uses it no longer builds, or asks for something that is gone.
     BREAKING = 4
 
     @property
@@ -24,9 +24,9 @@ class Impact(IntEnum):
         return self.name.lower()
 
 
-#: The words that a user can give, the lowest first.
+#: The impacts that a user can name, lowest first.
 IMPACTS = tuple(item.word for item in Impact if item)
-#: The outputs, in the order in which they are told.
+#: The outputs, in the order of reports.
 OUTPUTS = ("c", "python", "xml", "pages")
 TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}
 
@@ -35,7 +35,7 @@ TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}
 class Rule:
     """A kind of change.
 
-    ``impacts`` has that of each of ``OUTPUTS``; ``when`` says what the rule is about, ``why`` why it has this impact.
+    ``impacts`` has one impact for each of ``OUTPUTS``. ``when`` describes the change, ``why`` justifies the impact.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Rule:
 
     @property
     def impact(self) -> Impact:
-        """That of the output that it reaches most."""
+        """Highest impact on any output."""
         return max(self.impacts)
 
     @property
@@ -54,5 +54,5 @@ class Rule:
 
     @property
     def word(self) -> str:
-        """What the first column of the text says."""
+        """Word in the first column of the text."""
         return "renamed" if self.is_renaming else self.impact.word

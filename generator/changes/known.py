@@ -1,4 +1,4 @@
-"""The things of two families in pairs: what stays the same of each kind when only its name changes."""
+"""Pair the things of two families, by the properties that stay the same if only a name changes."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ _Mark = Callable[[Any], Hashable | None]
 
 
 def named(olds: Sequence[_Named], news: Sequence[_Named], old: _Mark, new: _Mark | None = None) -> list[Pair[_Named]]:
-    """Things that are called by ``name``."""
+    """Pair things by their ``name``."""
     return list(pairs(olds, news, lambda item: getattr(item, "name"), old, new or old))  # noqa: B009 (any thing's)
 
 
 def nothing(_: Any) -> None:
-    """Of such things nothing stays the same but the name."""
+    """Return None, for things that cannot be recognised except by name."""
 
 
 def note_all(sides: Sides) -> None:
-    """Remember every renaming, so that what refers to a thing by its name is not told as changed."""
+    """Remember every renaming, so that references to the renamed thing do not count as changed."""
     old, new = sides.old, sides.new
     for part in parts(old, new):
         sides.note("part", part.old, part.new)
@@ -80,7 +80,7 @@ def _note_layout(sides: Sides, old: Layout, new: Layout, interface: str, scope: 
 
 
 def registers(sides: Sides) -> list[Pair[Register]]:
-    """One with another name has its address and its bits."""
+    """Pair registers. A renamed one has the same address and bits."""
 
     def mark(is_old: bool) -> Callable[[Register], Hashable]:
         return lambda item: (
@@ -108,7 +108,7 @@ def layouts(sides: Sides, old: Interface, new: Interface) -> list[Pair[Layout]]:
 
 
 def fields(sides: Sides, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
-    """One with another name has its bits, and is of use to the same reader."""
+    """Pair fields. A renamed one has the same bits and serves the same reader."""
 
     def mark(layout: Layout, is_old: bool) -> Callable[[Field], Hashable]:
         places = sides.places(layout, interface, is_old)
@@ -169,7 +169,7 @@ def parts(old: Device, new: Device) -> list[Pair[CodePart]]:
 
 
 def procedures(sides: Sides) -> list[Pair[Procedure]]:
-    """One with another name has its steps."""
+    """Pair procedures. A renamed one has the same steps."""
 
     def old(item: Procedure) -> Hashable:
         return item.interface, len(item.arguments), tuple(step_in_new(sides, step) for step in item.steps)
@@ -181,12 +181,12 @@ def procedures(sides: Sides) -> list[Pair[Procedure]]:
 
 
 def bare(step: Step) -> Step:
-    """A step without its words."""
+    """Return a step without its words."""
     return replace(step, meaning="", source=())
 
 
 def step_in_new(sides: Sides, step: Step) -> Step:
-    """An old step without its words, by the new names of what it uses."""
+    """Return an old step without its words and with the new names of the things that it uses."""
     made = bare(step)
     if isinstance(made, RegisterStep):
         register = sides.to_new("register", made.register)

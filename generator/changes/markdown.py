@@ -19,14 +19,14 @@ _TITLES = {
 
 
 def as_markdown(found: Found) -> str:
-    """What ``codewheel diff --markdown`` prints: a heading for each package, family and impact."""
+    """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
     lines = [f"## {'; '.join(map(versions, found.packages)) or 'Changes'}", ""]
     lines += [line for notice in found.notices for line in (text(notice), "")]
     for family in dict.fromkeys(change.family for change in found.changes):
         lines += [f"### {text(family)}", ""]
         lines += _family([change for change in found.changes if change.family == family])
     if not found.changes:
-        lines += ["No difference.", ""]
+        lines += ["No differences.", ""]
     if found.changes and found.files is not None:
         lines += [f"{len(found.files.changed)} of {found.files.count} generated files change.", ""]
     return "\n".join(lines).rstrip()
@@ -49,6 +49,6 @@ def _about(change: Change) -> str:
 
 
 def _kept(piece: str) -> str:
-    """Text with the spaces at its ends."""
+    """Return escaped text with its leading and trailing space."""
     start, end = (" " if edge == " " else "" for edge in (piece[:1], piece[-1:]))
     return f"{start}{text(piece)}{end}" if piece.strip() else piece

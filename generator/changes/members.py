@@ -1,6 +1,6 @@
-"""What a change of each member of the model is: the table by which two parts of one kind are compared.
+"""Table of the rule for a change of each member of the model.
 
-A member that is not in the table falls under the rule ``unforeseen``, and a test asks for it.
+A member that is not in the table falls under the rule ``unforeseen``, and a test fails.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from types import MappingProxyType
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """A value that is the same or not: ``label`` says what it is, ``form`` how it is written.
+    """A value that is equal or not. ``label`` is its name in reports, ``form`` its notation.
 
-    ``refers_to`` is the kind of thing that it names, so that it follows a renaming.
+    ``refers_to`` is the kind of thing that it names, so that a renaming is taken into account.
     """
 
     rule: str
@@ -25,7 +25,7 @@ class Plain:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A number or expression that allows less when it is lowered (``upper``) or raised; without one, all is allowed."""
+    """A limit that allows less if it is lowered (``upper``) or raised. Without a limit, everything is allowed."""
 
     narrower: str
     wider: str
@@ -36,7 +36,7 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class ByValue:
-    """An expression: what counts is what it comes to for each order code."""
+    """An expression, compared by its value for each order code."""
 
     rule: str
     label: str
@@ -44,7 +44,7 @@ class ByValue:
 
 @dataclass(frozen=True, slots=True)
 class Skip:
-    """Compared elsewhere as a thing of its own, or it follows from what is compared."""
+    """A member that is compared elsewhere or follows from others."""
 
 
 Treatment = Plain | Limit | ByValue | Skip
@@ -54,13 +54,13 @@ _SOURCE = Plain("source", "")
 
 
 def _with_words(*names: str, **others: Treatment) -> dict[str, Treatment]:
-    """The members of a kind: its name, words and source, and the others."""
+    """Return the members of a kind: its name, words and source, and the others."""
     words = dict.fromkeys(("printed_name", "names", "meaning", "note", "title", *names), _WORDS)
     return {"name": _SKIP, "source": _SOURCE, **words, **others}
 
 
 def _plain(rule: str, **labels: str) -> dict[str, Treatment]:
-    """Members under one rule, each with its label."""
+    """Return members under one rule, each with its label."""
     return {name: Plain(rule, label) for name, label in labels.items()}
 
 
@@ -82,7 +82,7 @@ _SURROUNDINGS: dict[str, dict[str, Treatment]] = {
     "Alternative": _with_words(answers=_SKIP),
     "Answer": _with_words(sets=Plain("answer-sets", "sets", refers_to="parameters")),
     "CodePart": _with_words(
-        open=Plain("label", "what may stand there unlisted"), open_only_with=Plain("label", "where"), values=_SKIP
+        open=Plain("label", "unlisted values"), open_only_with=Plain("label", "where"), values=_SKIP
     ),
     "CodeValue": _with_words(text=_SKIP, interface=_SKIP, sets=_SKIP, only_with=_SKIP, supply=_SKIP),
     "Spelling": _with_words(
@@ -181,8 +181,8 @@ _TALK: dict[str, dict[str, Treatment]] = {
         widest=_SKIP,
         fields=_SKIP,
         joins=_SKIP,
-        selector=Plain("frame-told-by", "told by", refers_to="field"),
-        selects=Plain("frame-told-by", "told by the values"),
+        selector=Plain("frame-told-by", "identified by", refers_to="field"),
+        selects=Plain("frame-told-by", "identified by the values"),
         gaps=Plain("other-bits", "other bits"),
         gray_of=Plain("frame-order", "in Gray code", refers_to="field"),
         gray_when=Plain("frame-order", "in Gray code while", refers_to="parameter"),
@@ -262,5 +262,5 @@ _INTERFACES: dict[str, dict[str, Treatment]] = {
         bits=Plain("field-width", "bits"), values=_SKIP, crc=Plain("field-reads-otherwise", "CRC", refers_to="crc")
     ),
 }
-#: How each member of each kind of part is compared.
+#: Comparison of each member of each kind of part.
 MEMBERS: Mapping[str, Mapping[str, Treatment]] = MappingProxyType(_SURROUNDINGS | _TALK | _INTERFACES)

@@ -1,4 +1,4 @@
-"""What things are called in C and in Python, so that a reader can search his code for them."""
+"""Names of things in C and in Python, so that users can search their code for them."""
 
 from __future__ import annotations
 

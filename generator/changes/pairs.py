@@ -1,4 +1,4 @@
-"""Which item of an old list is which of a new one: by its name, else by what stays the same."""
+"""Pair the items of an old and a new list, by name or by a property that stays the same."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _Item = TypeVar("_Item")
 
 @dataclass(frozen=True, slots=True)
 class Pair(Generic[_Item]):
-    """Two items that are one; ``old`` or ``new`` is None for one that is new or gone."""
+    """An old item and its new counterpart. ``old`` is None for a new one, ``new`` for one that is gone."""
 
     old: _Item | None
     new: _Item | None
@@ -25,14 +25,14 @@ def pairs(
     same_old: Callable[[_Item], Hashable | None],
     same_new: Callable[[_Item], Hashable | None],
 ) -> Iterator[Pair[_Item]]:
-    """Every item with its counterpart: those that are there still or anew in their new order, then those that are gone.
+    """Yield every item with its counterpart: first the new items in their order, then those that are gone.
 
     Args:
-        olds: The items as they were.
-        news: The items as they are.
-        name: What an item is called.
-        same_old: What stays the same of an old item whose name is gone; None for one that is known by its name alone.
-        same_new: The same of a new item. A counterpart is one that no other item of its side is like.
+        olds: The old items.
+        news: The new items.
+        name: Return the name of an item.
+        same_old: Return the property that identifies an old item whose name is gone, or None if only the name does.
+        same_new: Return that property of a new item. It identifies a counterpart only if it is unique on its side.
     """
     known = {name(item): item for item in olds}
     left = [item for item in olds if name(item) not in {name(other) for other in news}]
@@ -52,7 +52,7 @@ def pairs(
 
 
 def _only(items: Sequence[_Item], same: Callable[[_Item], Hashable | None]) -> dict[Hashable, _Item]:
-    """The items of which no other is like, by what stays the same of them."""
+    """Return the items with a unique identifying property, by that property."""
     marks = [same(item) for item in items]
     often = Counter(marks)
     return {mark: item for item, mark in zip(items, marks, strict=True) if mark is not None and often[mark] == 1}

@@ -1,4 +1,4 @@
-"""Which order codes a change reaches, said in as few words as tell it."""
+"""Describe the order codes that a change affects in as few words as possible."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST_LISTED = 3
 
 
 def reach(device: Device, codes: Collection[str]) -> str:
-    """Order codes of a family among its own: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
+    """Describe order codes of a family: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
     every = device.variants
     if not codes:
         return ""
@@ -28,7 +28,7 @@ def reach(device: Device, codes: Collection[str]) -> str:
 
 
 def pattern(device: Device, codes: Collection[str]) -> str:
-    """The order codes as the grammar's pattern with some parts left open, ``TV62-…20-B1``; empty where it is none."""
+    """Return the order codes as a pattern with some parts left open, such as ``TV62-…20-B1``, or "" if that fails."""
     chosen = [item for item in device.variants if item.code in codes]
     used = {part.name: _used(chosen, part.name) for part in device.order_code.parts}
     if len(chosen) < 2 or [item for item in device.variants if _fits(item, used)] != chosen:
@@ -36,7 +36,7 @@ def pattern(device: Device, codes: Collection[str]) -> str:
     every = {part.name: _used(device.variants, part.name) for part in device.order_code.parts}
     pieces = _BRACES.split(device.order_code.pattern)
     texts = [_part(used[item], every[item]) if index % 2 else item for index, item in enumerate(pieces)]
-    # Where all is open to the end, one mark stands for the rest.
+    # If everything up to the end is open, one mark stands for the rest.
     last = max((index for index in range(1, len(texts), 2) if texts[index] != _ALL), default=0)
     return "".join([*texts[: last + 1], texts[last + 1] if last + 2 >= len(texts) else _ALL])
 

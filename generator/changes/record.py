@@ -1,4 +1,4 @@
-"""What ``diff --record`` keeps: the version in the manufacturer's file, the changes beside the spec of each family."""
+"""Files that ``diff --record`` writes: the version in the manufacturer's file, and each family's changes."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ _VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
 
 
 class NotRecorded(ValueError):
-    """A file cannot take what is to be recorded; the message says which."""
+    """A file cannot be updated. The message says which one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A file, and the text that it is to have."""
+    """A file and its new text."""
 
     place: Path
     text: str
 
 
 def records(found: Found, families: Sequence[Family]) -> Iterator[Recorded]:
-    """The files that have to be written for what was found; nothing for a maker of whom nothing has changed.
+    """Yield the files to write, except for manufacturers without changes.
 
     Raises:
-        NotRecorded: A manufacturer's file has no version to be replaced.
+        NotRecorded: A manufacturer's file has no version to replace.
     """
     for package in found.packages:
         own = [item for item in families if item.device.manufacturer.name == package.maker]
@@ -58,7 +58,7 @@ def _version(package: Package, files: set[str]) -> Iterator[Recorded]:
     for place in map(Path, sorted(files)):
         text, count = _VERSION.subn(rf'\g<1>"{package.new}"', place.read_text(encoding="utf-8"))
         if count != 1:
-            raise NotRecorded(f'{place} has no line such as version: "{package.stated}"; write {package.new} into it')
+            raise NotRecorded(f'{place} has no line like version: "{package.stated}"; set it to {package.new} by hand')
         yield Recorded(place, text)
 
 

@@ -1,8 +1,8 @@
-"""Specs as they were: a file or folder of a git revision, such as ``v1.0:specs/lika``, laid out in a folder.
+"""Read specs from a git revision: write a file or folder such as ``v1.0:specs/lika`` to a temporary folder.
 
-git is only asked for what it holds: no shell, no filter, no hook and no network has a part in it, and no text of the
-user's stands where git looks for an option. A tree is untrusted input: its names choose no folder, and sizes are
-checked before a file is read.
+git is used only to read objects, without shell, filters, hooks or network, and user text is never passed where git
+expects an option. A tree is untrusted input: its names do not choose folders, and sizes are checked before a file is
+read.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from ..language.problems import suggestion, visible
 from ..language.yaml import MAX_BYTES
 
 _MOST_FILES = 1000
-#: All specs of a revision, in bytes.
+#: Largest total size of the specs in a revision, in bytes.
 _MOST_BYTES = 16 * MAX_BYTES
-#: The list of all files of a revision, in bytes. A tree of a few kB can list more files than any disk holds.
+#: Largest list of files in a revision, in bytes. A tree of a few kB can list more files than any disk holds.
 _MOST_LISTED = 16 * 2**20
 _PATIENCE_S = 60
 _FILE, _EXECUTABLE = "100644", "100755"
 _BESIDE = "manufacturer.yaml"
-#: A part of a path that git does not check out, or that leads elsewhere on some system.
+#: A part of a path that git does not check out, or that leads elsewhere on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
-#: A file name that is safe on every system. It is kept, since the family in a spec is named after its file.
+#: A file name that is safe on every system. It is kept, since a spec's file has the name of its family.
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 #: git fetches nothing, not even what a partial clone left on the server. A version that does not know
 #: GIT_NO_LAZY_FETCH is not allowed to use any protocol.
@@ -46,12 +46,12 @@ _QUIET = {
 
 
 class RevisionError(ValueError):
-    """There is no such revision, or nothing of that name in it; the message says which."""
+    """The revision or the path in it does not exist or cannot be read. The message says which."""
 
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """A place in history: ``path`` is empty for the whole repository."""
+    """A path in a revision. ``path`` is empty for the whole repository."""
 
     revision: str
     path: str
@@ -62,25 +62,25 @@ class Named:
 
 @dataclass(frozen=True, slots=True)
 class LaidOut:
-    """Specs of a revision on disk: the file or folder to read, and the name in history of each path."""
+    """Specs of a revision on disk: the file or folder to read, and the original name of each path."""
 
     place: Path
     names: Mapping[str, str]
 
 
 def named(text: str) -> Named | None:
-    """The revision and path that ``text`` names; None where it is a path, or no revision."""
+    """Return the revision and path in ``text``, or None if it is an existing path or not a revision."""
     revision, colon, path = text.partition(":")
     return Named(revision, path) if colon and not os.path.lexists(text) else None
 
 
 def lay_out(place: Named, folder: Path) -> LaidOut:
-    """Write the specs of a revision below an empty folder, together with a manufacturer's file beside a single spec.
+    """Write the specs of a revision to an empty folder, with the manufacturer's file if it is a single spec.
 
-    Folders get numbers for names. Files keep theirs where every system can have it.
+    Folders are renamed to numbers. Files keep names that are valid on every system.
 
     Raises:
-        RevisionError: The revision cannot be read, or holds names or sizes that specs do not have.
+        RevisionError: The revision cannot be read, or has names or sizes that no specs have.
     """
     commit = _commit(place.revision)
     path = _in_repository(place)
@@ -112,16 +112,16 @@ def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
         bad = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
         if bad is not None:
             where = f"{visible(revision)} holds a file '{visible(name)}'"
-            raise RevisionError(f"{where}; '{visible(bad)}' is not a safe name, so nothing of the revision is read")
+            raise RevisionError(f"{where}; '{visible(bad)}' is not a safe name, so the revision is not read")
 
 
 def _is_hidden(name: str) -> bool:
-    """Tell whether a part of the name begins with a dot; folders of specs are read without such files."""
+    """Return whether a part of the name begins with a dot. Such files are left out of folders of specs."""
     return any(part.startswith(".") for part in name.split("/"))
 
 
 def _neutral(names: Iterable[str], folder: Path) -> dict[str, Path]:
-    """Return where the file of each name is written; what is in one folder stays in one folder."""
+    """Return the path to write each file to. Files of one folder stay together."""
     folders: dict[str, Path] = {}
     made: dict[str, Path] = {}
     taken: set[str] = set()
@@ -137,7 +137,7 @@ def _neutral(names: Iterable[str], folder: Path) -> dict[str, Path]:
 def _commit(revision: str) -> str:
     shown = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:
-        raise RevisionError(f"'{shown}' is no revision; write it as in v1.0:specs/my_encoder.yaml")
+        raise RevisionError(f"'{shown}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
     try:
         found = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
@@ -148,19 +148,19 @@ def _commit(revision: str) -> str:
 
 
 def _in_repository(place: Named) -> str:
-    """The path from the top of the repository; one that begins with a dot is from the current folder."""
+    """Return the path from the top of the repository. A path with a leading dot is relative to the current folder."""
     path = place.path
     if path in (".", "..") or path.startswith(("./", "../")):
         path = posixpath.join(_git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n"), path)
     path = posixpath.normpath(path) if path else ""
     path = "" if path == "." else path
     if path.startswith(("/", "../")) or path == ".." or "\0" in path:
-        raise RevisionError(f"{visible(str(place))} is outside of the repository; paths begin at its top")
+        raise RevisionError(f"{visible(str(place))} is outside the repository; paths are relative to its top")
     return path
 
 
 def _entries(commit: str, path: str) -> dict[str, str]:
-    """The regular files of a commit at or below a path, and the object of each."""
+    """Return the regular files of a commit at or below a path, and the object of each."""
     listed = _git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
     found = {}
     for entry in filter(None, listed.split(b"\0")):
@@ -179,12 +179,12 @@ def _refuse_large_files(place: Named, specs: Mapping[str, str]) -> None:
     for name, blob in specs.items():
         shown = f"{visible(place.revision)}:{visible(name)}"
         if blob not in sizes:
-            raise RevisionError(f"this repository does not hold the content of {shown}; fetch it first")
+            raise RevisionError(f"this repository lacks the content of {shown}; fetch it first")
         if sizes[blob] > MAX_BYTES:
-            wrong = f"{shown} is larger than {MAX_BYTES // 2**20} MB, so it is not a spec"
+            wrong = f"{shown} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
             raise RevisionError(f"{wrong}; name the folder of the specs")
     if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
-        wrong = f"the YAML files of {visible(str(place))} are larger than {_MOST_BYTES // 2**20} MB together"
+        wrong = f"the YAML files of {visible(str(place))} have more than {_MOST_BYTES // 2**20} MB in total"
         raise RevisionError(f"{wrong}; name the folder of the specs")
 
 
@@ -202,15 +202,15 @@ def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
 
 
 class _Refused(RevisionError):
-    """git says no."""
+    """git failed."""
 
 
 def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_LISTED) -> bytes:
-    """Run git on these arguments and lines of input, and return what it prints.
+    """Run git with these arguments and lines of input, and return its output.
 
     Raises:
         RevisionError: There is no git or no repository, or git takes too long or prints more than ``most`` bytes.
-        _Refused: git ends with an error.
+        _Refused: git fails.
     """
     kept = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
     command = ["git", "--no-pager", "--no-replace-objects", "--literal-pathspecs", *arguments]
@@ -224,20 +224,20 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_
     except RevisionError:
         raise
     except FileNotFoundError:
-        raise RevisionError("git is not installed; without it only files and folders can be compared") from None
+        raise RevisionError("git is not installed; only files and folders can be compared") from None
     except (OSError, ValueError) as error:
-        raise RevisionError(f"git cannot be run: {error}") from None
+        raise RevisionError(f"cannot run git: {error}") from None
     if code == 0:
         return printed
     if "not a git repository" in said:
-        raise RevisionError("the current folder is in no git repository, so there are no revisions to read")
-    raise _Refused(f"git cannot read that: {said.removeprefix('fatal: ') or f'it ended with {code}'}")
+        raise RevisionError("the current folder is not in a git repository, so there are no revisions to read")
+    raise _Refused(f"git failed: {said.removeprefix('fatal: ') or f'exit code {code}'}")
 
 
 def _run(
     command: Sequence[str], given: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], most: int
 ) -> tuple[int, bytes]:
-    """Run a command, and return its exit code and what it prints.
+    """Run a command, and return its exit code and output.
 
     Raises:
         RevisionError: It takes too long, or prints more than ``most`` bytes.

@@ -1,4 +1,4 @@
-"""Values of the model as plain data, and as a sentence shows them."""
+"""Values of the model as plain data, and as text for a sentence."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FORMS: Mapping[str, Callable[[int], str]] = {
 
 
 def plain(value: Any) -> Any:
-    """Any part of the model as data of JSON; sources are left out."""
+    """Return any part of the model as JSON data, without sources."""
     if isinstance(value, Expression):
         return value.constant if value.is_constant else value.render()
     if isinstance(value, Enum):
@@ -42,7 +42,7 @@ def plain(value: Any) -> Any:
 
 
 def shown(value: Any, form: str = "") -> str:
-    """A value, short; with a form as manuals write it."""
+    """Return a value as short text, with a form in the notation of manuals."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if value is None or value in ("", (), [], {}):
@@ -71,7 +71,7 @@ def _cut(text: str) -> str:
 
 
 def without_words(value: Any) -> Any:
-    """A part of the model as data, without what is only said of it."""
+    """Return a part of the model as data, without its texts."""
     if isinstance(value, tuple):
         return [without_words(item) for item in value]
     if is_dataclass(value) and not isinstance(value, type):
@@ -81,7 +81,7 @@ def without_words(value: Any) -> Any:
 
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
-    """Two values; of two rows of parts only those that the other has not."""
+    """Return two values, reduced to the items that differ if both are sequences of parts."""
     if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
         bare = [[without_words(item) for item in each] for each in (old, new)]
         pairs = ((old, bare[0], bare[1]), (new, bare[1], bare[0]))
@@ -94,5 +94,5 @@ def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
 
 
 def arrow(old: Any, new: Any, form: str = "") -> str:
-    """``old → new``."""
+    """Return ``old → new``."""
     return f"{shown(old, form)} → {shown(new, form)}"

@@ -1,4 +1,4 @@
-"""Two families side by side: the order codes that both have, and the names under which things are known on each."""
+"""Two families side by side: their common order codes, and the old and new names of things."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from .rules import RULES
 from .shown import plain
 from .values import Differing, Point, differing, points_of
 
-#: Rules whose values are interfaces, which they reach both.
+#: Rules whose values are interfaces, both of which are affected.
 _MOVES = ("register-interface", "procedure-interface")
 
 
 class Sides:
-    """Two families, and what is known of both."""
+    """Two families with their common order codes and renamed things."""
 
     def __init__(self, old: Device, new: Device) -> None:
         self.old = old
         self.new = new
-        #: The new name by the old one, for each kind of thing that was renamed; fields also by what they are part of.
+        #: The new name by the old one, for each kind of renamed thing, and for fields also by their frame or register.
         self.names: dict[str, dict[str, str]] = {}
         by_parts = {tuple(sorted(item.parts.items())): item.code for item in new.variants}
         codes = {item.code for item in new.variants}
-        #: The fields and joined numbers that the new frames have.
+        #: The fields and joined numbers of the new frames.
         self.frame_names = frozenset(
             item.name for _, layout in new.layouts() for items in (layout.fields, layout.joins) for item in items
         )
         before = {item.code for item in old.variants}
-        #: The order codes that both have, the new by the old.
+        #: The common order codes, the new by the old.
         self.shared: dict[str, str] = {}
         for item in old.variants:
             other = item.code if item.code in codes else by_parts.get(tuple(sorted(item.parts.items())), "")
@@ -49,12 +49,12 @@ class Sides:
         }
 
     def note(self, kind: str, old: Any, new: Any) -> None:
-        """Remember that a thing has another name."""
+        """Remember that a thing was renamed."""
         if old is not None and new is not None and old.name != new.name:
             self.names.setdefault(kind, {})[old.name] = new.name
 
     def parameters(self) -> list[Pair[Parameter]]:
-        """The quantities of both; one with another name has the same number for every order code."""
+        """Pair the quantities. A renamed one has the same number for every order code."""
         shared = {code: index for index, code in enumerate(self.shared.values())}
 
         def same(device: Device, codes: Collection[str]) -> Any:
@@ -70,7 +70,7 @@ class Sides:
         return list(pairs(self.old.parameters, self.new.parameters, lambda item: item.name, before, after))
 
     def to_new(self, kind: str, value: Any, scope: str = "") -> Any:
-        """An old value that names things, by their new names."""
+        """Return an old value with the new names of the things in it."""
         if isinstance(value, tuple):
             return tuple(self.to_new(kind.removesuffix("s"), item, scope) for item in value)
         if not isinstance(value, str):
@@ -88,15 +88,15 @@ class Sides:
         return self.names.get(kind, {}).get(value, value)
 
     def at(self, interface: str) -> tuple[Point, ...]:
-        """The points at which expressions of an interface are compared; of all where it is empty."""
+        """Return the points for comparing expressions of an interface, or of all interfaces if it is empty."""
         return self._points.get(interface, ())
 
     def differing(self, interface: str, old: Expression | None, new: Expression | None) -> Differing | None:
-        """Where two expressions differ, at the points of an interface; None where they come to the same."""
+        """Return the differences of two expressions at the points of an interface, or None if they are equal."""
         return differing(old, new, self.at(interface))
 
     def places(self, layout: Layout, interface: str, is_old: bool) -> tuple[tuple[int, ...], ...]:
-        """Where each field of a layout stands at every point."""
+        """Return the position of each field of a layout at every point."""
         points = self.at(interface)
         used = [item.old if is_old else item.new for item in points]
         return tuple(
@@ -107,7 +107,7 @@ class Sides:
         )
 
     def codes(self, interface: str, of: str = "shared") -> tuple[str, ...]:
-        """The order codes of an interface, or all: those of the ``old`` or ``new`` family, or those that both have."""
+        """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the common ones."""
         device = self.old if of == "old" else self.new
         kept = set(self.shared.values()) if of == "shared" and self.shared else None
         return tuple(
@@ -119,7 +119,7 @@ class Sides:
     def change(
         self, rule: str, thing: Thing, said: str, old: Any, new: Any, codes: Iterable[str] | None = None
     ) -> Change:
-        """A change of a thing; without ``codes`` it reaches all that the thing concerns."""
+        """Return a change of a thing. Without ``codes``, it affects all order codes that the thing concerns."""
         side = "old" if rule.endswith("-gone") else "new" if rule.endswith("-new") else "shared"
         found = tuple(codes) if codes is not None else self.codes(thing.interface, side)
         if rule in _MOVES:
@@ -138,7 +138,7 @@ class Sides:
         )
 
     def _reach(self, side: str, codes: Collection[str]) -> str:
-        """Which order codes these are, of the old family, of the new one, or of those that both have."""
+        """Describe order codes of the old family, of the new one, or of those that both have."""
         if side == "old":
             return reach(self.old, codes)
         kept = tuple(item for item in self.new.variants if item.code in self.shared.values())
@@ -149,7 +149,7 @@ class Sides:
         return f"{among} that stay" if among.startswith("all ") else said
 
     def presence(self, kind: str, thing: Thing, old: Any, new: Any) -> Iterator[Change]:
-        """Whether a thing is gone, new, or has another name; ``thing.label`` ends with the name that it has now."""
+        """Yield a change if a thing is gone, new or renamed. ``thing.label`` ends with its present name."""
         from .rules import SAME
 
         if new is None:

@@ -1,4 +1,4 @@
-"""What goes over the line: interfaces, frames, registers, CRCs and procedures."""
+"""Compare communication: interfaces, frames, registers, CRCs and procedures."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _interface(sides: Sides, thing: Thing, old: Interface, new: Interface) -> It
 
 
 def _called(thing: Thing, old: object) -> Thing:
-    """The thing without what it is called in code where that is its new name alone."""
+    """Return the thing, without its names in code if it is new."""
     return thing if old is not None else replace(thing, c="", python="")
 
 
@@ -95,7 +95,7 @@ def _control(sides: Sides, thing: Thing, old: Interface, new: Interface) -> Iter
 
 
 def timings(sides: Sides, thing: Thing, found: list[Pair[Timing]]) -> Iterator[Change]:
-    """Times of an interface, or of the device."""
+    """Compare times of an interface or of the device."""
     for pair in found:
         item = pair.new or pair.old
         assert item is not None
@@ -132,7 +132,7 @@ def _register(sides: Sides, place: Thing, old: Register, new: Register) -> Itera
         yield from sides.presence("meaning", inner, pair.old, pair.new)
         if pair.old is not None and pair.new is not None:
             yield from members(sides, inner, pair.old, pair.new)
-    # The bits of a register are those of its bytes, of which its length tells.
+    # The bits of a register follow from its length in bytes, which is compared separately.
     layout = replace(old.layout, **{name: getattr(new.layout, name) for name in ("name", "bits", "byte_order", "note")})
     layout = replace(layout, **{name: getattr(new.layout, name) for name in ("printed_name", "source")})
     yield from frames.layout(sides, bare, layout, new.layout, new.name)
@@ -156,7 +156,7 @@ def crcs(sides: Sides) -> Iterator[Change]:
 
 
 def _interface_of(device: Device, crc: Crc) -> str:
-    """The one interface whose frames end in a CRC; empty where there are several."""
+    """Return the only interface whose frames have a CRC, or "" if there are several."""
     found = set()
     for interface in device.interfaces:
         kinds = [field.kind for layout in interface.layouts for field in layout.fields]
@@ -207,11 +207,11 @@ def _steps(before: list[Step], after: list[Step]) -> str:
     at = [index + 1 for index, pair in enumerate(zip(before, after, strict=True)) if pair[0] != pair[1]]
     details = {_step(*pair) for pair in zip(before, after, strict=True) if pair[0] != pair[1]}
     steps = f": step{'s' * (len(at) > 1)} {', '.join(map(str, at))}"
-    return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} do otherwise"
+    return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} differ"
 
 
 def _step(old: Step, new: Step) -> str:
-    """What differs between two steps."""
+    """Describe the difference between two steps."""
     if type(old) is not type(new):
         return f"{old.do} → {new.do}"
     names = [item.name for item in members_of(new) if getattr(old, item.name) != getattr(new, item.name)]

@@ -1,4 +1,4 @@
-"""Changes for a person at a terminal, in 80 columns."""
+"""Changes as text for a terminal of 80 columns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOST_LISTED = 3
 
 
 def as_text(found: Found) -> str:
-    """What ``codewheel diff`` prints."""
+    """Return the output of ``codewheel diff``."""
     lines = list(found.notices)
     for family in dict.fromkeys(change.family for change in found.changes):
         here = [change for change in found.changes if change.family == family]
@@ -24,7 +24,7 @@ def as_text(found: Found) -> str:
             if change.impact > Impact.DOCUMENTATION:
                 lines += _change(change)
         lines += _words([change for change in here if change.impact is Impact.DOCUMENTATION])
-    lines.append(totals(found.changes) if found.changes else "no difference")
+    lines.append(totals(found.changes) if found.changes else "no differences")
     if found.changes:
         lines += _result(found)
     return "\n".join(lines)
@@ -37,7 +37,7 @@ def _change(change: Change) -> Iterator[str]:
 
 
 def _words(changes: Sequence[Change]) -> Iterator[str]:
-    """What is only said otherwise: a few by their places, many as a count."""
+    """Yield the changes of documentation: a few by their places, the others as a count."""
     for rule in dict.fromkeys(change.rule for change in changes):
         here = [change for change in changes if change.rule is rule]
         texts = [_place(change) for change in here[:_MOST_LISTED]]
@@ -52,7 +52,7 @@ def _place(change: Change) -> str:
 
 
 def _result(found: Found) -> Iterator[str]:
-    """The line on what is generated, and the step of each version."""
+    """Yield the line about generated files and versions."""
     parts = []
     if found.files is not None:
         count = len(found.files.changed)

@@ -1,4 +1,4 @@
-"""The parts of a report on changes that text and Markdown share."""
+"""Parts of a report on changes, common to text and Markdown."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .version import Package
 
 @dataclass(frozen=True)
 class Files:
-    """Which generated files are not the same, of how many."""
+    """The generated files that differ, and the number of all."""
 
     changed: tuple[str, ...]
     count: int
@@ -21,7 +21,7 @@ class Files:
 
 @dataclass(frozen=True)
 class Found:
-    """All that ``diff`` found; ``files`` is None where nothing could be generated."""
+    """Everything that ``diff`` found. ``files`` is None if nothing could be generated."""
 
     changes: Sequence[Change]
     packages: Sequence[Package]
@@ -34,13 +34,13 @@ class Found:
 
 
 def outputs(change: Change, code: str = "{}") -> str:
-    """The outputs that a change reaches, those first that it reaches most; ``code`` is how a name is set."""
+    """Return the outputs that a change affects, most affected first. ``code`` is the format of a name."""
     texts = []
     for impact in sorted(set(change.rule.impacts), reverse=True):
         if impact is Impact.NONE or (impact is Impact.DOCUMENTATION and change.impact is not impact):
             continue
         called = [_output(change, name, code) for name in OUTPUTS if name in change.reached(impact)]
-        # The pages follow every change; they are named where nothing else is.
+        # Every change affects the pages. They are named only if nothing else is.
         texts.append(", ".join(called) + ("" if impact is change.impact else f" ({impact.word})"))
     return "; ".join(texts)
 
@@ -51,21 +51,21 @@ def _output(change: Change, name: str, code: str) -> str:
 
 
 def about(change: Change, code: str = "{}") -> str:
-    """Whom a change reaches: order codes, then outputs."""
+    """Return the order codes and the outputs that a change affects."""
     return "; ".join(filter(None, (change.reach, outputs(change, code))))
 
 
 def totals(changes: Sequence[Change]) -> str:
-    """``5 changes: 2 breaking, 3 behaviour``."""
+    """Return a summary such as ``5 changes: 2 breaking, 3 behaviour``."""
     counts = [(sum(change.impact is impact for change in changes), impact.word) for impact in reversed(Impact)]
     return f"{counted(len(changes), 'change')}: {', '.join(f'{count} {word}' for count, word in counts if count)}"
 
 
 def versions(package: Package) -> str:
-    """The step of a version, and what has to be written where it is not stated yet."""
+    """Return the step of a version, and the stated version if it must be updated."""
     if package.old == package.new == package.stated:
         return f"{package.name} stays {package.old}"
     step = f"{package.name} {package.old} → {package.new}"
     if package.is_enough:
         return step
-    return f"{step}, where the spec still says {package.stated}"
+    return f"{step}, but the spec still says {package.stated}"

@@ -1,4 +1,4 @@
-"""Expressions by what they come to: over all order codes, and over what registers and answers make of them."""
+"""Compare expressions by their values, for all order codes and for settings of registers and answers."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Parameters = Mapping[str, int]
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """An order code that both sides have, and its parameters under one setting of registers and answers.
+    """A common order code, and its parameters under one setting of registers and answers.
 
-    ``compared`` are those at which expressions of the old family are compared: the new ones as far as the old family
-    knows them, so that a change of a parameter is told of that parameter alone. One with another name has its old
-    number, which is the same: that is how it was found.
+    ``compared`` are the parameters for expressions of the old family. They have the new values where the old family
+    has the parameter too, so that a changed parameter is reported only once. A renamed one has its old value, which is
+    the same by definition.
     """
 
     code: str
@@ -30,9 +30,9 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Differing:
-    """Where two expressions come to something else: the order codes, and each pair of numbers that occurs, once.
+    """Differences of two expressions: the order codes, and each pair of numbers that occurs, once.
 
-    ``everywhere`` says that they do under each setting of registers and answers.
+    ``everywhere`` is true if they differ under every setting of registers and answers.
     """
 
     codes: tuple[str, ...]
@@ -41,13 +41,13 @@ class Differing:
 
 
 def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapping[str, str]) -> tuple[Point, ...]:
-    """Every point at which expressions of the two families are compared.
+    """Return all points at which to compare expressions of the two families.
 
     Args:
-        old: The family as it was.
-        new: The family as it is.
-        shared: The order codes that both have, the new by the old.
-        renamed: The parameters with another name, the new by the old.
+        old: The old family.
+        new: The new family.
+        shared: The common order codes, the new by the old.
+        renamed: The renamed parameters, the new by the old.
     """
     variants = {item.code: item for item in new.variants}
     settings: list[dict[str, int]] = [{}, *_settings(new)]
@@ -66,7 +66,7 @@ def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapp
 
 
 def _settings(device: Device) -> Iterator[dict[str, int]]:
-    """What registers and answers can make of the parameters: each at its ends, one after the other."""
+    """Yield settings of registers and answers: each at the ends of its range, one after the other."""
     for item in device.run_time_parameters:
         highest = item.max if item.max is not None else item.largest
         yield from ({item.name: value} for value in (item.min or 0, highest))
@@ -82,11 +82,11 @@ def _at(device: Device, variant: Variant, setting: Parameters) -> Parameters:
 
 
 def differing(old: Expression | None, new: Expression | None, points: tuple[Point, ...]) -> Differing | None:
-    """Where two expressions differ; None where they come to the same everywhere.
+    """Return the differences of two expressions, or None if they are equal everywhere.
 
-    Without an order code that both sides have, texts are compared.
+    Without a common order code, their texts are compared.
     """
-    # A name that both sides use is no renamed one, and has the same number on both.
+    # A name that both sides use was not renamed, and has the same number on both.
     if old == new:
         return None
     if not points:
@@ -103,7 +103,7 @@ def differing(old: Expression | None, new: Expression | None, points: tuple[Poin
 
 
 def _constants(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
-    """The pair of numbers, where the expressions are numbers or nothing."""
+    """Return the pair of numbers if the expressions are numbers or None."""
     if all(item is None or item.is_constant for item in (old, new)):
         return ((_number(old, {}), _number(new, {})),)
     return ()

@@ -1,9 +1,9 @@
-"""The version that follows from changes.
+"""Derive the version from changes, by Semantic Versioning.
 
-By Semantic Versioning: what breaks or behaves otherwise raises the first number, what is compatible the second, and
-words the third. A change of behaviour counts as one that breaks, since nobody should come by another position by an
-update that he did not read. Before 1.0.0 each is one place lower: the second number for what breaks or behaves
-otherwise, the third for the rest. Nothing leads to 1.0.0 but its maker's word.
+Breaking changes and changes of behaviour raise the first number, compatible ones the second, and wording the third. A
+change of behaviour counts as breaking, since an update must not silently change positions. Before 1.0.0 each is one
+place lower: the second number marks breaking changes and changes of behaviour, the third the rest. Only the
+manufacturer's file can move a package to 1.0.0.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """The generated package of a manufacturer: ``old`` and ``stated`` are what the specs say, ``due`` what follows."""
+    """Versions of a manufacturer's package: ``old`` and ``stated`` are from the specs, ``due`` is from the changes."""
 
     maker: str
     name: str
@@ -31,7 +31,7 @@ class Package:
 
     @property
     def new(self) -> str:
-        """The version that it is to have: the stated one, if that is enough."""
+        """New version: the stated one if that is high enough."""
         return self.stated if self.is_enough else self.due
 
     @property
@@ -40,7 +40,7 @@ class Package:
 
 
 def due(version: str, impact: Impact) -> str:
-    """The lowest version after ``version`` for changes of this impact at most."""
+    """Return the lowest version after ``version`` for changes of at most this impact."""
     numbers = _numbers(version)
     if not impact or not numbers:
         return version
@@ -52,7 +52,7 @@ def due(version: str, impact: Impact) -> str:
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Iterable[Change]) -> list[Package]:
-    """The packages of the makers that are on both sides, with the version that follows from their families' changes."""
+    """Return the packages of manufacturers on both sides, with the versions that follow from the changes."""
     found = list(changes)
     makers = {device.manufacturer.name: device.manufacturer for device in old}
     made = {}

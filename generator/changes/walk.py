@@ -1,4 +1,4 @@
-"""Two libraries side by side, family by family."""
+"""Compare two libraries, family by family."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .sides import Sides
 
 
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
-    """Every change of every family, the families in order of name, and of each what asks most of users first.
+    """Return all changes of all families, by family name and then by falling impact.
 
-    A family whose name is gone is one that is new if both have the same order codes, or if there is no other.
+    A missing family was renamed if a new one has the same order codes, or if there is only one of each.
     """
     found: list[Change] = []
     for before, after in sorted(_pairs(old, new), key=_name):
@@ -26,7 +26,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
 
 
 def compare_family(old: Device, new: Device) -> list[Change]:
-    """Every change of a family, those first that ask most of users."""
+    """Return all changes of a family, by falling impact."""
     sides = Sides(old, new)
     known.note_all(sides)
     walks = (
@@ -45,12 +45,12 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     found = list(_merged(change for walk in walks for change in walk(sides)))
     if not found and _bare(old) != _bare(new):
         thing = Thing("", f"family {new.name}")
-        found.append(sides.change("order", thing, ": the same facts in another order", None, None))
+        found.append(sides.change("order", thing, ": other order, same facts", None, None))
     return sorted(found, key=lambda change: -change.impact)
 
 
 def _bare(device: Device) -> Device:
-    """A family without what tells of the spec itself: how often it was read, its history and the version."""
+    """Return a family without data about the spec itself: number of readings, history and version."""
     maker = replace(device.manufacturer, version="")
     return replace(device, times_read=None, releases=(), manufacturer=maker)
 
@@ -89,7 +89,7 @@ def _alone(old: Device | None, new: Device | None) -> Iterator[Change]:
 
 
 def _merged(changes: Iterator[Change]) -> Iterator[Change]:
-    """Each change once: what a group of fields brings into many frames is told of the group."""
+    """Return each change once. Changes of a field group in many frames are reported for the group."""
     found: dict[tuple[str, str], Change] = {}
     for change in changes:
         key = (change.rule.name, change.text if change.impact > 1 else change.path)

@@ -1,4 +1,4 @@
-"""Arguments of the command line: help with examples, and errors that say what would be right."""
+"""Arguments of the command line: help with examples, and errors that suggest a correction."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..language.problems import suggestion
 from .terminal import Stop
 
 _WIDTH = 79
-#: What one can type, by command, on the spec that ``new`` writes.
+#: Examples by command, using the spec that ``new`` writes.
 EXAMPLES = {
     "generate": (
         "codewheel generate",
@@ -40,7 +40,7 @@ EXAMPLES = {
 class Parser(argparse.ArgumentParser):
     """A parser that suggests the nearest choice.
 
-    ``more_help`` gives text for the end of the help, and is called only when help is shown.
+    ``more_help`` returns text for the end of the help. It is called only when help is shown.
     """
 
     more_help: Callable[[], str] | None = None
@@ -57,7 +57,7 @@ class Parser(argparse.ArgumentParser):
 
 
 class ShowVersion(argparse.Action):
-    """``--version``; the version is looked up only when it is asked for."""
+    """The action of ``--version``, which looks up the version only when asked."""
 
     def __init__(self, option_strings: Sequence[str], dest: str, help: str | None = None) -> None:
         super().__init__(option_strings, argparse.SUPPRESS, nargs=0, help=help)
@@ -70,28 +70,28 @@ class ShowVersion(argparse.Action):
 
 
 def a_path(text: str) -> Path:
-    """A path as an argument; empty text, such as of a variable that is not set, is none."""
+    """Return the path, but reject empty text, such as from an unset variable."""
     if not text:
         raise argparse.ArgumentTypeError("the path is empty; write . for this folder")
     return Path(text)
 
 
 def metres(text: str) -> int:
-    """A length of cable: a whole number of metres, or what is rounded up to one."""
+    """Return a cable length in metres, rounded up."""
     try:
         length = math.ceil(float(text))
     except (ValueError, OverflowError):
         length = 0
     if not 0 < length <= 100_000:
-        raise argparse.ArgumentTypeError(f"'{text}' is no length in metres, such as 30")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
     return length
 
 
 def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
-    """``0x56=0x10`` and the like as bytes by address.
+    """Return pairs such as ``0x56=0x10`` as bytes by address.
 
     Raises:
-        Stop: A pair is none; exit code 2.
+        Stop: A pair is malformed. The exit code is 2.
     """
     held = {}
     for pair in pairs:
@@ -99,14 +99,14 @@ def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
         try:
             held[int(address, 0)] = int(value, 0)
         except ValueError:
-            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2) from None
+            raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2) from None
         if not equals or not 0 <= int(value, 0) <= 255:
-            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2)
+            raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
     return held
 
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
-    """The arguments; what is left over is an error of the command, whose usage is shown."""
+    """Parse the arguments. An extra one is an error that shows the usage of its command."""
     chosen, extra = parser.parse_known_args(arguments)
     if extra:
         chosen.parser.error(_left_over(chosen.parser, extra[0]))
@@ -118,15 +118,15 @@ def _left_over(parser: argparse.ArgumentParser, text: str) -> str:
     if text.startswith("-"):
         return f"there is no option '{text}'{suggestion(text.partition('=')[0], options)}"
     if "--specs" in options and (Path(text).suffix in (".yaml", ".yml") or Path(text).exists()):
-        return f"'{text}' is one argument too many; a spec is given as: --specs {text}"
-    return f"'{text}' is one argument too many"
+        return f"unexpected argument '{text}'; give a spec as --specs {text}"
+    return f"unexpected argument '{text}'"
 
 
 def add_examples(commands: argparse._SubParsersAction[Parser]) -> None:
-    """Put the examples under the help of each command, and let each know its own parser."""
+    """Add the examples to the help of each command, and give each command its own parser."""
     for name, parser in commands.choices.items():
         parser.set_defaults(parser=parser)
-        of_what = "" if name in ("new", "explain") else ", where my_encoder is what codewheel new my_encoder writes"
+        of_what = "" if name in ("new", "explain") else ", with the spec that codewheel new my_encoder writes"
         lines = [f"examples{of_what}:", *(f"  {line}" for line in EXAMPLES[name])]
         text = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
         parser.epilog = "\n".join([*text, *lines])

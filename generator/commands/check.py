@@ -1,4 +1,4 @@
-"""``codewheel check``: every problem of the specs, of their second readings, and of what targets cannot express."""
+"""``codewheel check``: report all problems in specs and second readings, and facts that targets cannot express."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .outputs import tell_unfit
 
 @dataclass(frozen=True)
 class Checked:
-    """What was checked, and what is wrong with it."""
+    """Families and second readings that were checked, with their problems."""
 
     families: Sequence[Family]
     readings: Sequence[Readings]
@@ -27,10 +27,10 @@ class Checked:
 
 
 def run(paths: Sequence[Path], targets: Iterable[Target]) -> Checked:
-    """Check the specs at ``paths`` and the second readings beside them.
+    """Check the specs at ``paths`` and the second readings next to them.
 
     Raises:
-        Stop: A target fails; exit code 1.
+        Stop: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
     check_all(families, report)
@@ -38,10 +38,10 @@ def run(paths: Sequence[Path], targets: Iterable[Target]) -> Checked:
 
 
 def look_at(families: Sequence[Family], targets: Iterable[Target], report: Report) -> Checked:
-    """Check families beyond what each spec says: by the targets, and by the second readings beside the specs.
+    """Check families against the targets and against the second readings next to their specs.
 
     Raises:
-        Stop: A target fails; exit code 1.
+        Stop: A target fails. The exit code is 1.
     """
     sound = sound_specs(families, report)
     tell_unfit(families, targets, report)
@@ -49,14 +49,14 @@ def look_at(families: Sequence[Family], targets: Iterable[Target], report: Repor
 
 
 def as_data(found: Checked) -> dict[str, Any]:
-    """The problems as ``--json`` prints them."""
+    """Return the problems in the form that ``--json`` prints."""
     report = found.report
     problems = [problem.to_json() for problem in report.problems]
     return {"files": report.files, "passed_over": report.passed_over, "problems": problems}
 
 
 def as_text(found: Checked, paths: Sequence[Path]) -> str:
-    """The problems for a person, what was read, and how it stands."""
+    """Return the problems as text, with the files read and a summary."""
     devices = [family.device for family in found.families]
     lines = [problem.format() for problem in found.report.problems]
     lines.append(read_line(paths, devices, found.report))
@@ -65,6 +65,6 @@ def as_text(found: Checked, paths: Sequence[Path]) -> str:
     elif devices:
         names = ", ".join(device.name for device in devices)
         lines.append(f"no problems in {len(devices)} {'family' if len(devices) == 1 else 'families'}: {names}")
-    else:  # A file may be checked that makes no family by itself, such as a master.
+    else:  # Some files define no family, such as those of masters.
         lines.append("no problems")
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""``--choose``: what the manual leaves open, as the user decides it."""
+"""``--choose``: the user's answers to questions that the manual leaves open."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from .terminal import Stop
 
 
 class UndecidedError(ValueError):
-    """A frame cannot be read before something is decided; the message has the question and every answer."""
+    """A frame cannot be decoded until the user answers a question. The message has the question and every answer."""
 
 
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
-    """``eeprom_address=as_printed`` and the like as answers by the names of their alternatives.
+    """Return pairs such as ``eeprom_address=as_printed`` as answers by the names of their alternatives.
 
     Raises:
-        Stop: A pair names no alternative of this order code or no answer of it, or it has two; exit code 2.
+        Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
     """
     known = {item.name: item for item in for_interface(device, variant.interface).alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:
         name, _, answer = pair.partition("=")
         if not known:
-            raise Stop(f"with {variant.code} there is nothing to choose", 2)
+            raise Stop(f"{variant.code} has nothing to choose", 2)
         if name not in known:
             right = " or ".join(option for item in known.values() for option in _options(item))
-            raise Stop(f"{quoted(visible(name))} is nothing to choose with {variant.code}; write {right}", 2)
+            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {right}", 2)
         if answer not in (item.name for item in known[name].answers):
             right = " or ".join(_options(known[name]))
             raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {right}", 2)
@@ -38,7 +38,7 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
 
 
 def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) -> None:
-    """Stop before a frame is read in a way that nobody has decided on.
+    """Refuse to decode a frame while a question about it is open.
 
     Raises:
         UndecidedError: The layout needs an answer that is not among ``answers``.
@@ -49,14 +49,14 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
 
 
 def undecided(device: Device, layout: Layout, answers: Container[str], wrong: str = "cannot be decoded") -> str:
-    """Say what has to be decided before a frame of this layout can be used; empty where nothing is missing.
+    """Return the questions to answer before a frame of this layout can be used, or an empty text if there are none.
 
-    ``wrong`` says what cannot be done before.
+    ``wrong`` is the predicate of the message: what cannot be done until then.
     """
     missing = [item for item in device.alternatives_of(layout) if item.name not in answers]
     if missing:
         asked = " ".join(f"{item.meaning}: add {' or '.join(_explained(item))}." for item in missing)
-        return f"{quoted(layout.name)} {wrong} before you decide. {asked}".removesuffix(".")
+        return f"{quoted(layout.name)} {wrong} until you decide. {asked}".removesuffix(".")
     return ""
 
 

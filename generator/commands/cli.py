@@ -1,9 +1,8 @@
 """The command line: arguments in, text and exit code out.
 
-Exit codes: 0 done; 1 problems in the input, a difference found, a frame with a fault, or a register that holds another
-value than this encoder's; 2 wrong usage, unknown order code, or a frame that cannot be read, since it is none or needs
---choose; 3 a sound frame whose
-position is not usable. Of several frames the worst decides: 2, then 1, then 3.
+Exit codes: 0 done; 1 problems in the input, a difference, a frame with an error, or a register value that does not
+match this encoder; 2 wrong usage, unknown order code, or text that is not a frame or needs --choose; 3 a valid frame
+whose position is not usable. With several frames, the worst decides: 2, then 1, then 3.
 """
 
 from __future__ import annotations
@@ -29,11 +28,11 @@ if TYPE_CHECKING:
     from ..loading.library import Family
 
 _DESCRIPTION = (
-    "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
+    "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "files, each read whatever it holds, or folders, of which every .yaml file is read that is a spec by its keys; "
-    "without any, the specs that lie in the current folder, or else those that ship with codewheel"
+    "spec files, or folders whose .yaml files are read if their keys are those of a spec (default: the specs in the "
+    "current folder, or those shipped with codewheel if it has none)"
 )
 JSON_VERSION = 1
 
@@ -41,7 +40,7 @@ _Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; ``arguments`` default to those of the process."""
+    """Run one command and return its exit code. ``arguments`` default to those of the process."""
     prepare()
     try:
         code = _run(arguments)
@@ -49,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.flush()
         return code
     except BrokenPipeError:
-        # The reader of our output has left before the end: neither done nor a verdict, so what a shell says of it.
+        # The reader of our output left before the end. Return the code that a shell gives for SIGPIPE.
         release()
         return 141
     except OSError as error:
@@ -90,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_generate(commands: _Commands) -> None:
     parser = commands.add_parser(
-        "generate", help="write all outputs, or compare them", description="Write every output of the specs."
+        "generate", help="write all outputs, or compare them", description="Write all outputs of the specs."
     )
     _add_specs(parser)
     parser.add_argument(
@@ -102,30 +101,28 @@ def _add_generate(commands: _Commands) -> None:
         help="output folder (default: generated)",
     )
     parser.add_argument(
-        "--target", action="append", metavar="NAME", help="an output to write, of those below; may be repeated"
+        "--target", action="append", metavar="NAME", help="write only this output (see below); may be repeated"
     )
     parser.add_argument(
         "--option",
         action="append",
         default=[],
         metavar="TARGET.OPTION=VALUE",
-        help="a setting of a target, of those below; may be repeated",
+        help="set an option of a target (see below); may be repeated",
     )
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; exit 1 if an output is not what the specs yield"
+        "--check", action="store_true", help="write nothing, and exit 1 if an output does not match the specs"
     )
-    parser.add_argument(
-        "--force", action="store_true", help="overwrite files in the way that codewheel has not written"
-    )
+    parser.add_argument("--force", action="store_true", help="overwrite existing files that codewheel did not write")
     parser.add_argument(
         "--edition",
         action="append",
         default=[],
         metavar="FAMILY=EDITION",
-        help="make another edition of a family beside it, by its revision or a date; may be repeated",
+        help="also generate another edition of a family, given by revision or date; may be repeated",
     )
     parser.add_argument(
-        "--unchecked", action="store_true", help="write also where second readings disagree or coverage is old"
+        "--unchecked", action="store_true", help="write even if second readings disagree or coverage is out of date"
     )
     _add_own_files(parser)
     parser.more_help = _targets_for_help
@@ -137,35 +134,35 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
         "--templates",
         type=a_path,
         metavar="DIR",
-        help="folder of your templates, DIR/TARGET/NAME, which come before ours",
+        help="folder of your own templates, DIR/TARGET/NAME, which override the built-in ones",
     )
     parser.add_argument(
         "--biss-dtd",
         type=a_path,
         metavar="FILE",
-        help="the idbiss.dtd that you have: exit 1 if the idbiss file is not valid by it",
+        help="your copy of idbiss.dtd: exit 1 if an idbiss file does not validate against it",
     )
 
 
 def _add_check(commands: _Commands) -> None:
     parser = commands.add_parser(
-        "check", help="look for problems in specs", description="Report every problem of the specs."
+        "check", help="find problems in specs", description="Report all problems in the specs."
     )
     _add_specs(parser)
     parser.add_argument(
         "--target",
         action="append",
         metavar="NAME",
-        help="an output that has to be able to express the specs, of those below; may be repeated",
+        help="check that this output can express the specs (see below); may be repeated",
     )
     parser.add_argument("--json", action="store_true", help="print the problems as JSON")
     parser.add_argument(
         "--coverage",
         action="store_true",
-        help="say how often each fact was read; exit 1 if one that has to be read twice was read once",
+        help="count how often each fact was read, and exit 1 if one that needs two readings had one",
     )
     parser.add_argument(
-        "--write", action="store_true", help="with --coverage: keep the counts beside the specs, for their pages"
+        "--write", action="store_true", help="with --coverage: save the counts next to the specs, for their pages"
     )
     parser.more_help = _targets_for_help
     parser.set_defaults(run=_check)
@@ -183,40 +180,40 @@ def _add_show(commands: _Commands) -> None:
     parser = commands.add_parser(
         "show",
         help="show a family or an order code",
-        description="Show everything that is known of a family or an order code.",
+        description="Show everything known about a family or an order code.",
     )
     parser.add_argument(
-        "what", metavar="FAMILY|ORDER-CODE", help="the name of a family as list shows it, or the code on a label"
+        "what", metavar="FAMILY|ORDER-CODE", help="a family name as shown by list, or the code on the label"
     )
     parser.add_argument(
-        "--edition", metavar="EDITION", help="as another edition of the manual has it: a revision, a date, or 'label'"
+        "--edition", metavar="EDITION", help="use another edition of the manual: a revision, a date, or 'label'"
     )
     _add_spec_option(parser)
     parser.set_defaults(run=_show)
 
 
 _ABOUT_FRAMES = (
-    "FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... with every "
-    "digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 done; 1 "
-    "a frame with a fault, or a register that holds another value than this encoder's; 2 wrong usage, text that is no "
-    "frame, or a frame that needs --choose; 3 a sound frame whose position is not usable. Of several frames the worst "
-    "decides: 2, 1, 3."
+    "FRAME is hex bytes for RS-485. For SSI and BiSS it is one number, first bit sent = most significant: 0b... with "
+    "every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 "
+    "done; 1 a frame with an error, or a register value that does not match this encoder; 2 wrong usage, text that is "
+    "not a frame, or a frame that needs --choose; 3 a valid frame whose position is not usable. With several frames, "
+    "the worst decides: 2, 1, 3."
 )
 
 
 def _add_decode(commands: _Commands) -> None:
     parser = commands.add_parser(
         "decode",
-        help="name every bit of a frame",
-        description="Name every bit of a frame, check its CRC, and say what the encoder reports.",
+        help="decode a frame",
+        description="Name every bit of a frame, check its CRC, and list what the encoder reports.",
         epilog=_ABOUT_FRAMES,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
-        "frame", nargs="+", metavar="FRAME", help="the frame, in one or several arguments; - reads one frame a line"
+        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments; - reads one frame per line"
     )
     parser.add_argument(
-        "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as the value of this register"
+        "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
     )
     _add_register_option(parser)
     _add_choose_option(parser, "frames that depend on it are not decoded")
@@ -224,7 +221,7 @@ def _add_decode(commands: _Commands) -> None:
     parser.add_argument(
         "--layout",
         metavar="NAME",
-        help="the frame's layout, as show names it, where nothing in the frame tells it: another BiSS data channel",
+        help="the frame's layout, as named by show, if the frame does not identify it (another BiSS data channel)",
     )
     parser.add_argument(
         "--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)"
@@ -236,25 +233,25 @@ def _add_decode(commands: _Commands) -> None:
 def _add_master(commands: _Commands) -> None:
     parser = commands.add_parser(
         "master",
-        help="what a BiSS or SSI master is told",
-        description="What a BiSS or SSI master has to be told about an encoder.",
+        help="show the settings for a BiSS or SSI master",
+        description="Show the settings that a BiSS or SSI master needs for an encoder.",
     )
     parser.add_argument(
-        "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label; without one, the masters are listed"
+        "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
     )
-    parser.add_argument("--master", metavar="NAME", help="this master only; exit 1 if it cannot take the encoder")
+    parser.add_argument("--master", metavar="NAME", help="only this master; exit 1 if it cannot use the encoder")
     parser.add_argument(
         "--masters",
         action="append",
         type=a_path,
         default=[],
         metavar="PATH",
-        help="descriptions of masters of your own, files or folders",
+        help="your own descriptions of masters, files or folders",
     )
     _add_register_option(parser)
-    _add_choose_option(parser, "where settings depend on it there are none")
+    _add_choose_option(parser, "no settings if they depend on it")
     _add_edition_option(parser)
-    parser.add_argument("--cable", type=metres, metavar="METRES", help="choose the clocks for a cable of this length")
+    parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
     _add_spec_option(parser)
     parser.set_defaults(run=_master)
 
@@ -267,12 +264,12 @@ def _add_diff(commands: _Commands) -> None:
 def _add_new(commands: _Commands) -> None:
     parser = commands.add_parser(
         "new",
-        help="write a spec to start from",
-        description="Write a commented spec that passes check, to be filled from a manual.",
+        help="write an example spec to start from",
+        description="Write a commented spec that passes check, to be filled in from a manual.",
     )
-    parser.add_argument("name", metavar="NAME", help="name of the family: small letters, digits and underscores")
+    parser.add_argument("name", metavar="NAME", help="name of the family: lowercase letters, digits and underscores")
     parser.add_argument(
-        "-o", dest="output", type=a_path, metavar="FILE", help="where to write it (default: NAME.yaml in this folder)"
+        "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
     )
     parser.set_defaults(run=_new)
 
@@ -290,7 +287,7 @@ def _add_register_option(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ADDRESS=BYTE",
-        help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)",
+        help="value of a register, such as 0x56=0x10; may be repeated (default: the factory defaults)",
     )
 
 
@@ -300,7 +297,7 @@ def _add_choose_option(parser: argparse.ArgumentParser, otherwise: str) -> None:
         action="append",
         default=[],
         metavar="NAME=ANSWER",
-        help=f"answer a question that the manual leaves open, as show lists them; may be repeated (else: {otherwise})",
+        help=f"answer a question that the manual leaves open (show lists them); may be repeated (default: {otherwise})",
     )
 
 
@@ -308,7 +305,7 @@ def _add_edition_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--edition",
         metavar="EDITION",
-        help="by another edition of the manual: a revision, a date, or what tells it, 'label' or 'registers'",
+        help="use another edition of the manual: a revision, a date, or 'label' or 'registers' to infer it",
     )
 
 
@@ -319,7 +316,7 @@ def _add_spec_option(parser: argparse.ArgumentParser) -> None:
         type=a_path,
         default=[],
         metavar="PATH",
-        help="specs to use instead of those in the current folder, or else those that ship with codewheel",
+        help="specs to use (default: those in the current folder, or those shipped with codewheel)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(looks_up=True)
@@ -346,7 +343,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.templates is not None and not chosen.templates.is_dir():
         raise Stop(f"there is no folder {chosen.templates}", 2)
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
-        raise Stop("--biss-dtd is for the target biss", 2)
+        raise Stop("--biss-dtd needs the target biss", 2)
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
     families: list[Family] = []
     devices, report = load_for(paths, targets, chosen.edition, families)
@@ -363,7 +360,7 @@ def _check(chosen: argparse.Namespace) -> int:
     from .outputs import targets_named
 
     if chosen.write and not chosen.coverage:
-        raise Stop("--write is for the counts of --coverage", 2)
+        raise Stop("--write needs --coverage", 2)
     targets = targets_named(chosen.target)
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
     found = check.run(paths, targets)

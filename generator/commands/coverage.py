@@ -1,4 +1,4 @@
-"""``codewheel check --coverage``: how often each fact of the specs was read."""
+"""``codewheel check --coverage``: count how often each fact of the specs was read."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .editions import check_all
 from .terminal import Stop
 
 _HEADINGS = ("twice", "explained", "once", "derived")
-_OLD = "the counts are not those of the readings; write them anew: codewheel check --coverage --write"
+_OLD = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
 def cover(found: Checked, write: bool) -> list[Coverage]:
-    """The coverage of what was checked; the counts beside the specs are written, or reported where they are old."""
+    """Return the coverage. Write the counts next to the specs, or report those that are out of date."""
     covered = coverage_of(found.readings)
     for item in covered:
         place = counts_beside(Path(item.spec.file))
@@ -37,14 +37,14 @@ def cover(found: Checked, write: bool) -> list[Coverage]:
 
 
 def refuse_unproved(families: Sequence[Family], what: str) -> None:
-    """Refuse to release sound specs whose other editions, second readings or counts ``check`` finds fault with.
+    """Refuse to release valid specs if ``check`` finds problems in their other editions, second readings or counts.
 
     Args:
-        families: The families, in whose specs nothing else is wrong.
-        what: What is not done then, such as ``written``.
+        families: Families whose specs have no other problems.
+        what: Participle of the refused action, such as ``written``.
 
     Raises:
-        Stop: There are problems; exit code 1.
+        Stop: There are problems. The exit code is 1.
     """
     report = Report()
     check_all(families, report)
@@ -52,17 +52,17 @@ def refuse_unproved(families: Sequence[Family], what: str) -> None:
     if report:
         for problem in report.problems:
             print(problem.format(), file=sys.stderr)
-        problems = f"{counted(len(report), 'problem')} that 'codewheel check --coverage' reports"
-        raise Stop(f"nothing is {what}, for {problems}; correct them, or add --unchecked", 1)
+        problems = f"'codewheel check --coverage' reports {counted(len(report), 'problem')}"
+        raise Stop(f"nothing {what}: {problems}; correct them, or add --unchecked", 1)
 
 
 def is_complete(covered: Sequence[Coverage], report: Report) -> bool:
-    """Whether nothing is wrong, and everything that has to be was read twice."""
+    """Return whether there are no problems and every fact that needs two readings has them."""
     return not report and not any(item.lacking for item in covered)
 
 
 def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
-    """The coverage as ``--json`` prints it."""
+    """Return the coverage in the form that ``--json`` prints."""
     return {
         "coverage": [_family_data(item) for item in covered],
         "total": asdict(added(item.total for item in covered)),
@@ -85,15 +85,15 @@ def _family_data(item: Coverage) -> dict[str, Any]:
 
 
 def as_text(covered: Sequence[Coverage], found: Checked) -> str:
-    """The coverage for a person: by class, by family, and what has to be read a second time."""
+    """Return the coverage as text: by class, by family, and the facts that need a second reading."""
     missing = [family.device.name for family in found.families if family.device.name not in _names(covered)]
     without = [f"not read twice: {', '.join(missing)}"] if missing else []
     if not covered:
         return "\n".join(without)
     rows = [(f"{sort.value}{' *' if sort.is_needed else ''}", count) for sort, count in _by_class(covered).items()]
     rows += [(item.family, item.total) for item in covered]
-    rows += [("in all", added(item.total for item in covered))] if len(covered) > 1 else []
-    lines = ["facts, and how often they were read; * has to be read twice", _line("", _HEADINGS)]
+    rows += [("total", added(item.total for item in covered))] if len(covered) > 1 else []
+    lines = ["facts by number of readings (* needs two)", _line("", _HEADINGS)]
     lines += [_line(name, (count.twice, count.explained, count.once, count.derived)) for name, count in rows]
     return "\n".join([*lines, *without, *_lacking(covered)])
 
@@ -116,4 +116,4 @@ def _lacking(covered: Sequence[Coverage]) -> list[str]:
         for sort, place in item.lacking:
             line, column = item.spec.position(place)
             lines.append(f"{item.spec.file}:{line}:{column}: read once: {sort.value}, {item.spec.name_path(place)}")
-    return [*lines, f"{counted(len(lines), 'fact')} to be read a second time"] if lines else []
+    return [*lines, f"{counted(len(lines), 'fact')} to read a second time"] if lines else []

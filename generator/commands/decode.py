@@ -1,5 +1,4 @@
-"""``codewheel decode``: the text of a frame in, every bit named out, and where it does not fit, what would make it
-fit."""
+"""``codewheel decode``: decode the text of a frame, and explain why its CRC or length is wrong."""
 
 from __future__ import annotations
 
@@ -27,15 +26,15 @@ _NOTHING_TAKEN: Mapping[str, str] = MappingProxyType({})
 
 
 def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
-    """The frame that ``text`` writes, decoded.
+    """Decode a frame given as text.
 
     Args:
         device: The family.
         variant: The order code.
         sender: ``encoder`` or ``master``.
-        text: Hex bytes where the line carries bytes; where it carries bits one number, ``0b`` with every digit or
-            ``0x``.
-        layout: The layout's name; without it, the one that the frame tells, or else the sender's first.
+        text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
+            digit, or ``0x``.
+        layout: The layout's name. By default, the one that the frame identifies, or else the sender's first.
 
     Raises:
         FrameTextError: The text cannot be read as a frame, or there is no such layout.
@@ -44,7 +43,7 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
     layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
     if not layouts:
         raise FrameTextError(
-            f"over {device.interface(variant.interface).title} the {sender} sends no frame that the manual describes"
+            f"the manual describes no frame from the {sender} over {device.interface(variant.interface).title}"
         )
     if layout is None:
         if layouts[0].in_bytes:
@@ -64,10 +63,10 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
 
 
 def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
-    """The value of the register ``name`` from hex bytes in ascending order of address.
+    """Decode the value of the register ``name`` from hex bytes in ascending order of address.
 
     Raises:
-        FrameTextError: The text is no hex bytes.
+        FrameTextError: The text is not hex bytes.
         RegisterError: There is no such register, or it has another length.
     """
     return decode_register(device, variant, name, frame_bytes(checked(text)))
@@ -81,10 +80,7 @@ def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decod
 
 
 def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
-    """What would explain the frame that ``text`` writes, if its CRC, length or a constant is wrong.
-
-    ``decoded`` is what ``decode_text`` made of it.
-    """
+    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
     placed = decoded.layout
     wrong = {item.fault for item in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
@@ -107,9 +103,9 @@ def decoded_data(
     line: int | None = None,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
 ) -> dict[str, Any]:
-    """The result as plain data, in the shape of ``decode.schema.json``.
+    """Return the result as plain data, in the shape of ``decode.schema.json``.
 
-    ``line`` is that of standard input, if any; ``taken`` are the answers by which the frame was read.
+    ``line`` is the line number of standard input, if any. ``taken`` are the answers used to decode the frame.
     """
     return {
         "version": VERSION,
@@ -189,20 +185,20 @@ def explain(
     line: int | None = None,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
 ) -> str:
-    """The result for a person, at most 80 columns wide."""
+    """Return the result as text, at most 80 columns wide."""
     start = f"line {line}: " if line is not None else ""
     lines = [start + _heading(device, match.variant, sender, decoded), *_label_lines(device, match)]
     if decoded.layout is not None:
         lines += [_layout_line(decoded.layout), *_taken_lines(device, taken)]
     if decoded.fields:
         lines += ["", *_table(decoded)]
-        # An angle in degrees looks too good for a position that is not to be used.
+        # An angle in degrees would look too trustworthy for an unusable position.
         measured = _measured(device, match.variant, decoded) if said.verdict not in (None, Verdict.NOT_USABLE) else ""
         lines += ["", measured] if measured else []
     if decoded.crc is not None:
         lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
     lines.append("")
-    lines += [wrapped(f"{item.fault.value} fault: {item.message}", WIDTH, "  ", "") for item in decoded.problems]
+    lines += [wrapped(f"{item.fault.value} error: {item.message}", WIDTH, "  ", "") for item in decoded.problems]
     lines += [wrapped(f"not as documented: {item.message}", WIDTH, "  ", "") for item in said.differences]
     if not decoded.problems:
         lines += _last_words(decoded, said)
@@ -217,7 +213,7 @@ def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decod
 
 
 def _label_lines(device: Device, match: Match) -> Iterator[str]:
-    """What the order code leaves open, and how its label differs from the codes of the manual."""
+    """Yield the state that registers decide, and how the label differs from the codes in the manual."""
     variant = match.variant
     held = [item for item in parameters_of(device, variant.interface) if item.read_from]
     if held:
@@ -229,13 +225,13 @@ def _label_lines(device: Device, match: Match) -> Iterator[str]:
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
-    """How a label differs from the codes of the manual, in lines of at most 80 columns."""
+    """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
     if match.written_as_in:
         yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
     if match.unlisted:
-        yield wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  ")
+        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  ")
     if match.tail:
-        yield f"  the label goes on with {match.tail}"
+        yield f"  the label continues with {match.tail}"
     if match.special:
         special = device.order_code.special or "A code that ends in /Sxxx may differ from the manual."
         yield wrapped(special, WIDTH, "  ")
@@ -249,28 +245,28 @@ def _layout_line(placed: PlacedLayout) -> str:
 
 
 def _taken_lines(device: Device, taken: Mapping[str, str]) -> Iterator[str]:
-    """What the user has decided of what the manual leaves open."""
+    """Yield the user's answers to questions that the manual leaves open."""
     for item in device.alternatives:
         for answer in item.answers:
             if taken.get(item.name) == answer.name:
-                yield wrapped(f"read with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
+                yield wrapped(f"decoded with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
 
 
 def _crc_line(crc: Crc, found: codec.CrcResult) -> str:
-    verdict = "as it has to be" if found.ok else f"WRONG, over the bits before it the CRC is {found.computed:#04x}"
+    verdict = "correct" if found.ok else f"WRONG, expected {found.computed:#04x}"
     inverted = f", start value {crc.init:#x}" if crc.init else ""
     inverted += ", sent inverted" if crc.xorout == crc.mask else ""
     return wrapped(f"CRC {found.received:#04x}: {verdict} ({crc.polynomial}{inverted})", WIDTH, "  ", "")
 
 
 def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
-    """How the text on a sound frame or register ends: what the encoder reports, or that nothing is wrong."""
+    """Return the last lines about a valid frame or register: the encoder's reports, or that there is no error."""
     if said.reports:
         lines = ["the encoder reports:", *(wrapped(_reported(item), WIDTH, " " * 6, "  - ") for item in said.reports)]
         return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
     is_frame = decoded.layout is not None and decoded.layout.layout.sender != ""
-    words = ["no other fault" if said.differences else "no fault"]
-    words += ["this frame carries no CRC"] if is_frame and decoded.crc is None else []
+    words = ["no other error" if said.differences else "no frame error" if is_frame else "no error"]
+    words += ["this frame has no CRC"] if is_frame and decoded.crc is None else []
     words += [WORTH[said.verdict]] if said.verdict is not None else []
     return [wrapped("; ".join(words), WIDTH, "  ", "")]
 
@@ -285,7 +281,7 @@ def _reported(report: Report) -> str:
 
 
 def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
-    """The position in degrees or micrometres; of a frame with the angle alone, that."""
+    """Return the position in degrees or micrometres, or only the angle if the frame has no more."""
     measurement = device.measurement_of(variant.interface)
     if measurement is None:
         return ""
@@ -316,42 +312,42 @@ def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> list[str]:
-    """The usual cause where only some frames fail: one bit was inverted on the way."""
+    """Return the usual cause if only some frames fail: one bit was inverted in transmission."""
     if not disturbed or placed is None:
         return []
     first, size = disturbed[0], placed.bits // 8
     place = f"bit {first % 8} of byte {size - 1 - first // 8}" if placed.layout.in_bytes else f"bit {first}"
     which = place if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
-    said = f"If only some frames fail, one bit was disturbed on the way: the CRC fits with {which} inverted"
-    return ["", wrapped(f"{said}. Nothing has to be changed then. If all frames fail, read on.", WIDTH, "  ", "")]
+    said = f"If only some frames fail, noise flipped one bit: the CRC matches with {which} inverted"
+    return ["", wrapped(f"{said}. Your settings are then right. If all frames fail, read on.", WIDTH, "  ", "")]
 
 
 def _mistake_lines(why: Why) -> list[str]:
     by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "usual mistake")
-    noise = f"{tried} tried; of 100 frames of random bits {by_chance} would fit one or more of them"
+    noise = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
     if not why.explanations:
-        lines = ["", wrapped(f"Nothing usual would make it fit ({noise}).", WIDTH, "  ", "")]
+        lines = ["", wrapped(f"No usual mistake explains it ({noise}).", WIDTH, "  ", "")]
     else:
         twice = (
-            "No single mistake would make it fit. Two at once would"
+            "No single mistake explains it. Two at once would"
             if why.explanations[-1].twice
-            else "What would make it fit"
+            else "Possible explanations"
         )
-        lines = ["", wrapped(f"{twice}, likeliest first ({noise}):", WIDTH, "  ", "")]
+        lines = ["", wrapped(f"{twice}, most likely first ({noise}):", WIDTH, "  ", "")]
         for item in why.explanations:
             lines.append(wrapped(item.text, WIDTH, " " * 6, "    - "))
             lines.append(wrapped(_beside(item), WIDTH, " " * 6, " " * 6))
-    return [*lines, wrapped(f"Such a CRC cannot see {'; nor '.join(why.cannot_see)}.", WIDTH, "  ", "")]
+    return [*lines, wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", "")]
 
 
 def _beside(item: Explanation) -> str:
     reads = ", ".join(f"{name} {value}" for name, value in item.reads.items())
-    return f"by coincidence in {_one_in(item.one_in)} frames" + (f"; it would read {reads}" if reads else "")
+    return f"matches by chance in {_one_in(item.one_in)} frames" + (f", and gives {reads}" if reads else "")
 
 
 def _one_in(number: int) -> str:
-    return f"1 of {number:,}" if number < 1_000_000 else "less than 1 of a million"
+    return f"1 of {number:,}" if number < 1_000_000 else "fewer than 1 of a million"
 
 
 def _size(placed: PlacedLayout) -> str:
@@ -359,7 +355,7 @@ def _size(placed: PlacedLayout) -> str:
 
 
 def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
-    """Where a field stands, as a person counts: ``bits 46:31``, or ``byte 2 bits 7:4`` with the first byte as 0."""
+    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
     if not layout.in_bytes:
         return f"{high}:{low}" if high != low else f"{high}"
     last = bits // 8 - 1

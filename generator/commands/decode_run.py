@@ -1,4 +1,4 @@
-"""``codewheel decode`` on one frame or on many: what is printed for each, and the exit code of all."""
+"""``codewheel decode`` for one or many frames: the text printed for each, and the common exit code."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from .decode import decode_register_text, decode_text, decoded_data, explain, wh
 from .frame_text import FrameTextError
 
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
-#: Of several frames the worst decides.
+#: With several frames, the worst decides.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 
-#: A frame as text, with its line of standard input, or None where it was an argument.
+#: A frame as text, with its line number on standard input, or None for an argument.
 Text = tuple[int | None, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What is to be decoded, and how: the value of ``register`` if that is named, else a frame."""
+    """Options for decoding the value of ``register`` if that is set, else a frame."""
 
     device: Device
     match: Match
@@ -37,14 +37,14 @@ class Request:
     layout: str | None
     register: str | None
     as_json: bool
-    #: What ``--register`` gives of registers by which the encoder is known, where it is not what this order code has.
+    #: Values of ``--register`` that contradict the order code in registers that identify the encoder.
     others: tuple[Difference, ...]
-    #: What the user decides of what the manual leaves open, by the names of the alternatives.
+    #: The user's answers to questions that the manual leaves open, by the names of the alternatives.
     answers: Mapping[str, str]
 
 
 def frames(arguments: Sequence[str]) -> Iterator[Text]:
-    """The frame that the arguments make up, or for ``-`` those of standard input, without comments and empty lines."""
+    """Yield the frame in the arguments, or for ``-`` those on standard input without comments and empty lines."""
     if list(arguments) != ["-"]:
         yield None, " ".join(arguments)
         return
@@ -57,7 +57,7 @@ def frames(arguments: Sequence[str]) -> Iterator[Text]:
 
 
 class Decoding:
-    """The frames one after the other; ``code`` is the exit code of those that are done."""
+    """Decoder of one frame after another. ``code`` is the exit code so far."""
 
     def __init__(self, request: Request) -> None:
         self._request = request
@@ -69,7 +69,7 @@ class Decoding:
         return next((code for code in _WORST_FIRST if code in self._codes), DONE)
 
     def run(self, texts: Iterable[Text]) -> None:
-        """Print what each text says; what is no frame is named, and the next one taken."""
+        """Print each frame decoded. Report text that is not a frame, and continue."""
         for number, text in texts:
             try:
                 decoded, why = self._decode(text)
@@ -82,7 +82,7 @@ class Decoding:
             strange = strange_values(self._request.device, decoded)
             said = replace(said, differences=(*self._request.others, *said.differences, *strange))
             self._codes.add(_code(decoded, said))
-            # A reader of many frames need not wait for the end.
+            # Someone who reads many frames should not have to wait for the end.
             print(self._text(number, decoded, said, why), flush=number is not None)
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
@@ -93,13 +93,13 @@ class Decoding:
             if asked.register is None
             else decode_register_text(asked.device, variant, asked.register, text)
         )
-        # A word is nothing but bits: even its length follows from the answers.
+        # A word is only bits, and even its length depends on the answers.
         if decoded.layout is not None and (decoded.fields or not decoded.layout.layout.in_bytes):
             refuse_undecided(asked.device, decoded.layout.layout, asked.answers)
         return decoded, why_text(asked.device, variant, asked.sender, text, decoded) if asked.register is None else None
 
     def _taken(self, decoded: codec.Decoded) -> dict[str, str]:
-        """The answers by which a frame was read."""
+        """Return the answers that were used to decode a frame."""
         asked = self._request
         needed = asked.device.alternatives_of(decoded.layout.layout) if decoded.layout is not None else ()
         return {item.name: asked.answers[item.name] for item in needed if item.name in asked.answers}

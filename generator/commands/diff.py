@@ -25,20 +25,20 @@ if TYPE_CHECKING:
     from ..model import Device
 
 _MOST_SHOWN = 3
-#: Which generated files are others, of the old devices and the new ones; None where nothing can be generated.
+#: Return the generated files that differ between old and new devices, or None if nothing can be generated.
 Generate = Callable[["Sequence[Device]", "Sequence[Device]"], "Files | None"]
 
 
 def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
-    """Add the command to those of the command line."""
+    """Add the command to the command line."""
     parser = commands.add_parser(
         "diff",
-        help="what another version of a spec changes",
-        description="Name each change with the outputs and order codes that it reaches; exit 1 if there is one.",
+        help="list the changes between two versions of specs",
+        description="List each change with the outputs and order codes that it affects. Exit 1 if there is one.",
     )
-    where = "a file, a folder, or one of a git revision: v1.0:specs/lika"
-    parser.add_argument("old", metavar="OLD", help=f"the specs as they were: {where}")
-    parser.add_argument("new", metavar="NEW", help="the specs as they are to be, given alike")
+    where = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
+    parser.add_argument("old", metavar="OLD", help=f"the old specs: {where}")
+    parser.add_argument("new", metavar="NEW", help="the new specs, in the same forms")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print JSON")
     form.add_argument("--markdown", action="store_true", help="print a section of a changelog")
@@ -46,29 +46,29 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         "--fail-on",
         metavar="IMPACT",
         choices=IMPACTS,
-        help=f"exit 1 only if a change asks that much of users: {', '.join(IMPACTS)} (default: any change)",
+        help=f"exit 1 only for changes of at least this impact: {', '.join(IMPACTS)} (default: any change)",
     )
     parser.add_argument(
         "--record",
         action="store_true",
-        help="keep the changes beside the specs of NEW, and the version that follows in the manufacturer's file",
+        help="save the changes next to the specs of NEW, and the next version in the manufacturer's file",
     )
     parser.add_argument(
         "--unchecked",
         action="store_true",
-        help="with --record: record also where second readings disagree or coverage is old",
+        help="with --record: record even if second readings disagree or coverage is out of date",
     )
     parser.add_argument(
         "--lenient",
         action="store_true",
-        help="compare specs also where today's language finds problems; what is at fault is left out of them",
+        help="compare specs even if today's spec language finds problems, and leave out the faulty parts",
     )
     return parser
 
 
 @dataclass(frozen=True)
 class _Side:
-    """What was read of one side, and the families that could not be."""
+    """One side of the comparison: the families that were read, and the names of those that could not be."""
 
     families: tuple[Family, ...]
     left_out: frozenset[str]
@@ -76,15 +76,15 @@ class _Side:
 
 
 def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None]) -> int:
-    """Compare, and print; the exit code.
+    """Compare, print, and return the exit code.
 
-    ``gate`` refuses, by a ``Stop``, to record families that are not to be released.
+    ``gate`` raises ``Stop`` to refuse recording families that must not be released.
 
     Raises:
         Stop: Something cannot be read.
     """
     if chosen.record and not Path(chosen.new).is_dir():
-        raise Stop("--record is for a folder of specs: the version is that of all families of a maker", 2)
+        raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
     before, after = _side(chosen.old, True, chosen.lenient), _side(chosen.new, False, chosen.lenient)
     found = _look(before, after, generate)
     if chosen.record:
@@ -108,7 +108,7 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
 
 
 def _look(before: _Side, after: _Side, generate: Generate) -> Found:
-    """What has changed."""
+    """Return the changes."""
     from ..changes.told import Found
     from ..changes.version import packages
     from ..changes.walk import compare
@@ -123,17 +123,17 @@ def _look(before: _Side, after: _Side, generate: Generate) -> Found:
 
 
 def _record(found: Found, after: _Side) -> Found:
-    """Write what is to be kept, and say so; what was found then states the version that was written.
+    """Write the records, and return ``found`` with notices about them and with the version that was written.
 
     Raises:
-        Stop: Something of a family could not be compared, or a file cannot be written.
+        Stop: Part of a family could not be compared, or a file cannot be written.
     """
     from ..changes.record import NotRecorded, records
 
     if found.notices:
         raise Stop(f"nothing is recorded: {found.notices[0]}", 1)
     try:
-        # All texts are made before the first file is touched.
+        # Compose all texts before touching the first file.
         kept = list(records(found, after.families))
         for item in kept:
             item.place.write_text(item.text, encoding="utf-8")
@@ -145,7 +145,7 @@ def _record(found: Found, after: _Side) -> Found:
 
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
-    """The families of one side; of the old one those that today's language still reads."""
+    """Return the families of one side. For the old side, these are the ones that today's language can still read."""
     from ..changes.revisions import RevisionError, lay_out, named
     from ..loading.library import load_families, sound_families
 
@@ -169,13 +169,13 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     if lenient and families:
         _show(problems)
         count = counted(len(problems), "problem")
-        said = f"{text} has {count} by today's spec language; what is at fault is left out, and may be told as new"
+        said = f"{text} has {count} in today's spec language. The faulty parts are left out and may be listed as new"
         return _Side(tuple(families), frozenset(), (said,))
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
-    said = f"not compared, for {counted(len(problems), 'problem')} by today's spec language: {', '.join(left_out)}"
+    said = f"not compared, with {counted(len(problems), 'problem')} in today's spec language: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 
@@ -191,9 +191,9 @@ def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
     _show(problems)
     count = counted(len(problems), "problem")
     if not is_old:
-        return Stop(f"{text} has {count}, so it is not compared", 1)
+        return Stop(f"{text} has {count} and is not compared", 1)
     return Stop(
-        f"{text} has {count} by today's spec language, of which it may be an earlier form, so it is not compared; add "
-        "--lenient, take a later revision, or run the codewheel of that time",
+        f"{text} has {count} in today's spec language and is not compared. It may use an older form of the language: "
+        "add --lenient, use a later revision, or run the codewheel of that time",
         1,
     )

@@ -1,4 +1,4 @@
-"""``--edition``: a family as another edition of its manual describes it."""
+"""``--edition``: use a family as another edition of its manual describes it."""
 
 from __future__ import annotations
 
@@ -15,25 +15,27 @@ from ..reference.editions import told_by_registers, without_tests
 from . import look_up
 from .terminal import Stop
 
-#: What decides the edition in place of its name.
+#: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
 
 
 def asked_for(
     specs: Sequence[Path], device: Device, match: Match | None, wanted: str, text: str, held: Mapping[int, int]
 ) -> tuple[Device, Match | None, dict[int, int]]:
-    """A family in the edition that is wanted, the order code ``text`` in it, and those registers that told no edition.
+    """Return a family in the requested edition, the order code ``text`` in it, and the registers still to apply.
+
+    Registers that served to infer the edition are left out.
 
     Args:
-        specs: The specs that are read.
-        device: The family as its spec has it.
-        match: What the label says, unless the family was named.
+        specs: The specs to read.
+        device: The family as in its spec.
+        match: The order code on the label, unless the family was named.
         wanted: A revision, a date, ``label`` or ``registers``.
-        text: What was asked for.
-        held: Bytes of registers by address.
+        text: The name or order code that the user gave.
+        held: Register bytes by address.
 
     Raises:
-        Stop: There is no such edition, or nothing that tells it, or no such order code in it; exit code 2.
+        Stop: There is no such edition, it cannot be inferred, or it has no such order code. The exit code is 2.
     """
     try:
         revision = _revision(device, match, wanted, held)
@@ -48,14 +50,16 @@ def asked_for(
 
 def _revision(device: Device, match: Match | None, wanted: str, held: Mapping[int, int]) -> str:
     if device.base:
-        raise UnknownEdition(f"{device.name} is made of {device.base}, and has no editions of its own")
+        raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
     if wanted == BY_REGISTERS and match is not None:
         return told_by_registers(device, match, held)
     if wanted != BY_LABEL:
         return chosen(device, wanted)
     revision = told_by_label(device, match) if match is not None else ""
     if not revision:
-        raise UnknownEdition(f"the label tells no edition; give its revision, such as {device.manual.revision}")
+        raise UnknownEdition(
+            f"cannot infer the edition from this label; give its revision, such as {device.manual.revision}"
+        )
     return revision
 
 
@@ -72,10 +76,10 @@ def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
 
 
 def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
-    """The families of ``FAMILY=1.6`` and the like, to be made beside the others.
+    """Return the families in editions asked for with texts such as ``FAMILY=1.6``.
 
     Raises:
-        Stop: A text is none, or there is no such family or edition; exit code 2.
+        Stop: A text is malformed, or there is no such family or edition. The exit code is 2.
     """
     by_name = {item.device.name: item for item in families if not item.device.base}
     made: dict[str, Device] = {}
@@ -84,7 +88,8 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
         if not equals or name not in by_name:
             known = ", ".join(by_name)
             raise Stop(
-                f"'{text}' is no family and edition; write it as in {next(iter(by_name), 'FAMILY')}=1.0 ({known})", 2
+                f"'{text}' is not a family and an edition; write it like {next(iter(by_name), 'FAMILY')}=1.0 ({known})",
+                2,
             )
         family = by_name[name]
         try:
@@ -92,8 +97,8 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
         except UnknownEdition as error:
             raise Stop(str(error), 2) from None
         if asked == family.device.manual.revision:
-            raise Stop(f"{name} is of edition {asked} already", 2)
-        # An edition is laid over the spec as it was read, so it takes one that keeps to the schema.
+            raise Stop(f"the spec of {name} is already edition {asked}", 2)
+        # An edition is merged into the spec as read, so the spec must conform to the schema.
         found = in_edition(family, asked, report) if not report.faults(family.document) else None
         if found is not None:
             made[found.device.name] = found.device
@@ -101,9 +106,9 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
 
 
 def check_all(families: Iterable[Family], report: Report) -> None:
-    """Tells what is wrong with any edition of the families."""
+    """Report the problems in all editions of the families."""
     for family in families:
-        # With an overlay over it, a family may lack what an edition changes; that is told when it is asked for.
+        # With an overlay, a family may lack what an edition changes. That is reported when the edition is requested.
         if family.device.base or family.plain is not None or report.faults(family.document):
             continue
         for item in family.device.editions:

@@ -11,14 +11,14 @@ from typing import TypedDict
 from .arguments import Parser
 from .terminal import Stop
 
-#: Rules about several files. The tests have no single broken file that could be shown for them.
+#: Rules about several files, for which the tests have no single broken file to show.
 _SEVERAL_FILES = {
-    "coverage-file": "the file of coverage next to a spec is not what 'check --coverage --write' writes.",
-    "overlay-change": "a change of an overlay or edition has keys that do not belong to its kind.",
+    "coverage-file": "the coverage file next to a spec is not what 'check --coverage --write' would write.",
+    "overlay-change": "a change in an overlay or edition has keys that do not belong to its kind.",
     "overlay-conflict": "two overlays change the same place.",
-    "overlay-unused": "a change of an overlay does not find what it sets, adds or removes.",
-    "readings-disagree": "the second reading of a manual has another fact than the spec. The manual decides. If the "
-    "manual prints both, record an erratum with 'readings'.",
+    "overlay-unused": "a change in an overlay does not find what it sets, adds or removes.",
+    "readings-disagree": "the second reading of a manual differs from the spec. The manual decides. If the manual "
+    "prints both, record an erratum with 'readings'.",
 }
 
 
@@ -30,11 +30,11 @@ class Example(TypedDict):
 
 
 def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
-    """Add the command to those of the command line."""
+    """Add the command to the command line."""
     parser = commands.add_parser(
         "explain",
         help="explain a rule of check or diff",
-        description="Explain a rule: show a problem that check reports by it, or its impact and reason in diff.",
+        description="Explain a rule of check by an example, or a rule of diff by its impact and reason.",
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
     parser.set_defaults(run=_explain)
@@ -46,10 +46,10 @@ def _explain(chosen: argparse.Namespace) -> int:
 
 
 def explain(name: str | None) -> str:
-    """Return the description of a rule, or the list of all rules if there is no name.
+    """Return the description of a rule, or without a name the list of all rules.
 
     Raises:
-        Stop: No command has such a rule. The exit code is 2.
+        Stop: There is no such rule. The exit code is 2.
     """
     from ..changes.rules import RULES
     from ..language.problems import suggestion
@@ -91,8 +91,8 @@ def _in_check(name: str, examples: dict[str, Example]) -> list[str]:
     if name not in examples:
         return []
     message, lines = examples[name]["message"], examples[name]["lines"]
-    told = wrapped(f"{message}.", WIDTH, "  ")
-    return ["\n".join([f"{name}, a rule of check. A message by it:", told, "", "of these lines:", "", *lines])]
+    shown = wrapped(f"{message}.", WIDTH, "  ")
+    return ["\n".join([f"{name}, a rule of check. Example message:", shown, "", "for these lines:", "", *lines])]
 
 
 def _in_diff(name: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""``codewheel generate``: from the library to files that are written, or compared."""
+"""``codewheel generate``: write the files of a library, or compare them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def run(
     options: Mapping[str, Options],
     gate: Callable[[], None],
 ) -> int:
-    """Write or compare every file of the targets, with the options of each by its name; the exit code.
+    """Write or compare all files of the targets, and return the exit code. ``options`` are by target name.
 
-    ``gate`` refuses, by a ``Stop``, to write what is not released; it is asked where a file would change.
+    ``gate`` raises ``Stop`` to refuse writing specs that must not be released. It is called if a file would change.
 
     Raises:
-        Stop: A target, a template or the disk is at fault, or a file differs.
+        Stop: A target, a template or the disk fails, or a file differs.
     """
     try:
         files = _files(library, targets, options)
@@ -49,23 +49,23 @@ def run(
 
 
 def _tell_of_the_wait(output: Path) -> None:
-    print(f"codewheel: waiting for another run that writes into {output.as_posix()}", file=sys.stderr, flush=True)
+    print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
 
 
 def _files(library: Library, targets: Sequence[Target], options: Mapping[str, Options]) -> dict[str, Mapping[str, str]]:
-    """The files of each target.
+    """Return the files of each target.
 
     Raises:
         TargetError: A target fails, or cannot express a device.
-        TemplateFault: A template of the user's is at fault.
-        Stop: A template of the user's is misspelt.
+        TemplateFault: A user's template fails.
+        Stop: The name of a user's template is misspelt.
     """
     files = {target.name: files_of(target, library, options[target.name]) for target in targets}
     if library.own_templates is not None:
         rendered = {target.name: target.templates for target in targets}
         unused = list(unused_templates(library.own_templates, rendered, target_names()))
         if unused:
-            raise Stop("\n  ".join(["nothing is written, for templates without effect:", *unused]), 2)
+            raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
     return files
 
 
@@ -80,16 +80,16 @@ def _sum_up(found: Sequence[Change], chosen: argparse.Namespace) -> None:
         again += [word for name in chosen.target or () for word in ("--target", name)]
         again += [word for setting in chosen.option for word in ("--option", setting)]
         again += [] if chosen.templates is None else ["--templates", str(chosen.templates)]
-        raise Stop(f"{counted(stale, 'file')} not what the specs yield; run: {shlex.join(again)}", 1)
+        raise Stop(f"{counted(stale, 'file')} out of date; run: {shlex.join(again)}", 1)
     else:
         print(f"{counted(len(found), 'file')} up to date")
 
 
 def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
-    """Holds every idbiss file against the document type ``dtd``.
+    """Validate every idbiss file against the document type ``dtd``.
 
     Raises:
-        Stop: One is not valid, exit code 1, or ``dtd`` cannot be used, exit code 2.
+        Stop: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
     """
     from ..targets.biss.dtd import DtdError, faults, read_dtd
 
@@ -103,6 +103,6 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     for fault in found:
         print(fault, file=sys.stderr)
     if found:
-        raise Stop(f"not valid by {dtd}: {counted(len(found), 'fault')}", 1)
+        raise Stop(f"not valid against {dtd}: {counted(len(found), 'error')}", 1)
     for name in names:
-        print(f"valid by {dtd}: {places[name]}")
+        print(f"valid against {dtd}: {places[name]}")

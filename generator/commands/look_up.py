@@ -1,4 +1,4 @@
-"""From what the user named to devices: the specs to read, a family, an order code."""
+"""Find the specs, the family or the order code that the user named."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from ..model import Device
     from ..order_codes.labels import Match
 
-#: From this likeness on, of 1, a code is worth naming as the nearest.
+#: Least similarity, of 1, for a code to be suggested.
 _NEAR = 0.4
 _MOST_FILES = 8
 
 
 def load(paths: Sequence[Path]) -> tuple[Device, ...]:
-    """The devices of the specs; problems go to standard error.
+    """Return the devices of the specs, and print problems to standard error.
 
     Raises:
-        Stop: There are problems, exit code 1, or there is no such path; 2.
+        Stop: There are problems (exit code 1), or a path does not exist (exit code 2).
     """
     from ..loading.library import load_library
 
@@ -38,46 +38,46 @@ def load(paths: Sequence[Path]) -> tuple[Device, ...]:
 
 
 def refuse_missing(paths: Sequence[Path]) -> None:
-    """What is not there was not meant.
+    """Check that all paths exist.
 
     Raises:
-        Stop: There is nothing at one of the paths; exit code 2.
+        Stop: A path does not exist. The exit code is 2.
     """
     missing = [str(path) for path in paths if not _is_there(path)]
     if missing:
-        raise Stop(f"there is no file or folder {' or '.join(missing)}", 2)
+        raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
 
 
 def _is_there(path: Path) -> bool:
     try:
         return path.exists() or path.is_symlink()
     except (OSError, ValueError):
-        return True  # Something is; reading it says what is wrong.
+        return True  # It exists, and reading it will report the error.
 
 
 def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
-    """The paths that were given, else the specs of the current folder, else none, which stands for those that ship.
+    """Return the given paths, else the specs in the current folder, else an empty list for the shipped ones.
 
     Args:
-        paths: The paths that were given.
-        say: Say on standard error that the specs of the current folder are taken.
+        paths: The paths that the user gave.
+        say: Report on standard error that the specs in the current folder are used.
 
     Raises:
-        Stop: There is nothing at one of the paths; exit code 2.
+        Stop: A path does not exist. The exit code is 2.
     """
     refuse_missing(paths)
     own = list(paths) or own_specs(Path())
     if say and own and not paths:
-        print(f"codewheel: reading the specs of this folder: {_listed([str(path) for path in own])}", file=sys.stderr)
+        print(f"codewheel: using the specs in this folder: {_listed([str(path) for path in own])}", file=sys.stderr)
     return own
 
 
 def read_line(paths: Sequence[Path], devices: Sequence[Device], report: Report) -> str:
-    """What was read, in one line: it shows a user who forgot a path."""
+    """Return one line about the specs that were read, which reveals a forgotten path."""
     if not paths:
-        return f"read the specs that ship with codewheel: {', '.join(device.name for device in devices)}"
+        return f"read the specs shipped with codewheel: {', '.join(device.name for device in devices)}"
     passed_over = [file for file in report.passed_over if file not in report.files]
-    others = f"; passed over: {_listed(passed_over)}" if passed_over else ""
+    others = f"; skipped: {_listed(passed_over)}" if passed_over else ""
     return f"read {counted(len(report.files), 'spec')}: {_listed(report.files)}{others}"
 
 
@@ -87,20 +87,20 @@ def _listed(files: Sequence[str]) -> str:
 
 
 def order_code(specs: Sequence[Path], text: str) -> tuple[Device, Match]:
-    """The family and variant of an order code; specs with problems are left out, and named.
+    """Return the family and variant of an order code. Specs with problems are left out and listed.
 
     Raises:
-        Stop: There is no such code, exit code 2, or the specs have problems and no sound one has it; 1.
+        Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
     with _sound(specs) as devices:
         return find(devices, text)
 
 
 def family_or_code(specs: Sequence[Path], text: str) -> tuple[Device, Match | None]:
-    """A family by its name, or the family and variant of an order code.
+    """Return a family by its name, or the family and variant of an order code.
 
     Raises:
-        Stop: As ``order_code`` does.
+        Stop: As for ``order_code``.
     """
     with _sound(specs) as devices:
         family = _family(devices, text)
@@ -108,10 +108,10 @@ def family_or_code(specs: Sequence[Path], text: str) -> tuple[Device, Match | No
 
 
 def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
-    """The family and variant of an order code among ``devices``.
+    """Return the family and variant of an order code among ``devices``.
 
     Raises:
-        Stop: There is no such code; exit code 2.
+        Stop: There is no such code. The exit code is 2.
     """
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as find_in
@@ -126,9 +126,9 @@ def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
 
 
 def in_order(devices: Sequence[Device], text: str) -> list[Device]:
-    """The families that may have the order code ``text``: first one of special models, if the code ends as theirs do.
+    """Return the families that may have the order code ``text``, first those of special models with its ending.
 
-    Special models of another sort are not looked at, nor older editions: they share order codes with a family.
+    Other special models and older editions are left out, since they share order codes with a family.
     """
     code = "".join(text.split()).upper()
     special = [
@@ -138,19 +138,18 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
 
 
 def _unknown(devices: Sequence[Device], text: str) -> str:
-    """What to say of a text that is no order code, nor nearly one."""
+    """Return the message for text that is not an order code."""
     from ..order_codes.labels import nearest_codes
 
     device = _family(devices, text)
     if device is not None:
         code = device.variants[0].code
-        needed = f"an order code is needed, such as {code}; codewheel show {device.name} tells of them"
-        return f"'{text}' is a family, and {needed}"
+        return f"'{text}' is a family; give an order code, such as {code} (codewheel show {device.name} explains them)"
     if Path(text).suffix in SUFFIXES:
-        return f"'{text}' is no order code; a spec is given as: --specs {text}"
+        return f"'{text}' is not an order code; give a spec as --specs {text}"
     near = ", ".join(nearest_codes(devices, text, _NEAR))
-    remedy = f"the nearest are {near}" if near else "codewheel list shows what they look like"
-    return f"'{text}' is no known order code; {remedy}"
+    remedy = f"the nearest are {near}" if near else "codewheel list shows the known patterns"
+    return f"'{text}' is not a known order code; {remedy}"
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:
@@ -159,7 +158,7 @@ def _family(devices: Sequence[Device], text: str) -> Device | None:
 
 @contextmanager
 def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
-    """The devices that can be used; where nothing is found, problems of the specs are the likelier reason."""
+    """Yield the usable devices. If the search then fails, report the problems in the specs instead."""
     from ..loading.library import load_sound
 
     refuse_missing(specs)
@@ -172,12 +171,12 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
         raise
     if report:
         files = list(dict.fromkeys(problem.file for problem in report.problems))
-        left_out = f"left out, for {counted(len(report), 'problem')}: {_listed(files)}; codewheel check tells them"
+        left_out = f"left out, with {counted(len(report), 'problem')}: {_listed(files)}; run codewheel check"
         print(f"codewheel: {left_out}", file=sys.stderr)
 
 
 def problems(report: Report) -> Stop:
-    """All problems on standard error, and the end that they call for."""
+    """Print all problems to standard error, and return the ``Stop`` to raise."""
     for problem in report.problems:
         print(problem.format(), file=sys.stderr)
     return Stop(counted(len(report), "problem"), 1)

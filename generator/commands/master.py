@@ -1,4 +1,4 @@
-"""``codewheel master``: what a BiSS or SSI master is told about an order code."""
+"""``codewheel master``: show the settings that a BiSS or SSI master needs for an order code."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .terminal import Stop
 
 
 def run(chosen: argparse.Namespace) -> tuple[int, str | Mapping[str, Any]]:
-    """The exit code, and what is printed: text, or data if JSON was asked for.
+    """Return the exit code, and the text to print or the data of ``--json``.
 
     Raises:
-        Stop: There is no such master, order code or edition, or nothing that a master could be told of it.
+        Stop: There is no such master, order code or edition, or there are no settings for it.
     """
     look_up.refuse_missing(chosen.masters)
     known, report = sheet.load_masters(chosen.masters)
@@ -29,7 +29,7 @@ def run(chosen: argparse.Namespace) -> tuple[int, str | Mapping[str, Any]]:
         raise look_up.problems(report)
     if chosen.order_code is None:
         if chosen.edition is not None:
-            raise Stop("--edition needs an order code: an edition is one of a family's manual", 2)
+            raise Stop("--edition needs an order code", 2)
         return 0, text.masters_data(known) if chosen.json else text.masters_text(known)
     names = [item.name for item in known]
     if chosen.master is not None and chosen.master not in names:

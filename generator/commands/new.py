@@ -1,4 +1,4 @@
-"""``codewheel new``: a commented spec that passes ``check``, to be filled beside a manual."""
+"""``codewheel new``: write a commented spec that passes ``check``, to be filled in from a manual."""
 
 from __future__ import annotations
 
@@ -17,40 +17,40 @@ _LONGEST_NAME = 40
 
 
 class NameRefused(ValueError):
-    """The name cannot be that of a family."""
+    """The name is not valid for a family."""
 
 
 class NotWritten(OSError):
-    """A file is there already, or cannot be written; the message is one line."""
+    """A file already exists or cannot be written. The message is one line."""
 
 
 def write_spec(name: str, output: Path | None) -> list[Path]:
-    """Write the spec, and beside it a manufacturer file and the schemas for an editor where there are none.
+    """Write the spec, and next to it the manufacturer file and the schemas for an editor if they are missing.
 
     Args:
         name: The family's name.
-        output: The file, or a folder for it; without it, ``name.yaml`` in the current folder.
+        output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
 
     Returns:
         The files that were written.
 
     Raises:
-        NameRefused: The name cannot be that of a family, or the file has another one.
-        NotWritten: A file is there already, or cannot be written.
+        NameRefused: The name is not valid for a family, or the file has another one.
+        NotWritten: A file already exists or cannot be written.
     """
     if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or iskeyword(name) or name == "manufacturer":
         raise NameRefused(
-            f"'{name[:60]}' cannot be a family's name; write small letters, digits and underscores, such as"
+            f"'{name[:60]}' is not a valid family name; use lowercase letters, digits and underscores, such as"
             f" {_suggested(name)}"
         )
     path = output or Path(f"{name}.yaml")
     path = path / f"{name}.yaml" if path.is_dir() else path
     if path.name != f"{name}.yaml":
-        raise NameRefused(f"a spec is named like its family: {path.with_name(name + '.yaml')}, not {path}")
-    maker = path.with_name("manufacturer.yaml")
-    files = {path: device_text(name, _manufacturer(maker), _schema_path(path.parent, "device"))}
-    if not maker.exists():
-        files[maker] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
+        raise NameRefused(f"the file of a spec has its family's name: {path.with_name(name + '.yaml')}, not {path}")
+    manufacturer = path.with_name("manufacturer.yaml")
+    files = {path: device_text(name, _manufacturer(manufacturer), _schema_path(path.parent, "device"))}
+    if not manufacturer.exists():
+        files[manufacturer] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
     for kind in ("device", "manufacturer"):
         copy = path.with_name(f"{kind}.schema.json")
         if not _in_one_checkout(path.parent, kind) and not copy.exists():
@@ -64,9 +64,9 @@ def _written(files: dict[Path, str]) -> Iterator[Path]:
             with path.open("x", encoding="utf-8", newline="\n") as file:
                 file.write(text)
         except FileExistsError:
-            raise NotWritten(f"{path} is there already; nothing is overwritten") from None
+            raise NotWritten(f"{path} already exists and is not overwritten") from None
         except OSError as error:
-            raise NotWritten(f"{path} cannot be written: {error.strerror or error}") from None
+            raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
         yield path
 
 
@@ -86,7 +86,7 @@ def _schema(kind: str) -> Path:
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
-    """Whether a clone of the spec has the tool's own schema too: both lie in one checkout, outside environments."""
+    """Return whether a clone with the spec also has the tool's schema: both are in one checkout, outside a venv."""
     here = folder.resolve()
     top = next((place for place in (here, *here.parents) if (place / ".git").exists()), None)
     schema = _schema(kind).resolve()
@@ -94,19 +94,19 @@ def _in_one_checkout(folder: Path, kind: str) -> bool:
 
 
 def _schema_path(folder: Path, kind: str) -> str:
-    """Where an editor finds the schema, seen from the spec: the tool's own, or the copy beside the spec."""
+    """Return the schema's path relative to the spec: the tool's own, or the copy next to the spec."""
     if not _in_one_checkout(folder, kind):
         return f"{kind}.schema.json"
     return Path(os.path.relpath(_schema(kind), folder)).as_posix()
 
 
 def manufacturer_text(schema: str) -> str:
-    """A manufacturer file."""
+    """Return the text of a manufacturer file."""
     return _MANUFACTURER.replace("@SCHEMA@", schema)
 
 
 def device_text(name: str, manufacturer: str, schema: str) -> str:
-    """A spec of the family ``name``."""
+    """Return the text of a spec of the family ``name``."""
     made = _DEVICE.replace("@SCHEMA@", schema).replace("@MANUFACTURER@", manufacturer)
     return made.replace("@CODE@", name.replace("_", "-").upper()).replace("@NAME@", name)
 
@@ -114,22 +114,22 @@ def device_text(name: str, manufacturer: str, schema: str) -> str:
 _MANUFACTURER = """\
 # yaml-language-server: $schema=@SCHEMA@
 codewheel: 1
-manufacturer: maker                       # a short name; the devices' files give it as well
+manufacturer: maker                       # a short name, repeated in the devices' files
 title: Name of the manufacturer
-# biss_id: 0x0000                         # the BiSS manufacturer ID, registers 7Eh and 7Fh; names idbissXXXX.xml
+# biss_id: 0x0000                         # BiSS manufacturer ID, registers 7Eh and 7Fh, part of idbissXXXX.xml's name
 source: Cover
 """
 
 _DEVICE = """\
 # yaml-language-server: $schema=@SCHEMA@
 #
-# @CODE@, from the manual's edition 1.0. Everything below is an example that passes "codewheel check"; replace it by
-# what the manual says, in the manual's order. docs/spec-language.md explains every key, and an editor that reads the
-# first line completes them by the schema that it names. A copy of the schema beside the spec is codewheel's: after an
-# update delete it, and "codewheel new" writes it afresh.
+# @CODE@, from edition 1.0 of the manual. Everything below is an example that passes "codewheel check". Replace it with
+# the facts of the manual, in the manual's order. docs/spec-language.md explains every key, and editors complete them
+# using the schema named in the first line. A copy of the schema next to the spec belongs to codewheel: delete it after
+# an update, and "codewheel new" writes it again.
 #
-# Sources: section and page of the manual, as in "6.2 p.25". A page only where contents, index or a cross-reference
-# proves it.
+# Sources are the section and page of the manual, as in "6.2 p.25". Give a page only if the contents, the index or a
+# cross-reference proves it.
 
 codewheel: 1
 device: @NAME@                            # the same as the file's name
@@ -139,9 +139,9 @@ movement: rotary                          # or linear
 
 manual:
   title: @CODE@ user's guide
-  revision: "1.0"                         # in quotes, or 1.10 becomes 1.1
+  revision: "1.0"                         # quoted, or 1.10 becomes 1.1
   # date: 2024-01-31
-  language: en                            # the language of the edition that sources refer to
+  language: en                            # language of the edition that the sources cite
   history:
     - {revision: "1.0", changes: First issue.}
 
@@ -151,7 +151,7 @@ manual:
 
 # ----------------------------------------------------------------------------------------------------------- order code
 
-# What an order code decides. Widths and limits below are sums of these, such as 2^singleturn_bits - 1.
+# Values set by the order code. Widths and limits below are expressions of these, such as 2^singleturn_bits - 1.
 parameters:
   singleturn_bits: {meaning: Singleturn resolution, unit: bits, source: "1"}
   # Held by a register at run time instead of set by the order code:
@@ -168,11 +168,11 @@ order_code:
         "17": {meaning: "131,072 counts per turn", sets: {singleturn_bits: 17}}
     - name: output
       meaning: Interface
-      # open: "[A-Z]{2}"                  # what the manual leaves open, as a regular expression; taken as unlisted
+      # open: "[A-Z]{2}"                  # regular expression for values the manual does not list
       values:
         SC: {meaning: BiSS C-mode, interface: biss}
 
-# What a position counts. For a length: step_um and modulus.
+# Resolution of the position. For a linear encoder: step_um and modulus.
 measurement: {of: position, counts_per_turn: 2^singleturn_bits, turns: 1, source: "1"}
 
 # ----------------------------------------------------------------------------------------------------------------- CRCs
@@ -207,14 +207,14 @@ interfaces:
         printed_name: Single Cycle Data
         from: encoder
         source: "6.2"
-        # In the order in which they are sent; the first is the most significant.
+        # In the order sent, most significant first.
         fields:
           - {name: position, bits: singleturn_bits, unit: counts, meaning: Position within one revolution}
           - {name: error, active: low, makes_position: not_usable, when_active: an error is active}
           - {name: warning, active: low, makes_position: usable_with_warning, when_active: a warning is active}
-          # Bits of a status that are not used, at the value that the manual has; others are reported, not refused.
+          # Reserved bits with the value in the manual. Other values are reported, but the frame is accepted.
           # - {name: spare, bits: 2, unused: 0}
-          # Bits that prove the frame, such as the zeros above a position; with others it is refused.
+          # Fixed bits, such as the zeros above a position. A frame with other values is rejected.
           # - {name: zero, bits: 1, constant: 0}
           - {name: crc, crc: biss_6}
 
@@ -230,19 +230,19 @@ registers:
     access: write_only                    # read_only, read_write
     fields:
       - name: function
-        at: 7:0                           # high bit first; bit 0 is the least significant
+        at: 7:0                           # high bit first, bit 0 is the least significant
         values:
           save: {value: 1, printed_name: Save parameters, meaning: Saves what was written}
     source: "6.3"
 
   - name: preset
     printed_name: Preset
-    meaning: Value that the present position is to get
+    meaning: New value for the current position
     interface: biss
     address: 0x50
     length: 4
     access: read_write
-    byte_order: high_byte_first           # or low_byte_first; from two bytes on
+    byte_order: high_byte_first           # or low_byte_first, for two bytes or more
     default: 0
     min: 0
     max: 2^singleturn_bits - 1
@@ -252,7 +252,7 @@ procedures:
   - name: set_preset
     title: Set and save a preset
     interface: biss
-    arguments: [{name: position, of: preset, meaning: Value that the present position is to get}]
+    arguments: [{name: position, of: preset, meaning: New value for the current position}]
     steps:
       - {do: write, register: preset, value: position, meaning: write the four preset registers}
       - {do: write, register: command, value: save, meaning: keep it over power-off}
@@ -261,7 +261,7 @@ procedures:
 
 # ----------------------------------------------------------------------------------------------------- examples, errata
 
-# Each worked example of the manual; it becomes a test of every output.
+# Each worked example of the manual becomes a test of every output.
 examples:
   - name: preset_register
     kind: register                        # frame, register, crc, procedure, measure
@@ -271,14 +271,14 @@ examples:
     values: {preset: 1000}
     source: "6.3"
 
-# Where the manual errs or contradicts itself; nothing is corrected without an entry.
+# Errors and contradictions in the manual. Correct nothing without an entry here.
 # errata:
 #   - name: preset_length
 #     source: "6.3"
 #     printed: What the manual prints.
 #     used: What the spec says instead.
 #     why: The manual's own evidence, or arithmetic.
-#     status: settled                     # open where only hardware or the maker could decide
-#     severity: wrong_data                # wrong_limit, omission, wording: what a reader who copies it gets
+#     status: settled                     # open if only hardware or the manufacturer could decide
+#     severity: wrong_data                # or wrong_limit, omission, wording: the effect on someone who copies it
 #     affects: [registers.preset]
 """

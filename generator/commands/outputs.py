@@ -1,4 +1,4 @@
-"""Targets as the user asks for them: by name, with options; what they cannot express is told like any other problem."""
+"""Find the targets that the user named, with their options, and report what they cannot express."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None) -> list[Target]:
-    """Return the targets of these names, each once; without any, ours, without those that a package is missing for.
+    """Return the named targets, each once. Without names, return the built-in ones whose packages are installed.
 
     Raises:
-        Stop: There is no such target, exit code 2, or it cannot be loaded, exit code 1.
+        Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
     found = []
     for name in dict.fromkeys(names or BUILT_IN):
@@ -33,7 +33,7 @@ def targets_named(names: Iterable[str] | None = None) -> list[Target]:
         except PackageMissing as error:
             if names:
                 raise Stop(str(error), 1) from None
-            print(f"codewheel: {error}; left out, the other targets run", file=sys.stderr)
+            print(f"codewheel: {error}; this target is skipped", file=sys.stderr)
         except TargetError as error:
             raise Stop(str(error), 1) from None
     return found
@@ -44,14 +44,14 @@ def _no_target(name: str) -> str:
 
 
 def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[str, Options]:
-    """The value of every option by the name of its target: as ``settings`` say, else the default.
+    """Return the options of each target by its name, set by ``settings`` or else to their defaults.
 
     Args:
-        settings: Texts such as ``plc.separator=semicolon``.
-        targets: The targets that run.
+        settings: Settings such as ``plc.separator=semicolon``.
+        targets: The targets to run.
 
     Raises:
-        Stop: A setting is none, or is for no target that runs; exit code 2.
+        Stop: A setting is malformed, or its target does not run. The exit code is 2.
     """
     asked = {target.name: target for target in targets}
     found = {target.name: {option.name: option.default for option in target.options} for target in targets}
@@ -59,7 +59,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         place, equals, value = setting.partition("=")
         name, dot, option = place.partition(".")
         if not equals or not dot:
-            raise Stop(f"'{setting}' is no setting; write it as in TARGET.OPTION=VALUE", 2)
+            raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
         if name not in asked:
             wrong = f"'{place}' is for a target that does not run; add --target {name}"
             raise Stop(wrong if name in target_names() else _no_target(name), 2)
@@ -69,7 +69,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the target has no such option, or the option no such value."""
+    """Raise ``Stop`` if the target has no such option or the option does not accept the value."""
     options = {option.name: option for option in target.options}
     if name not in options:
         near = suggestion(name, options, "it has") if options else "; it has none"
@@ -85,13 +85,12 @@ def load_for(
     editions: Iterable[str] = (),
     keep: list[Family] | None = None,
 ) -> tuple[tuple[Device, ...], Report]:
-    """The devices that the specs describe, and a report that says as well what these targets cannot express.
+    """Return the devices of the specs, and a report that includes what these targets cannot express.
 
-    ``editions`` are those to be made beside them, such as ``FAMILY=1.6``. ``keep`` gets the families, with their
-    specs.
+    ``editions`` are additional ones, such as ``FAMILY=1.6``. The families with their specs are added to ``keep``.
 
     Raises:
-        Stop: A target fails; exit code 1.
+        Stop: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
     tell_unfit(families, targets, report)
@@ -102,10 +101,10 @@ def load_for(
 
 
 def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Report) -> None:
-    """Reports what these targets cannot express of the families in whose specs nothing else is wrong.
+    """Report what these targets cannot express of families whose specs have no other problems.
 
     Raises:
-        Stop: A target fails; exit code 1.
+        Stop: A target fails. The exit code is 1.
     """
     sound = {family.device.name: family for family in sound_families(families, report)}
     library = Library(tuple(family.device for family in sound.values()))
@@ -122,10 +121,10 @@ def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Re
 
 
 def listing() -> str:
-    """All targets with their options, for ``--help``."""
+    """Return the text about all targets and their options for ``--help``."""
     targets = {name: _or_fault(name) for name in target_names()}
     indent = " " * (max(map(len, targets)) + 4)
-    lines = [f"targets, of which {listed(BUILT_IN)} run by default:"]
+    lines = [f"targets ({listed(BUILT_IN)} run by default):"]
     for name, found in targets.items():
         lead = f"  {name}".ljust(len(indent))
         lines += _filled(found.summary if isinstance(found, Target) else found, lead, indent)

@@ -1,4 +1,4 @@
-"""``codewheel list`` and ``codewheel show`` for a person, at most 80 columns wide."""
+"""``codewheel list`` and ``codewheel show``: text at most 80 columns wide."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .show_parts import alternative_lines, at, frame_lines, interface_lines, lay
 
 
 def list_data(devices: Sequence[Device]) -> dict[str, Any]:
-    """The families as plain data."""
+    """Return the families as plain data."""
     return {
         "version": 1,
         "families": [
@@ -46,7 +46,7 @@ def list_data(devices: Sequence[Device]) -> dict[str, Any]:
 
 
 def list_text(devices: Sequence[Device]) -> str:
-    """A few lines for each family."""
+    """Return a few lines about each family."""
     lines = []
     for device in devices:
         manual = f"{device.manual.title}, revision {device.manual.revision}" + (
@@ -68,7 +68,7 @@ def list_text(devices: Sequence[Device]) -> str:
 
 
 def device_text(device: Device) -> str:
-    """A family: what its order codes decide, its interfaces, registers, procedures and errata."""
+    """Return the text about a family: order codes, interfaces, registers, procedures and errata."""
     lines = [
         wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH),
         *_manual(device),
@@ -95,7 +95,7 @@ def device_text(device: Device) -> str:
 
 
 def variant_text(device: Device, match: Match) -> str:
-    """One order code: interface, widths, frames, registers and limits, without what belongs to another interface."""
+    """Return the text about an order code: its interface, widths, frames, registers and limits."""
     variant = match.variant
     here = held_by(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
@@ -115,22 +115,22 @@ def _manual(device: Device) -> list[str]:
     origin = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
     said = [BY_NAME.sentence(item) for item in says_origin(device)]
     if device.editions:
-        said.append(f"--edition shows another one: {', '.join(item.revision for item in device.editions)}")
+        said.append(f"--edition shows other ones: {', '.join(item.revision for item in device.editions)}")
     return [wrapped(line, WIDTH, "  ") for line in (origin, *said)]
 
 
 def _parameters(device: Device, variant: Variant) -> list[str]:
-    """What the order code decides of this interface, and what registers do."""
+    """Return the lines about parameters that the order code sets and those held in registers."""
     shown = parameters_of(device, variant.interface)
     at_run_time = run_time_names(device)
     fixed = [item for item in shown if item.name not in at_run_time and not item.alternative]
     held = [item for item in shown if item.name in at_run_time]
     lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
     if held:
-        lines += ["", "Held by registers, as delivered", *_values(device, held, variant)]
+        lines += ["", "Held by registers, factory default", *_values(device, held, variant)]
         addresses = dict.fromkeys(device.register(item.register).address for item in held if item.read_from)
         example = f"--register 0x{next(iter(addresses)):02X}=0x.."
-        lines.append(wrapped(f"decode takes what they hold instead, a byte at a time: {example}", WIDTH, "  ", "  "))
+        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))
     return lines
 
 
@@ -156,13 +156,13 @@ def _position(
         counts = style.phrase(measurement(item))
         if item.step_um is not None and item.modulus is not None and parameters is not None:
             micrometres = item.step_um.value(parameters) * item.modulus.value(parameters)
-            counts += f"; {micrometres // 1000:,}.{micrometres % 1000:03} mm in all"
+            counts += f", {micrometres // 1000:,}.{micrometres % 1000:03} mm in total"
         rows.append((over or item.of, f"{counts}  [{cite(item.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []
 
 
 def _listed(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:
-    """A paragraph of names, each with its text and its source."""
+    """Return a paragraph of names, each with its text and its source."""
     return ["", title, *pairs([(name, f"{text}  [{cite(source)}]") for name, text, source in rows], 2)] if rows else []
 
 
@@ -172,7 +172,7 @@ def _inputs_and_procedures(device: Device) -> list[str]:
 
 
 def _errata(device: Device) -> list[str]:
-    """The errata; those of wording only are counted."""
+    """Return the errata in full, except those about wording, which are only counted."""
     found = [item for item in device.errata if item.severity != "wording"]
     if not device.errata:
         return []
@@ -182,7 +182,7 @@ def _errata(device: Device) -> list[str]:
         lines += [wrapped(head, WIDTH, "    ", "  "), *(wrapped(line, WIDTH, "      ", "    ") for line in parts)]
     more = len(device.errata) - len(found)
     return lines + (
-        [wrapped(f"and {more} of wording only, which --json and the documentation list", WIDTH, "    ", "  ")]
+        [wrapped(f"and {more} about wording only, listed by --json and the documentation", WIDTH, "    ", "  ")]
         if more
         else []
     )

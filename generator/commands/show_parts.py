@@ -1,4 +1,4 @@
-"""Parts of what ``codewheel show`` prints: interfaces, frames and registers as lines of at most 80 columns."""
+"""Parts of the output of ``codewheel show``: interfaces, frames and registers in lines of at most 80 columns."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from .decode import bit_place
 
 
 def at(parameters: Mapping[str, int]) -> Style:
-    """The style of statements about an order code: expressions are numbers."""
+    """Return the style for statements about an order code, with expressions as numbers."""
     return replace(BY_NAME, resolve=lambda expression: Expression(expression.value(parameters)))
 
 
 def interface_lines(device: Device, interface: Interface) -> list[str]:
-    """One interface: clock, times, port, data IDs."""
+    """Return the lines about one interface: clock, times, port, data IDs."""
     facts = say_interface.facts(device, interface)
     rows = [(item.label, f"{BY_NAME.phrase(item)}  {BY_NAME.cited(item.source)}") for item in facts]
     return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]
@@ -36,7 +36,7 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
-    """A frame of a family: its fields with their widths, groups of fields in one line."""
+    """Return the lines about a frame of a family: its fields with their widths, one line per group."""
     rows: dict[str, list[str]] = {}
     for item in layout.fields:
         width = item.width.constant if item.width.is_constant else item.width.render()
@@ -64,7 +64,7 @@ def _fixed(item: Field) -> str:
 
 
 def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
-    """A frame of an order code: a title, a picture, and what registers may change of it."""
+    """Return the lines about a frame of an order code: a title, a picture, and what registers may change in it."""
     interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
     style = at(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
@@ -74,23 +74,21 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     ]
     notes = [style.sentence(item) for item in say_layout.carries(interface, layout)]
     for item in device.alternatives_of(layout):
-        shown = f"The picture has {item.answers[0].name}."
+        shown = f"The picture shows {item.answers[0].name}."
         notes += [f"{style.sentence(said)} {shown}" for said in needs(replace(device, alternatives=(item,)), layout)]
     widths = run_time_widths(device, layout)
     if widths:
-        notes.append(
-            f"As delivered: the widths are those in {' and '.join(field_at(device, path) for path in widths)}."
-        )
+        notes.append(f"Factory default: the widths in {' and '.join(field_at(device, path) for path in widths)}.")
     if layout.gray_of and layout.gray_when:
         names = needed_parameters(device, layout.gray_when)
         held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
-        decided = f", as delivered by {held}" if held else ""
+        decided = f", by factory default of {held}" if held else ""
         notes.append(f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{decided}.")
     return [*lines, *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
 
 
 def picture(placed: PlacedLayout) -> list[str]:
-    """The layout as a row of boxes in sending order, broken to the width of a terminal."""
+    """Draw the layout as rows of boxes in the order sent, within the width of a terminal."""
     rows: list[tuple[str, str]] = []
     lines: list[str] = []
 
@@ -122,7 +120,7 @@ def picture(placed: PlacedLayout) -> list[str]:
 
 
 def _box(item: Field) -> str:
-    """What stands in the box of a field; of a constant its value, and its name where that says more."""
+    """Return the text in the box of a field: its name, a constant's value, or both."""
     if not isinstance(item.kind, Constant):
         return item.name
     constant = field.short(item.kind.value)
@@ -130,21 +128,21 @@ def _box(item: Field) -> str:
 
 
 def alternative_lines(device: Device) -> list[str]:
-    """What the manual leaves open, each question with its answers."""
+    """Return the questions that the manual leaves open, each with its answers."""
     lines: list[str] = []
     for item in device.alternatives:
         lines.append(wrapped(BY_NAME.sentence(question(item)), WIDTH, "      ", f"  {item.name}: "))
         lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
         example = f"--choose {item.name}={item.answers[0].name}"
-        lines.append(wrapped(f"decode takes the answer as: {example}", WIDTH, "      ", "    "))
-    return ["", "For you to decide, since the manual leaves it open", *lines] if lines else []
+        lines.append(wrapped(f"give decode the answer with {example}", WIDTH, "      ", "    "))
+    return ["", "Open in the manual, for you to choose", *lines] if lines else []
 
 
 # -- registers
 
 
 def register_lines(device: Device, variant: Variant | None) -> list[str]:
-    """A register a paragraph; for an order code with its fields."""
+    """Return one paragraph per register, for an order code with its fields."""
     if not device.registers:
         return []
     style = at(variant.parameters) if variant is not None else BY_NAME
@@ -165,7 +163,7 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 
 
 def _choice(choice: Value) -> str:
-    """A value of a register that is one choice, with the first sentence of its meaning."""
+    """Return the name of a register's value with the first sentence of its meaning."""
     meaning = choice.meaning.partition(". ")[0]
     return f"{choice.name}: {meaning}" if meaning else choice.name
 

@@ -1,4 +1,4 @@
-"""The terminal, or what stands in its place: streams that lack characters, are full, or are closed."""
+"""Standard streams: replace characters that they cannot encode, and survive closed or full ones."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from typing import TextIO
 
 
 class Stop(Exception):
-    """The command ends here with this message and exit code."""
+    """End of the command, with a message and an exit code."""
 
     def __init__(self, message: str, code: int) -> None:
         super().__init__(message)
         self.code = code
 
 
-#: What stands for a character that the terminal lacks, where its decomposition would not do.
+#: Replacements for characters that the terminal cannot encode and that Unicode does not decompose well.
 _STAND_INS = {
     "→": "->",
     "←": "<-",
@@ -56,16 +56,16 @@ _STAND_INS = {
 
 
 def prepare(as_json: bool = False) -> None:
-    """Make the standard streams take any text; JSON keeps every character, as an escape where it has to.
+    """Make the standard streams accept any text. JSON keeps every character, as an escape if necessary.
 
-    A stream that is closed takes everything as well, and nothing can be read from it.
+    A closed output stream discards everything. A closed input has nothing to read.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (open for as long as we run)
     if sys.stdin is None:
         sys.stdin = _ClosedInput()
-    # What the system writes for a byte that is no text of its encoding is no frame either: it is shown and refused.
+    # A byte that does not decode is shown as an escape, and so rejected as not being a frame.
     _configure(sys.stdin, None, "backslashreplace")
     _configure(sys.stderr, None, "codewheel")
     if as_json:
@@ -75,7 +75,7 @@ def prepare(as_json: bool = False) -> None:
 
 
 def release() -> None:
-    """Give the interpreter nothing more to write to streams that take nothing."""
+    """Redirect streams that cannot be written, so that the interpreter does not fail on them at exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -94,16 +94,16 @@ def _is_utf8(stream: TextIO) -> bool:
 
 
 class _ClosedInput(io.StringIO):
-    """Standard input where there is none."""
+    """Stand-in for a closed standard input."""
 
     def readline(self, *_: object) -> str:  # type: ignore[override]
-        raise Stop("standard input is closed, so there is no frame to read", 2)
+        raise Stop("cannot read frames: standard input is closed", 2)
 
     read = __next__ = readline  # type: ignore[assignment]
 
 
 def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
-    """The error handler for text: a stand-in in ASCII; bytes of a file's name are written as they came."""
+    """Handle an encoding error in text: return an ASCII replacement, or the raw byte of a file name."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]
@@ -114,7 +114,7 @@ def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
 
 
 def _in_json(error: UnicodeError) -> tuple[str, int]:
-    """The error handler for JSON, in which all such characters stand in strings."""
+    """Handle an encoding error in JSON, where all such characters are in strings."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     units = error.object[error.start].encode("utf-16-be", "surrogatepass").hex()

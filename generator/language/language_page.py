@@ -1,6 +1,6 @@
 """The reference page of the spec language, generated from its JSON Schemas.
 
-``python -m codewheel.language.language_page`` prints the page, or writes it to the given path as ``make spec-page`` does.
+``python -m codewheel.language.language_page`` prints the page. ``make spec-page`` writes it to the given path.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The clock by length of cable: by the table of the encoder's manual, or for BiSS by a public one."""
+"""Clock by cable length, from the table in the encoder's manual or, for BiSS, from a public one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..model import Biss, Device, Ssi, assert_never
 from ..say.words import hertz
 
-#: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: the clock on MA with RS-422.
+#: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.
 _BISS = (
     (10, 10_000_000),
     (25, 5_000_000),
@@ -22,10 +22,7 @@ _MANUAL, _PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS
 
 @dataclass(frozen=True, slots=True)
 class CableRow:
-    """A row of a table. With ``is_below``, the cable is shorter than ``metres`` and the clock below ``hz``.
-
-    Without, both may be reached.
-    """
+    """A row of a table. With ``is_below``, cable and clock must be below ``metres`` and ``hz``, else at most these."""
 
     metres: int
     hz: int
@@ -49,18 +46,18 @@ class CableRow:
 
 @dataclass(frozen=True, slots=True)
 class CableTable:
-    """The rows, where they are from in words, and the names of the errata that are about them."""
+    """The rows, their origin in words, and the names of the errata about them."""
 
     rows: tuple[CableRow, ...]
     origin: str
     errata: tuple[str, ...]
 
     def row_of(self, metres: int) -> CableRow | None:
-        """The row with the fastest clock for so long a cable; None where the table has none so long."""
+        """Return the row with the fastest clock for this cable length, or None if it exceeds the table."""
         return max((row for row in self.rows if row.has(metres)), key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
-        """Which cables may be run at a clock, as a sentence; empty without a table."""
+        """Return a sentence about the cables that allow a clock, or an empty text without a table."""
         if not self.rows:
             return ""
         allowing = (row for row in self.rows if clock_hz <= row.highest_hz)
@@ -68,13 +65,13 @@ class CableTable:
         if longest is None:
             fastest = max(self.rows, key=lambda row: row.hz)
             needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
-            why = f"one {fastest.cable} needs a clock {needed}, a longer one less"
-            return f"By the table of {self.origin}, no cable allows this clock: {why}."
-        return f"For a cable {longest.cable}, by the table of {self.origin}."
+            why = f"one {fastest.cable} needs a clock {needed}, a longer one a lower clock"
+            return f"No cable allows this clock according to the table in {self.origin}: {why}."
+        return f"For a cable {longest.cable}, according to the table in {self.origin}."
 
 
 def cable_table(device: Device, interface: Ssi | Biss) -> CableTable:
-    """The table for an interface, without rows where there is none."""
+    """Return the table for an interface, without rows if there is none."""
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"

@@ -1,7 +1,7 @@
-"""What a BiSS or SSI master must know of one order code: a record of plain words and numbers, alike for every master.
+"""Record of the facts about one order code that BiSS and SSI masters need, the same for every master.
 
-The rules of the masters, ``specs/masters``, refer to its items by name. An item that the manual does not give is None:
-a rule that needs it says so, and invents nothing.
+The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
+rule that needs it reports it as unknown.
 """
 
 from __future__ import annotations
@@ -39,21 +39,23 @@ _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
 
 class NoRecord(ValueError):
-    """Nothing can be said to a master about this order code; the message says why, in one line."""
+    """There are no master settings for this order code. The message gives the reason in one line."""
 
 
 class Undecided(NoRecord):
-    """The frame depends on what the manual leaves open, and no answer was given."""
+    """The frame depends on a question that the manual leaves open, and there was no answer."""
 
     def __init__(self, layout: Layout, names: Iterable[str]) -> None:
-        super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which is for you to decide")
+        super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which you must choose")
         self.layout = layout
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A run of bits of the frame. ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status`` or ``crc``;
-    ``active`` of a status bit is ``low``, ``high``, or empty where it never changes."""
+    """A run of bits in the frame. ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status`` or ``crc``.
+
+    ``active`` of a status bit is ``low``, ``high``, or empty if it never changes.
+    """
 
     name: str
     role: str
@@ -63,11 +65,11 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences.
+    """Facts about one order code. ``parts`` are in the order sent, ``notes`` are whole sentences.
 
-    ``answers`` are what the user decides of what the manual leaves open, by the names of the alternatives. ``cable_m``
-    is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that says it; None
-    without one.
+    ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
+    ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
+    it. Both may be None.
     """
 
     code: str
@@ -94,27 +96,27 @@ def record(
     cable_m: int | None = None,
     answers: Mapping[str, str] = _NO_ANSWERS,
 ) -> Record:
-    """The record of one order code.
+    """Return the record of one order code.
 
     Args:
         device: The family.
         variant: The order code, with the parameters that registers hold.
-        as_delivered: Whether those are the defaults of the registers.
-        cable_m: Length of the cable in metres that the highest clock is chosen for; without it, the interface's.
-        answers: What the user decides of what the manual leaves open, by the names of the alternatives.
+        as_delivered: Whether those are the factory defaults.
+        cable_m: Cable length in metres for which to choose the highest clock. By default, the interface's limit holds.
+        answers: The user's answers to questions that the manual leaves open, by the names of the alternatives.
 
     Raises:
-        Undecided: The frame needs an answer that is not given.
-        NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form:
-            padding, position, padding, status, CRC; or no clock is known for so long a cable.
+        Undecided: The frame depends on an answer that is missing.
+        NoRecord: The order code has no BiSS or SSI interface, its frame does not have the common form (padding,
+            position, padding, status, CRC), or no clock is known for this cable length.
     """
     interface = device.interface(variant.interface)
     if not isinstance(interface, (Biss, Ssi)):
-        only = f"only {Ssi.title} and {Biss.title} have masters to set up"
+        only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface)
     if measurement is None:
-        raise NoRecord(f"the spec of {device.name} does not say what its position is")
+        raise NoRecord(f"the spec of {device.name} does not define its position")
     placed = _frame(interface, measurement, decided(device, variant, answers))
     deciding = device.alternatives_of(placed.layout)
     missing = [item.name for item in deciding if item.name not in answers]
@@ -146,25 +148,25 @@ def record(
 
 
 def _with_cable(found: Record, metres: int) -> Record:
-    """The record with the highest clock for a cable of this length."""
+    """Return the record with the highest clock for this cable length."""
     row = found.cables.row_of(metres)
     if row is None:
         longest = max((item.metres for item in found.cables.rows), default=0)
-        wrong = "neither the manual nor a public table says what clock a cable allows"
+        wrong = "neither the manual nor a public table gives the clock for a cable length"
         if longest:
-            wrong = f"the table of {found.cables.origin} ends at {longest} m"
+            wrong = f"the table in {found.cables.origin} ends at {longest} m"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
     slowest, fastest = found.numbers["clock_min_hz"], found.numbers["clock_max_hz"]
     highest = min(row.highest_hz, fastest if fastest is not None else row.highest_hz)
     if slowest is not None and highest < slowest:
-        wrong = f"the table of {found.cables.origin} has {row.text}; the encoder takes {hertz(slowest)} at least"
+        wrong = f"the table in {found.cables.origin} has {row.text}, but the encoder needs at least {hertz(slowest)}"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
     limited = row if highest == row.highest_hz else None
     return replace(found, numbers={**found.numbers, "clock_max_hz": highest}, cable_m=metres, cable_row=limited)
 
 
 def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
-    """The frame that carries the position; of several BiSS channels the first."""
+    """Return the frame that carries the position. With several BiSS channels, this is the first."""
     layouts = sorted(interface.layouts, key=lambda item: item.channel or 0)
     for layout in layouts:
         placed = layout.place(variant.parameters)
@@ -174,7 +176,7 @@ def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> 
 
 
 def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
-    """The fields in sending order, checked to be padding, position, padding, status bits, CRC."""
+    """Yield the fields in the order sent, after checking that they are padding, position, padding, status bits, CRC."""
     layout = placed.layout
     of_position = layout.names_in(measurement.of)
     order = ["before", "position", "after", "status", "crc"]
@@ -186,7 +188,7 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
         kind = _stage(item, of_position, order[stage])
         if kind not in order[stage:]:
             raise NoRecord(
-                f"'{item.name}' stands where no master expects it; "
+                f"no master expects '{item.name}' at its place: "
                 "the common frame is padding, position, padding, status bits, CRC"
             )
         stage = order.index(kind)
@@ -201,7 +203,7 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
 
 
 def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
-    """The stretch of the common frame that a field belongs to; ``stage`` is where its predecessor stood."""
+    """Return the part of the common frame that a field belongs to. ``stage`` is that of its predecessor."""
     if item.name in of_position:
         return "position"
     if isinstance(item.field.kind, CrcValue):
@@ -210,13 +212,13 @@ def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
         return "before" if stage == "before" else "after"
     if item.width == 1 and isinstance(item.field.kind, (Flag, Constant, Unused)):
         return "status"
-    raise NoRecord(f"'{item.name}' is no position, status bit or CRC; the rules of the masters speak of nothing else")
+    raise NoRecord(f"'{item.name}' is not a position, status bit or CRC, which are all that the masters' rules cover")
 
 
 def _position(
     item: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
 ) -> Iterator[Part]:
-    """Turns and the position within one: two fields, or one that holds both."""
+    """Yield turns and position within a turn: two fields, or one that holds both."""
     if is_joined:
         yield Part(item.name, "singleturn" if is_last else "multiturn", item.width)
         return
@@ -238,7 +240,7 @@ def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
     if crc is None:
         return None
     if crc.refin or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
-        raise NoRecord(f"the CRC '{crc.name}' is not sent most significant bit first, straight or inverted as a whole")
+        raise NoRecord(f"the CRC '{crc.name}' is not sent most significant bit first, either plain or fully inverted")
     return crc
 
 
@@ -274,7 +276,7 @@ def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
-    """The three spellings; x^6 + x + 1 is 0x43, 0x03 and 0x21."""
+    """Return the three notations of the polynomial: x^6 + x + 1 is 0x43, 0x03 and 0x21."""
     whole, poly, start, turned = (crc.poly_with_top_bit, crc.poly, crc.init, crc.xorout) if crc else (0, 0, 0, 0)
     return {
         "crc_polynomial": whole,
@@ -286,7 +288,7 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
 
 
 def _times(interface: Biss | Ssi) -> dict[str, int | None]:
-    """Clock and times. A time-out of so many clock periods is longest at the slowest clock."""
+    """Return clock and times. A time-out in clock periods is longest at the slowest clock."""
     timeout = interface.timeout if isinstance(interface, Biss) else None
     longest = None
     if timeout is not None and timeout.at_most_ns is not None:
@@ -313,7 +315,7 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
     found = {"counts_per_turn": measurement.counts_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
     known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
     if known["turns"] is not None:
-        # Registers may say fewer bits than the revolutions that other registers, left as delivered, would need.
+        # Registers may set fewer bits than needed for the revolutions in other registers at their factory defaults.
         known["turns"] = min(known["turns"], 1 << multiturn_bits)
     return known
 
@@ -327,8 +329,8 @@ def _answer_notes(deciding: Sequence[Alternative], taken: Mapping[str, str]) -> 
 def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
     if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
         yield (
-            "The clocks shown are the fastest that encoder and master take, whatever the cable; "
-            "codewheel master --cable METRES chooses them for one."
+            "The clocks shown are the fastest that encoder and master support, regardless of the cable. "
+            "Use --cable METRES to choose them for a cable length."
         )
 
 
@@ -342,8 +344,8 @@ def _notes(
             dict.fromkeys(f"{item.printed_name or item.name} ({addresses(item)})" for item in registers)
         )
         if deciding:
-            given = "as delivered; other contents need other settings" if as_delivered else "as given"
-            yield f"Registers decide on the {what}: {deciding}. What is said here is for these registers {given}."
+            given = "their factory defaults. Other values need other settings" if as_delivered else "the given values"
+            yield f"Registers determine the {what}: {deciding}. These settings are for {given}."
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
-        yield f"{' and '.join(fixed)}: always 1, a bit that a master takes for a status bit that says nothing."
+        yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."

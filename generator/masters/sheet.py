@@ -1,7 +1,6 @@
-"""Masters: descriptions of what a BiSS or SSI master has to be told, and what one of them is told about one order code.
+"""Load descriptions of BiSS and SSI masters, and compute the settings of a master for one order code.
 
-A description is a file of ``specs/masters``; it holds everything about a master, this module nothing.
-See ``language/master.schema.json``.
+Everything about a master is in its description, a file in ``specs/masters``. See ``language/master.schema.json``.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as its file describes it; ``limits``, ``settings``, ``writing`` and ``notes`` are checked data."""
+    """A master as described in its file. ``limits``, ``settings``, ``writing`` and ``notes`` are checked data."""
 
     name: str
     title: str
@@ -45,7 +44,7 @@ class Master:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One thing to set. ``value`` is None where it is unknown, and ``text`` says why.
+    """One setting. If its value is unknown, ``value`` is None and ``text`` gives the reason.
 
     ``bound`` is ``at_least``, ``at_most``, ``below`` or empty.
     """
@@ -62,13 +61,13 @@ class Setting:
 
     @property
     def is_default(self) -> bool:
-        """Whether the master has this value from the factory."""
+        """Whether the value is the master's factory default."""
         return self.default is not None and self.default == self.value
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """Why a master cannot take an order code; ``source`` is empty where that follows from what it takes at all."""
+    """Reason why a master cannot use an order code. ``source`` is empty if the master lacks the interface."""
 
     reason: str
     standing: str
@@ -77,10 +76,10 @@ class Refusal:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """What one master is told about one order code; nothing is set where there are refusals.
+    """Settings of one master for one order code, empty if there are refusals.
 
-    ``writing`` are the conditions under which the settings are written.
-    ``speaks`` is false where the master is not described for the interface at all.
+    ``writing`` are the conditions for writing the settings.
+    ``speaks`` is false if the master is not described for the interface.
     """
 
     master: Master
@@ -91,32 +90,32 @@ class Sheet:
     speaks: bool = True
 
     def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
-        """Return the conditions that are about this setting alone."""
+        """Return the conditions for this setting alone."""
         return tuple(item for item in self.writing if item.of == (setting.name,))
 
     @property
     def shared_writing(self) -> tuple[Writing, ...]:
-        """Conditions that are about several settings or all."""
+        """Conditions for several or all settings."""
         return tuple(item for item in self.writing if len(item.of) != 1)
 
 
 class _Unknown(Exception):
-    """A value needs an item that the manual does not give."""
+    """A value depends on an item that the manual does not give."""
 
 
 def _not_in_manual(number: str) -> _Unknown:
-    return _Unknown(f"not in the manual of the encoder: {NUMBERS[number]}")
+    return _Unknown(f"not in the encoder's manual: {NUMBERS[number]}")
 
 
 class _Refused(Exception):
-    """The master cannot be set to what the encoder needs."""
+    """The master does not support what the encoder needs."""
 
 
 def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:
-    """The masters that ship with the tool and those at ``paths``, by title; one of the same name replaces ours.
+    """Return the shipped masters and those at ``paths``, by title. One with the same name replaces a shipped one.
 
     Returns:
-        The masters, to be used only when the report is empty, and the report.
+        The masters, valid only if the report is empty, and the report.
     """
     report = Report()
     found: dict[str, Master] = {}
@@ -129,7 +128,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
                     "not-allowed",
                     document,
                     (),
-                    "this is no description of a master, which names it with the key 'master'",
+                    "this is not a description of a master: the key 'master' is missing",
                 )
             elif data is not None:
                 if data["master"] in own:
@@ -158,11 +157,11 @@ def _master(data: Raw) -> Master:
 
 
 def sheet(master: Master, record: Record) -> Sheet:
-    """What the master is told about the order code of ``record``, or why it cannot take it."""
+    """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
     interface = record.words["interface"]
     if interface not in master.takes:
         only = listed(INTERFACES[name].title for name in master.takes)
-        reason = f"Only {only} is described for this master; {record.code} sends {INTERFACES[interface].title}."
+        reason = f"This master is described for {only} only, but {record.code} has {INTERFACES[interface].title}."
         return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
     refusals = [
         Refusal(
@@ -190,7 +189,7 @@ def sheet(master: Master, record: Record) -> Sheet:
 
 
 def _named(rule: Raw, record: Record) -> Raw:
-    """Return a condition of writing with the names of settings as on the sheet."""
+    """Return a condition for writing with the names of settings used on the sheet."""
     return {**rule, **{key: [_filled(name, record) for name in rule[key]] for key in ("of", "after") if key in rule}}
 
 
@@ -199,13 +198,13 @@ def _applies(rule: Raw, record: Record) -> bool:
 
 
 def _holds(condition: Raw, record: Record) -> bool:
-    """Whether a condition is known to hold."""
+    """Return whether a condition is known to hold."""
     known = condition["item"] in record.words or record.numbers[condition["item"]] is not None
     return known and _keeps(condition, record)
 
 
 def _keeps(limit: Raw, record: Record) -> bool:
-    """Whether an item is known to be within its limits, or not known at all."""
+    """Return whether an item is within its limits or unknown."""
     name = limit["item"]
     if name in record.words:
         return record.words[name] in limit["is"]
@@ -236,7 +235,7 @@ def _setting(item: Raw, master: Master, record: Record) -> Setting:
 
 
 def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
-    """Which cables the clock of a setting is for; nothing where it was chosen for one."""
+    """Return the cables that allow the clock of a setting, or an empty text if the user gave a cable length."""
     if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & item.keys():
         return ""
     chosen = _best_listed(item, record)["hz"] if "clocks" in item else _best_of_any(item["any_clock"], record)
@@ -244,7 +243,7 @@ def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> st
 
 
 def _value(item: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
-    """The value, as text, and how it is bound."""
+    """Return the value, its text, and its bound."""
     if "unknown" in item:
         raise _Unknown(item["unknown"])
     if "value" in item:
@@ -273,7 +272,7 @@ def _number(value: int | str, name: str, record: Record) -> int:
     except ExpressionError:
         number = -1
     if number < 0:
-        raise _Refused(f"{name} would be {expression.render()}, which is no number that can be set")
+        raise _Refused(f"{name} would be {expression.render()}, which cannot be set")
     return number
 
 
@@ -303,19 +302,19 @@ def _listed_clock(item: Raw, record: Record) -> tuple[int | str, str, str]:
 
 
 def _best_listed(item: Raw, record: Record) -> Raw:
-    """The fastest of the master's clocks that the encoder takes."""
+    """Return the fastest of the master's clocks that the encoder supports."""
     slowest, fastest = _bounds(record)
     fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
     if not fitting:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
-        taken = f"between {hertz(slowest)} and {_fastest(record)}, which the encoder takes{with_cable}"
-        raise _Refused(f"{item['name']}: none of its clocks lies {taken}")
+        taken = f"between {hertz(slowest)} and {_fastest(record)}, the limits of the encoder{with_cable}"
+        raise _Refused(f"{item['name']}: no clock is {taken}")
     found: Raw = max(fitting, key=lambda clock: clock["hz"])
     return found
 
 
 def _fastest(record: Record) -> str:
-    """The highest clock in words; a table of cable lengths gives one that is not reached."""
+    """Return the highest clock in words, which a table of cable lengths may give as an exclusive limit."""
     row = record.cable_row
     return hertz(row.hz if row is not None else record.known["clock_max_hz"])
 
@@ -333,7 +332,7 @@ def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
 
 
 def _best_of_any(clock: Raw, record: Record) -> int:
-    """The fastest clock that both take, of a master that can be set to any."""
+    """Return the fastest clock that both support, for a master with any clock."""
     slowest, fastest = _bounds(record)
     best = min(fastest, int(clock.get("at_most_hz", fastest)))
     if best < max(slowest, clock.get("at_least_hz", 0)):
@@ -341,12 +340,12 @@ def _best_of_any(clock: Raw, record: Record) -> int:
         own = f"clocks of at least {hertz(least or 0)}"
         if most is not None and most < slowest:
             own = f"clocks of at most {hertz(most)}"
-        raise _Refused(f"It gives {own}; the encoder takes {hertz(slowest)} to {_fastest(record)}")
+        raise _Refused(f"It supports {own}, but the encoder needs {hertz(slowest)} to {_fastest(record)}")
     return best
 
 
 def _text(text: str, record: Record) -> str:
-    """The text with every item in braces; it needs all of them."""
+    """Return the text with the items in braces filled in, all of which must be known."""
     for name in NUMBERS:
         if f"{{{name}}}" in text and record.numbers[name] is None:
             raise _not_in_manual(name)
@@ -361,7 +360,7 @@ def _filled(text: str, record: Record) -> str:
 
 
 def _string(rule: Raw, name: str, record: Record) -> Iterator[str]:
-    """The fields of the frame, each by the text for its kind."""
+    """Yield the text of each field of the frame, according to its kind."""
     texts: dict[str, str] = {}
     for item in rule["fields"]:
         if _applies(item, record):
@@ -371,11 +370,11 @@ def _string(rule: Raw, name: str, record: Record) -> Iterator[str]:
     for part in parts if rule["first"] == "sent_first" else reversed(parts):
         kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
         if kind not in texts:
-            raise _Refused(f"{name} has no way to write '{part.name}'")
+            raise _Refused(f"{name} cannot express '{part.name}'")
         yield _text(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
-    """The parts of the frame with multiturn and singleturn as one."""
+    """Return the parts of the frame with multiturn and singleturn merged."""
     whole = Part("position", "position", record.numbers["position_bits"] or 0)
     return tuple(whole if part.role == "singleturn" else part for part in record.parts if part.role != "multiturn")

@@ -1,4 +1,4 @@
-"""``codewheel master``: the record of an order code and what masters are told about it, as text and as plain data."""
+"""Output of ``codewheel master``: the record of an order code and its master settings, as text and as plain data."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NOT_SAID = "the manual does not say"
 
 
 def facts(record: Record) -> Iterator[tuple[str, str]]:
-    """The record in words, one fact a row."""
+    """Yield the record in words, one fact per row."""
     number = record.numbers
     yield "Interface", INTERFACES[record.words["interface"]].title
     turns = number["multiturn_bits"]
@@ -38,7 +38,7 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     )
     yield "Status bits", _status(record)
     yield "Data bits", _data(record)
-    yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + "; most significant bit first"
+    yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + ", most significant bit first"
     yield "Code", {"binary": "binary", "gray": "Gray"}[record.words["coding"]]
     yield "CRC", _crc(record)
     slowest, fastest = number["clock_min_hz"], number["clock_max_hz"]
@@ -52,8 +52,8 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
         yield "Clock by cable", _cables(record)
     if INTERFACES[record.words["interface"]] is Biss:
         yield "Time-out", record.timeout or NOT_SAID
-        # The protocol description, p. 18, has no longer one.
-        busy = f"{NOT_SAID}; BiSS C allows 40 µs"
+        # The longest in the protocol description, p. 18.
+        busy = f"{NOT_SAID}, but BiSS C allows 40 µs"
         if number["busy_us"] is not None:
             busy = _time(number["busy_us"], "at most")
         yield "Busy time", busy
@@ -63,11 +63,11 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
 
 
 def _cables(record: Record) -> str:
-    """The table, the cable that was asked for, and the errata."""
+    """Return the table, the requested cable length, and the errata."""
     table = record.cables
-    chosen = f"the clocks shown are for a cable of {record.cable_m} m; " if record.cable_m is not None else ""
+    chosen = f"clocks chosen for a cable of {record.cable_m} m; " if record.cable_m is not None else ""
     errata = f"; errata {', '.join(table.errata)}" if table.errata else ""
-    return f"{chosen}{'; '.join(row.text for row in table.rows)} (table of {table.origin}{errata})"
+    return f"{chosen}{'; '.join(row.text for row in table.rows)} (table in {table.origin}{errata})"
 
 
 def _supply(record: Record) -> str:
@@ -100,42 +100,42 @@ def _crc(record: Record) -> str:
     spellings = f"0x{whole:02X} ({whole}) with its top bit, 0x{number['crc_polynomial_without_top_bit']:02X} without it"
     spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its last 1"
     return (
-        f"{number['crc_bits']} bits, polynomial {spellings}; start {number['crc_start']}; "
-        f"sent {'inverted' if number['crc_inverted'] else 'straight'}"
+        f"{number['crc_bits']} bits, polynomial {spellings}, start value {number['crc_start']}, "
+        f"sent {'inverted' if number['crc_inverted'] else 'not inverted'}"
     )
 
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
-    """What the marks mean, and that nothing else has been tried."""
+    """Return the meaning of the marks, and what has been tested on hardware."""
     used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
     used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
-    inferred = " * marks what follows from those documents though none says it." if "inferred" in used else ""
-    tried = "Nothing has been tried on hardware."
+    inferred = " * = derived, not stated there." if "inferred" in used else ""
+    tried = "Not yet tested on hardware."
     if "tried" in used:
-        tried = "+ marks what has been tried on hardware, nothing else has."
-    return f"By the documents of the masters, named with each.{inferred} {tried}"
+        tried = "+ = tested on hardware, unlike all others."
+    return f"Settings from the documentation of each master.{inferred} {tried}"
 
 
 def bound(setting: Setting) -> str:
-    """``at least `` or ``at most ``, or nothing."""
+    """Return ``at least ``, ``at most ``, ``below `` or an empty text."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
 def mark(rule: Setting | Refusal | Writing) -> str:
-    """What the legend explains, parted by a space from a value that somebody copies."""
+    """Return the mark that the legend explains, after a space so that the value can be copied."""
     return _MARKS[rule.standing]
 
 
 def condition(rule: Writing) -> str:
-    """Return a condition of writing as a sentence with its mark and source."""
+    """Return a condition for writing as a sentence with its mark and source."""
     return f"{rule.text}{mark(rule)} [{rule.source}]"
 
 
 def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
-    """Yield the conditions that are about this setting alone, after the advice to leave a factory default."""
+    """Yield the conditions for this setting alone, after the advice to leave a factory default unchanged."""
     if setting.is_default:
-        yield f"{setting.text} is the factory default: leave it unless it was changed."
+        yield f"{setting.text} is the factory default. Leave it unless it was changed."
     yield from (condition(item) for item in sheet.writing_of(setting))
 
 
@@ -144,12 +144,12 @@ def _shown(setting: Setting) -> str:
 
 
 def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
-    """The record, and for each master its settings or why there are none, at most 80 columns wide."""
+    """Return the record and each master's settings or refusals as text, at most 80 columns wide."""
     lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
     if match.written_as_in:
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
     if match.unlisted:
-        lines.append(wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  "))
+        lines.append(wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  "))
     lines += [wrapped(BY_NAME.sentence(item), WIDTH, "  ") for item in origin(device)]
     if match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
@@ -161,7 +161,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines += ["", *_taken(item, with_documents=len(sheets) == 1)]
     refusing = [item for item in sheets if item.refusals and item.speaks]
     if refusing:
-        lines += ["", wrapped(f"By their documents these cannot take {record.code}:", WIDTH)]
+        lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
     for item in refusing:
         lines.append(wrapped(f"{item.master.title} ({item.master.name})", WIDTH, "    ", "  "))
         lines += [
@@ -207,7 +207,7 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
 
 
 def masters_text(masters: Sequence[Master]) -> str:
-    """The masters that are described, one a line."""
+    """Return the list of masters, one per line."""
     return "\n".join(
         pairs(
             (
@@ -227,7 +227,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
 
 
 def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
-    """The same as plain data; the shape is described by ``language/master_settings.schema.json``."""
+    """Return the same as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
         "order_code": record.code,

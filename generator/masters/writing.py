@@ -1,4 +1,4 @@
-"""Conditions of writing: what has to be set before or after a setting, and when a setting takes effect."""
+"""Conditions for writing: values to set before or after a setting, and when a setting takes effect."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Raw = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """A value that an object of the master must hold; ``text`` is the value as it is written."""
+    """A value that an object of the master must hold. ``text`` is the value as written."""
 
     object: str
     name: str
@@ -27,7 +27,7 @@ class Write:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """When a written value takes effect: one member is set, the others are empty."""
+    """Condition on which a written value takes effect: exactly one member is not empty."""
 
     in_state: str = ""
     restart_of: str = ""
@@ -37,10 +37,10 @@ class Effect:
 
 @dataclass(frozen=True, slots=True)
 class Writing:
-    """One condition of writing; exactly one of needs, after, then and takes_effect is not empty.
+    """One condition for writing. Exactly one of needs, after, then and takes_effect is not empty.
 
-    ``of`` names the settings that it is about, none where it is about all. ``needs`` are writes before these settings,
-    ``after`` names settings that are written before them, ``then`` are writes after them.
+    ``of`` names its settings, and is empty if it is about all. ``needs`` are values to write before these settings,
+    ``after`` names settings to write before them, ``then`` are values to write after them.
     """
 
     of: tuple[str, ...]
@@ -54,7 +54,7 @@ class Writing:
 
 
 def writing_of(rules: Iterable[Raw], names: Collection[str], standing: str) -> tuple[Writing, ...]:
-    """Return the conditions of writing the settings of a sheet, which are called ``names``."""
+    """Return the conditions for writing the settings ``names`` of a sheet."""
     found = []
     for rule in rules:
         of, after = (tuple(item for item in rule.get(key, ()) if item in names) for key in ("of", "after"))
@@ -83,7 +83,7 @@ def _sentence(
     then: tuple[Write, ...],
     effect: Effect | None,
 ) -> str:
-    """Say a condition in one sentence."""
+    """Return a condition as one sentence."""
     if needs:
         return (
             f"Before writing {listed(of) or 'any setting'}, {listed(f'{it.title} must be {it.text}' for it in needs)}."

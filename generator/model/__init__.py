@@ -1,8 +1,8 @@
 """The model: one encoder family, fully resolved, as frozen data.
 
-Everything that can be worked out is worked out here or on the way here: positions, widths, masks, CRC plans, order
-codes. A target reads the model and computes no bit position. Bit 0 is the least significant bit everywhere, and a
-number of several bytes is one integer whose byte order the layout states.
+Everything that can be derived is derived here or before: positions, widths, masks, CRC plans, order codes. A target
+reads the model and computes no bit positions. Bit 0 is the least significant bit everywhere, and a number of several
+bytes is one integer whose byte order is in the layout.
 """
 
 from .device import (

@@ -1,16 +1,16 @@
-"""Steps that a person carries out by hand: a text that counts them is a list."""
+"""Steps that a person carries out by hand. A text with numbered steps is a list."""
 
 from __future__ import annotations
 
 import re
 
 _NUMBER = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
-#: Fewer are an enumeration.
+#: A text with fewer steps is not a list.
 _FEWEST = 3
 
 
 def steps_of(value: str) -> tuple[str, ...]:
-    """Return what stands before the first step, and the steps; the value alone if it does not count up from one."""
+    """Return the text before the first step and the steps, or only the value if it has no steps numbered from one."""
     places = list(_NUMBER.finditer(value))
     if [int(item[1]) for item in places] != list(range(1, len(places) + 1)):
         return (value,)
@@ -20,5 +20,5 @@ def steps_of(value: str) -> tuple[str, ...]:
 
 
 def has_steps(value: str) -> bool:
-    """Tell whether a text counts enough steps to be a list of them."""
+    """Return whether a text has enough numbered steps to be a list."""
     return len(steps_of(value)) > _FEWEST

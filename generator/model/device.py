@@ -41,7 +41,7 @@ _Kind = TypeVar("_Kind", bound=Interface)
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A quantity that an order code sets, or that follows from others when ``equals`` is given."""
+    """A quantity that an order code sets, or that follows from others if ``equals`` is given."""
 
     name: str
     meaning: str
@@ -58,7 +58,7 @@ class Parameter:
 
     @property
     def register(self) -> str:
-        """The register that holds the parameter at run time, or empty."""
+        """Register that holds the parameter at run time, or empty."""
         return self.read_from.partition(".")[0]
 
     @property
@@ -68,7 +68,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """One answer of an alternative, and the parameters that it sets."""
+    """One answer of an alternative, with the parameters that it sets."""
 
     name: str
     meaning: str
@@ -78,7 +78,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """What the manual leaves open, so that the user has to decide; order codes have the first answer until he does."""
+    """A question that the manual leaves open. Order codes use the first answer until the user chooses."""
 
     name: str
     meaning: str
@@ -87,9 +87,9 @@ class Alternative:
 
 
 def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
-    """Yield one answer to each of the alternatives, and what they set together, for every way to decide.
+    """Yield every combination of answers to the alternatives, with the parameters that it sets.
 
-    Without alternatives there is one way, with no answer.
+    Without alternatives there is one combination, which is empty.
     """
     for answers in product(*(item.answers for item in alternatives)):
         yield answers, {name: value for one in answers for name, value in one.sets.items()}
@@ -118,7 +118,7 @@ class CodePart:
 
 @dataclass(frozen=True, slots=True)
 class SpelledValue:
-    """What stands in a spelling for a listed value of a part."""
+    """Text in a spelling for a listed value of a part."""
 
     part: str
     text: str
@@ -127,10 +127,10 @@ class SpelledValue:
 
 @dataclass(frozen=True, slots=True)
 class Spelling:
-    """Another way in which a label may be written, ``where`` it is so.
+    """Another notation for labels, used ``where`` the text says.
 
-    The parts of ``values`` have the texts listed there alone. ``then`` is a regular expression for what follows and
-    means nothing here.
+    The parts in ``values`` can have only the texts listed there. ``then`` is a regular expression for a tail without
+    meaning here.
     """
 
     pattern: str
@@ -142,7 +142,7 @@ class Spelling:
 
 @dataclass(frozen=True, slots=True)
 class OrderCode:
-    """The grammar: ``pattern`` with part names in braces, and what each part may be."""
+    """Grammar of order codes: ``pattern`` with part names in braces, and the values of each part."""
 
     pattern: str
     parts: tuple[CodePart, ...]
@@ -154,7 +154,7 @@ class OrderCode:
 
 @dataclass(frozen=True, slots=True)
 class FieldGroup:
-    """Fields that several layouts share; a field names its group."""
+    """Fields that several layouts share. A field names its group."""
 
     name: str
     printed_name: str
@@ -166,7 +166,7 @@ class FieldGroup:
 
 @dataclass(frozen=True, slots=True)
 class RegisterMeaning:
-    """One of the things that a register can mean: while ``register.field`` (``when``) has the value named ``value``."""
+    """One meaning of a register, valid while ``register.field`` (``when``) has the value named ``value``."""
 
     name: str
     when: str
@@ -179,7 +179,7 @@ class RegisterMeaning:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """A register of ``length`` bytes from ``address`` on; ``layout`` places its fields."""
+    """A register of ``length`` bytes from ``address`` on. ``layout`` has its fields."""
 
     name: str
     printed_name: str
@@ -223,11 +223,11 @@ class Register:
 
     @property
     def values(self) -> tuple[Value, ...]:
-        """The named values of a register that is one choice."""
+        """Named values of a register that is one choice, or none."""
         return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
 
     def bytes_of(self, value: int) -> bytes:
-        """A value as bytes in ascending order of address."""
+        """Return a value as bytes in ascending order of address."""
         return value.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
 
     def default_bytes(self) -> bytes | None:
@@ -236,7 +236,7 @@ class Register:
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One enumerated order code: the text, its parts, its interface, and the value of every parameter."""
+    """One enumerated order code: its text, parts, interface, and the value of every parameter."""
 
     code: str
     parts: Mapping[str, str]
@@ -246,7 +246,7 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class TimesRead:
-    """How many facts of a spec a second reader found alike, otherwise for a reason that is told, or not read.
+    """Number of facts in a spec that were read twice and agree, differ for a stated reason, or were read once.
 
     ``derived`` ones follow from others.
     """
@@ -259,7 +259,7 @@ class TimesRead:
 
 @dataclass(frozen=True, slots=True)
 class ReleasedChange:
-    """A change as it was recorded: the rule, its impact, what has changed, and whom it reaches."""
+    """A recorded change: its rule, its impact, a description, and the order codes and outputs that it affects."""
 
     rule: str
     impact: str
@@ -270,7 +270,7 @@ class ReleasedChange:
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """A version and what it changed ``since`` an earlier one; ``manual`` is the revision that it was made from."""
+    """A version and its changes ``since`` an earlier one. ``manual`` is the revision on which it is based."""
 
     version: str
     since: str
@@ -280,7 +280,7 @@ class Release:
 
 @dataclass(frozen=True)
 class Device:
-    """An encoder family: everything that its manual says, resolved."""
+    """An encoder family: all facts of its manual, resolved."""
 
     name: str
     title: str
@@ -310,27 +310,27 @@ class Device:
     supply: Supply | None = None
     alternatives: tuple[Alternative, ...] = ()
     times_read: TimesRead | None = None
-    #: What was laid over the spec, and the family of which this is a special model or another edition.
+    #: Overlays on the spec, and the family of which this is a special model or another edition.
     overlays: tuple[Overlay, ...] = ()
     base: str = ""
-    #: The editions of the manual, oldest first, and the one that this is, if not that of the spec.
+    #: Editions of the manual, oldest first, and the one of this device if it is not that of the spec.
     editions: tuple[ManualEdition, ...] = ()
     edition: str = ""
     releases: tuple[Release, ...] = ()
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
-        """The parameters that everything else follows from: those that an order code sets or that a register holds."""
+        """Independent parameters: those that an order code sets or a register holds."""
         return tuple(item for item in self.parameters if item.equals is None and not item.alternative)
 
     def alternatives_of(self, layout: Layout) -> tuple[Alternative, ...]:
-        """What the user has to decide before a frame of this layout can be read or written."""
+        """Return the questions that the user must answer before a frame of this layout can be read or written."""
         sets = {name for item in layout.fields for name in (*item.low.parameters, *item.width.parameters)}
         return tuple(item for item in self.alternatives if not sets.isdisjoint(item.answers[0].sets))
 
     @cached_property
     def run_time_parameters(self) -> tuple[Parameter, ...]:
-        """The parameters that a register holds at run time."""
+        """Parameters that a register holds at run time."""
         return tuple(item for item in self.parameters if item.read_from)
 
     def layouts(self) -> Iterator[tuple[Interface, Layout]]:
@@ -342,20 +342,20 @@ class Device:
         return next(item for item in self.interfaces if item.name == name)
 
     def over(self, kind: type[_Kind]) -> _Kind | None:
-        """Its interface of this kind, if it has one."""
+        """Return the interface of this kind, or None."""
         return next((item for item in self.interfaces if isinstance(item, kind)), None)
 
     def layout(self, name: str) -> Layout:
         return next(layout for _, layout in self.layouts() if layout.name == name)
 
     def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
-        """Lowest and highest value of a register, or of one of its meanings."""
+        """Return the lowest and highest value of a register, or of one of its meanings."""
         meaning = next((item for item in register.meanings if item.name == meant_as), None)
         return (meaning.min, meaning.max) if meaning is not None else (register.min, register.max)
 
     @cached_property
     def identity(self) -> tuple[tuple[Register, Field], ...]:
-        """The register fields by which a device of this family is known: those whose value the spec states."""
+        """Register fields that identify a device of this family: those with a documented value."""
         return tuple(
             (register, item)
             for register in self.registers
@@ -364,13 +364,13 @@ class Device:
         )
 
     def measurement_of(self, interface: str) -> Measurement | None:
-        """What the position counts over this interface."""
+        """Return the measurement of the position on this interface."""
         return self.interface(interface).measurement or self.measurement
 
     def supply_of(self, variant: Variant) -> Supply | None:
-        """The supply that an order code needs.
+        """Return the supply that an order code needs, or None if the manual does not give it.
 
-        None where the manual does not give it, as of an unlisted value of the part that tells it.
+        It does not for an unlisted value of the part that determines the supply.
         """
         telling = [part for part in self.order_code.parts if any(value.supply is not None for value in part.values)]
         if not telling:
@@ -379,9 +379,9 @@ class Device:
         return next((value.supply for value in values if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
-        """The fields and joins that are the position or a part of it.
+        """Return the names of the fields and joins that are the measured position or a part of it.
 
-        They are those of what is measured, else those named ``position``.
+        Without a measurement, they are those named ``position``.
         """
         measurement = self.measurement_of(interface)
         of = measurement.of if measurement is not None else "position"
@@ -389,7 +389,7 @@ class Device:
         return frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
-        """Whether frames of this layout carry the position, or a part of it, to the master."""
+        """Return whether frames of this layout carry the position, or a part of it, to the master."""
         names = self.position_names(interface)
         here = {item.name for item in layout.fields} | {item.name for item in layout.joins}
         return layout.sender == "encoder" and not names.isdisjoint(here)
@@ -398,7 +398,7 @@ class Device:
         return next(item for item in self.registers if item.name == name)
 
     def bank_selector(self, register: Register) -> str:
-        """The register that selects the bank of this one; empty if it is in none or the manual names none."""
+        """Return the register that selects the bank of this one, or empty if there is none."""
         interface = self.interface(register.interface)
         return interface.bank_select if isinstance(interface, Biss) and register.bank is not None else ""
 
@@ -406,7 +406,7 @@ class Device:
         return next(item for item in self.crcs if item.name == name)
 
     def crc_of(self, layout: Layout) -> Crc | None:
-        """The CRC that ends a layout, if one does."""
+        """Return the CRC at the end of a layout, or None."""
         return next((self.crc(item.kind.crc) for item in layout.fields if isinstance(item.kind, CrcValue)), None)
 
     def procedure(self, name: str) -> Procedure:
@@ -416,7 +416,7 @@ class Device:
         return next(item for item in self.variants if item.code == code)
 
     def errata_for(self, path: str) -> tuple[Erratum, ...]:
-        """The errata that touch ``path``, something above it or something below it, such as ``registers.preset``."""
+        """Return the errata about ``path``, such as ``registers.preset``, or anything above or below it."""
         return tuple(
             item
             for item in self.errata

@@ -1,4 +1,4 @@
-"""Worked examples of the manual; each is a test of every output."""
+"""Worked examples of the manual, each of which is a test of every output."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from .facts import Sources
 
-#: What an example gives for a field, a join or a run of digits.
+#: Value that an example gives for a field, a join or a run of digits.
 Values = Mapping[str, int | str | bool]
 
 
@@ -30,9 +30,9 @@ class _Example:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameExample(_Example):
-    """A frame, in ``bits`` or in ``bytes``, and what it holds, or the fault for which it is ``refused``.
+    """A frame, in ``bits`` or in ``bytes``, with its values or the error for which it is ``refused``.
 
-    ``alternatives`` are the answers that it takes, each by the name of its alternative.
+    ``alternatives`` are the answers that it needs, each by the name of its alternative.
     """
 
     kind: ClassVar[str] = "frame"
@@ -48,7 +48,7 @@ class FrameExample(_Example):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RegisterExample(_Example):
-    """The bytes of a register and what they hold."""
+    """The bytes of a register and their values."""
 
     kind: ClassVar[str] = "register"
     order_code: str
@@ -69,7 +69,7 @@ class CrcExample(_Example):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProcedureExample(_Example):
-    """The writes that a procedure makes for these arguments."""
+    """The writes of a procedure for these arguments."""
 
     kind: ClassVar[str] = "procedure"
     order_code: str
@@ -80,7 +80,7 @@ class ProcedureExample(_Example):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasureExample(_Example):
-    """A position in counts and the length that it stands for."""
+    """A position in counts and its length."""
 
     kind: ClassVar[str] = "measure"
     order_code: str
@@ -88,5 +88,5 @@ class MeasureExample(_Example):
     micrometres: int
 
 
-#: ``kind`` is the word of the spec language; only what prints it asks for it.
+#: ``kind`` is the word of the spec language, used for printing only.
 Example = FrameExample | RegisterExample | CrcExample | ProcedureExample | MeasureExample

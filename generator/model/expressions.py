@@ -1,7 +1,6 @@
 """Whole numbers that depend on parameters: ``24``, ``2^position_bits - 1``, ``spare_bits * offset``.
 
-The spec language allows a sum of terms; a term is a number, or a product of parameters and of powers of two of
-parameters.
+The spec language allows a sum of terms. A term is a number, or a product of parameters and powers of two of parameters.
 """
 
 from __future__ import annotations
@@ -16,17 +15,17 @@ _TERM = re.compile(
 )
 _OPERATOR = re.compile(r"[-+*]")
 
-#: No width, position or limit of any encoder comes near; it keeps a hostile spec from asking for a huge number.
+#: Far above any encoder's widths, positions and limits. It keeps a hostile spec from requesting a huge number.
 LARGEST_EXPONENT = 128
 
 
 class ExpressionError(ValueError):
-    """The text is no expression, or it has no value; the message says why."""
+    """The text is not an expression, or has no value. The message gives the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A parameter, or two to the power of it when ``power`` is set."""
+    """A parameter, or two to its power if ``power`` is set."""
 
     parameter: str
     power: bool = False
@@ -34,7 +33,7 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """``sign`` times the product of the factors; there is at least one."""
+    """``sign`` times the product of the factors, of which there is at least one."""
 
     sign: int
     factors: tuple[Factor, ...]
@@ -51,7 +50,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A constant plus terms, in the order in which they were written."""
+    """A constant plus terms in their written order."""
 
     constant: int = 0
     terms: tuple[Term, ...] = ()
@@ -59,10 +58,10 @@ class Expression:
     @classmethod
     @cache
     def parse(cls, text: int | str) -> Expression:
-        """The expression that the spec writes as ``text``.
+        """Parse the text of a spec.
 
         Raises:
-            ExpressionError: The text is no sum of numbers, parameters and powers of two.
+            ExpressionError: The text is not a sum of numbers, parameters and powers of two.
         """
         if isinstance(text, int):
             return cls(text)
@@ -96,10 +95,10 @@ class Expression:
         return not self.terms
 
     def value(self, parameters: Mapping[str, int]) -> int:
-        """The number for these parameters.
+        """Return the value for these parameters.
 
         Raises:
-            ExpressionError: A parameter is not among them, or an exponent is out of reach.
+            ExpressionError: A parameter is missing, or an exponent is out of range.
         """
         total = self.constant
         for term in self.terms:
@@ -110,10 +109,10 @@ class Expression:
         return total
 
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
-        """The same with parameters that follow from others replaced by what they equal.
+        """Replace parameters that are defined by others.
 
-        Powers and products keep theirs, since two to a sum is no sum, and so does a parameter that follows from a
-        product: its name reads better.
+        Powers and products keep theirs, since two to the power of a sum is not a sum. A parameter defined by a product
+        stays too, since its name is more readable.
         """
         result = Expression(self.constant)
         for term in self.terms:
@@ -133,12 +132,12 @@ class Expression:
         return _simplified(self.constant - other.constant, self.terms + negated)
 
     def render(self, prefix: str = "", power: str = "2^{}", suffix: str = "") -> str:
-        """The expression as text, terms first: ``variant.singleturn_bits + 8``.
+        """Return the expression as text, terms first, such as ``variant.singleturn_bits + 8``.
 
         Args:
-            prefix: Put before each parameter, such as ``variant.``.
-            power: How two to the power of a parameter is written; ``{}`` is the parameter.
-            suffix: Put after each number, such as ``U`` in C.
+            prefix: Text before each parameter, such as ``variant.``.
+            power: Notation of two to the power of a parameter, which replaces ``{}``.
+            suffix: Text after each number, such as ``U`` in C.
         """
         text = ""
         for term in self.terms:
@@ -160,7 +159,7 @@ class Expression:
 
 
 def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
-    """The sum with opposite terms cancelled and positive terms first."""
+    """Return the sum with opposite terms cancelled and positive terms first."""
     kept: list[Term] = []
     for term in terms:
         opposite = Term(-term.sign, term.factors)
@@ -172,10 +171,10 @@ def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
 
 
 def _atom(match: re.Match[str]) -> Expression:
-    """A number, a parameter, or two to the power of either.
+    """Parse a number, a parameter, or two to the power of either.
 
     Raises:
-        ExpressionError: The power is out of reach.
+        ExpressionError: The power is out of range.
     """
     power = match["power"] is not None
     if match["name"] is not None:
@@ -187,10 +186,10 @@ def _atom(match: re.Match[str]) -> Expression:
 
 
 def _times(one: Expression, other: Expression) -> Expression:
-    """The product of two atoms or products of atoms.
+    """Return the product of two atoms or products of atoms.
 
     Raises:
-        ExpressionError: A number stands in a product.
+        ExpressionError: A factor is a number.
     """
     if one == Expression(1):
         return other
@@ -206,5 +205,5 @@ def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
     if not factor.power:
         return number
     if not 0 <= number <= LARGEST_EXPONENT:
-        raise ExpressionError(f"2^{factor.parameter} is out of reach with {factor.parameter} = {number}")
+        raise ExpressionError(f"2^{factor.parameter} is too large with {factor.parameter} = {number}")
     return 1 << number

@@ -1,4 +1,4 @@
-"""Facts that outputs show but compute nothing with: sources, the manual, times, connections, lights, errata."""
+"""Facts that outputs only show: sources, the manual, times, connections, lights, errata."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a fact is stated: ``document`` is empty for the manual itself, a language code for another edition, else a
-    key of ``documents``."""
+    """Place that states a fact.
+
+    ``document`` is empty for the manual itself, a language code for another edition, or a key of ``documents``.
+    """
 
     document: str
     section: str
@@ -28,7 +30,7 @@ Sources = tuple[Source, ...]
 
 
 def cite(sources: Sources) -> str:
-    """The sources as one short text, ``6.4 p.35; it: 6.4 p.36``."""
+    """Return the sources as one short text, such as ``6.4 p.35; it: 6.4 p.36``."""
     return "; ".join(str(source) for source in sources)
 
 
@@ -159,7 +161,7 @@ class Characteristic:
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """A hardware input; ``inverts`` and ``needs`` name register bits as ``register.field``."""
+    """A hardware input. ``inverts`` and ``needs`` name register bits as ``register.field``."""
 
     name: str
     printed_name: str
@@ -185,16 +187,16 @@ class Table:
     source: Sources
 
 
-#: What is used instead of something that an overlay or another edition has not, and of what nobody knows.
+#: Replacements in an overlay or another edition for a fact that it lacks, and for an unknown one.
 LEFT_OUT, NOT_KNOWN = "left out", "not known"
 
 
 @dataclass(frozen=True, slots=True)
 class Erratum:
-    """A place where the manual cannot be taken literally.
+    """An error in the manual.
 
-    Or, with ``overlay`` or ``edition``, what that lays over the spec: ``printed`` is what the spec has, ``used`` what
-    is here instead, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
+    With ``overlay`` or ``edition``, it is a change of the spec instead: ``printed`` is from the spec, ``used`` is the
+    replacement, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
     """
 
     name: str
@@ -212,7 +214,7 @@ class Erratum:
 
 @dataclass(frozen=True, slots=True)
 class EditionTest:
-    """A register that tells an older encoder: ``run`` of it, read as the edition has it, is out of bounds there."""
+    """A register that identifies older encoders: its digits ``run``, read as in this edition, are out of bounds."""
 
     register: str
     run: str
@@ -224,7 +226,7 @@ class EditionTest:
 
 @dataclass(frozen=True, slots=True)
 class ManualEdition:
-    """An edition of the manual that can be asked for; ``labels`` are patterns of labels that are written as in it."""
+    """An edition of the manual that users can choose. ``labels`` are patterns of labels written as in it."""
 
     revision: str
     date: str
@@ -234,7 +236,7 @@ class ManualEdition:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """What was laid over a spec: a correction, or what the maker says of the models that end in ``special``."""
+    """Changes to a spec: a correction, or the manufacturer's facts about the models that end in ``special``."""
 
     name: str
     title: str

@@ -1,10 +1,10 @@
-"""The faults for which a decoder refuses a frame."""
+"""The errors for which a decoder rejects a frame."""
 
 from enum import Enum
 
 
 class Fault(Enum):
-    """The faults of a frame, in the order in which a decoder looks for them."""
+    """Frame errors, in the order in which a decoder checks for them."""
 
     LENGTH = "length"
     CRC = "crc"

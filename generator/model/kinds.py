@@ -1,4 +1,4 @@
-"""The kinds of fields: how the bits of a field become a value. A kind holds only the facts that no other kind has."""
+"""The kinds of fields, which define how bits become a value. Each kind has only the facts specific to it."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from enum import Enum
 
 from .facts import Sources
 
-#: What an active flag says where the manual explains it for other order codes alone.
+#: Meaning of an active flag that the manual explains for other order codes only.
 UNEXPLAINED = "the manual does not say what this bit means for this order code"
 
 
 class Verdict(Enum):
-    """Worth of the position of a valid frame, from worst to best.
+    """Usability of the position in a valid frame, from worst to best.
 
-    UNKNOWN: no flag of the frame says anything about it.
-    C and the Python columns number the verdicts in this order. The most severe one decides, so that a warning never
-    makes a position better than no information does.
+    UNKNOWN: no flag of the frame gives any information.
+    C and the Python columns number the verdicts in this order. The most severe one decides, so a warning never makes a
+    position better than no information.
     """
 
     NOT_USABLE = "not_usable"
@@ -51,7 +51,7 @@ class Digits:
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An integer, in two's complement if ``signed``. Zero bits stand for ``zero_means``."""
+    """An integer, in two's complement if ``signed``. All bits 0 mean ``zero_means``."""
 
     signed: bool = False
     zero_means: int = 0
@@ -62,9 +62,9 @@ class Number:
 class Flag:
     """One bit, true when active.
 
-    ``makes_position`` says what the position of the same frame is worth while the flag is active, None where it comes
-    with no position; ``sums_up`` names the flags whose sum it is. All of this holds for the order codes ``only``, those
-    with a parameter ``only_while`` other than 0; for the others an active flag is ``unexplained``.
+    ``makes_position`` is the verdict on the position in the same frame while the flag is active, or None without a
+    position. ``sums_up`` names the flags that it combines. All of this holds for the order codes ``only``, those whose
+    parameter ``only_while`` is not 0. For the others, an active flag is ``unexplained``.
     """
 
     active_low: bool = False
@@ -77,7 +77,7 @@ class Flag:
 
     @property
     def unexplained(self) -> Flag:
-        """The flag as order codes have it for which the manual does not explain it."""
+        """The flag for order codes for which the manual does not explain it."""
         worth = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
         return Flag(self.active_low, UNEXPLAINED, makes_position=worth)
 
@@ -93,8 +93,8 @@ class Choice:
 class Constant:
     """Always the same bits.
 
-    ``padding_of`` names the field for whose sake zeros are sent; the two together fill its ``container`` from the low
-    end. Zeros that fill a gap between fields are no field of the spec: they follow from their neighbours.
+    ``padding_of`` names the field that the zeros pad. The two together fill its ``container`` from the low end. Zeros
+    that fill a gap between fields are not in the spec: they follow from their neighbours.
     """
 
     value: int = 0
@@ -104,9 +104,9 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Unused:
-    """Bits that mean nothing in this encoder: it sends ``value``, and another one of the kind may send anything.
+    """Reserved bits. This encoder sends ``value``, similar ones may send anything.
 
-    They are reported where they differ, not refused. ``makes_position`` says what the position is worth then.
+    Other values are reported, not rejected. ``makes_position`` is the verdict on the position in that case.
     """
 
     value: int = 0
@@ -115,14 +115,14 @@ class Unused:
 
 @dataclass(frozen=True, slots=True)
 class CrcValue:
-    """The bits of the CRC named."""
+    """The bits of the named CRC."""
 
     crc: str
 
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """The bit that makes the count of ones in it and the fields ``of`` even, or odd."""
+    """A bit that makes the number of ones in itself and the fields ``of`` even or odd."""
 
     of: tuple[str, ...]
     odd: bool = False
@@ -136,18 +136,18 @@ class Decimal:
 
     @property
     def digits(self) -> int:
-        """How many digits it has."""
+        """Number of digits."""
         return sum(run.digits for run in self.runs)
 
     @property
     def limit(self) -> int:
-        """The lowest number with more digits."""
+        """Lowest number with more digits."""
         return self.runs[0].divisor * self.runs[0].modulus
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Characters, one a byte."""
+    """Characters, one per byte."""
 
 
 Kind = Number | Flag | Choice | Constant | Unused | CrcValue | Parity | Decimal | Text

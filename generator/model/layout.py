@@ -1,7 +1,7 @@
-"""Layouts: named fields over so many bits, and the CRCs that end them.
+"""Layouts: sequences of named fields, and the CRCs at their ends.
 
-Bit 0 is the least significant bit everywhere, and a number of several bytes is one integer whose byte order the layout
-states.
+Bit 0 is the least significant bit everywhere, and a number of several bytes is one integer whose byte order is in the
+layout.
 """
 
 from __future__ import annotations
@@ -61,10 +61,10 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field at bits ``low`` to ``low + width - 1``; ``kind`` says how these bits become a value.
+    """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
 
     The field and its padding fill ``container`` bits from the field's low end. ``pieces`` is empty unless the layout is
-    carried as bytes and the container lies at a fixed place.
+    carried as bytes and the container is at a fixed position.
     """
 
     name: str
@@ -91,63 +91,63 @@ class Field:
 
     @property
     def unexplained(self) -> Field:
-        """The flag as order codes have it for which the manual does not explain it."""
+        """The flag for order codes for which the manual does not explain it."""
         assert isinstance(self.kind, Flag)
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
     def held_by(self, parameters: Mapping[str, int]) -> Field:
-        """Return the field as an order code with these parameters has it."""
+        """Return the field for an order code with these parameters."""
         while_ = self.kind.only_while if isinstance(self.kind, Flag) else ""
         return self.unexplained if while_ and not parameters.get(while_) else self
 
     @property
     def is_fixed(self) -> bool:
-        """Whether it lies at the same place for every order code."""
+        """Whether the field is at the same bits for every order code."""
         return self.low.is_constant and self.width.is_constant
 
     @property
     def mask_in_place(self) -> int:
-        """Its bits within the layout as one number, as far as it can reach; its lowest bit has to be fixed."""
+        """Mask of the largest extent of the field in the layout. Its lowest bit must be fixed."""
         return ((1 << self.widest) - 1) << self.low.constant
 
     @property
     def carries_data(self) -> bool:
-        """Whether a user of a decoded frame wants it: it is neither fixed nor derived from other fields."""
+        """Whether the field matters to users of a decoded frame: it is neither fixed nor derived from other fields."""
         return not isinstance(self.kind, (Constant, Unused, CrcValue, Parity))
 
     def documented(self, parameters: Mapping[str, int]) -> int | str | None:
-        """What ``equals`` comes to for an order code with these parameters."""
+        """Return the value of ``equals`` for an order code with these parameters."""
         return self.equals.value(parameters) if isinstance(self.equals, Expression) else self.equals
 
     @property
     def number(self) -> Number:
-        """How its bits count: as the number that it is, else as a plain one."""
+        """The field's kind if it is a number, else a plain number."""
         return self.kind if isinstance(self.kind, Number) else Number()
 
     @property
     def values(self) -> tuple[Value, ...]:
-        """The named values, if it is a choice."""
+        """Named values of a choice, or none."""
         return self.kind.values if isinstance(self.kind, Choice) else ()
 
     @property
     def runs(self) -> tuple[Digits, ...]:
-        """The runs of decimal digits, if it is read in decimal."""
+        """Runs of decimal digits of a decimal number, or none."""
         return self.kind.runs if isinstance(self.kind, Decimal) else ()
 
     @property
     def padding_of(self) -> str:
-        """The field that it pads, if it is padding."""
+        """Name of the padded field, or empty if this is not padding."""
         return self.kind.padding_of if isinstance(self.kind, Constant) else ""
 
     @property
     def fills_gap(self) -> bool:
-        """Whether it is the zeros between two fields of the spec, or beside one."""
+        """Whether it consists of zeros between two fields of the spec, or next to one."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
 
 @dataclass(frozen=True, slots=True)
 class Join:
-    """A number made of several fields, most significant first."""
+    """A number that consists of several fields, most significant first."""
 
     name: str
     fields: tuple[str, ...]
@@ -155,7 +155,7 @@ class Join:
 
 @dataclass(frozen=True, slots=True)
 class PlacedField:
-    """A field at a fixed place, for one order code."""
+    """A field at fixed bits, for one order code."""
 
     field: Field
     low: int
@@ -176,11 +176,11 @@ class PlacedField:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Named fields over so many bits.
+    """A sequence of named fields.
 
-    It is carried ``in_bytes``, by the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or else as bits, the
-    most significant first. ``fields`` stand in sending order for frames, and from the most significant bit down for
-    registers. ``channel`` is the BiSS data channel, where the encoder has several.
+    It is carried ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or else as bits, most
+    significant first. ``fields`` are in the order sent for frames, and from the most significant bit down for
+    registers. ``channel`` is the BiSS data channel if the encoder has several.
     """
 
     name: str
@@ -205,12 +205,12 @@ class Layout:
         return next(item for item in self.fields if item.name == name)
 
     def names_in(self, name: str) -> tuple[str, ...]:
-        """The fields of a join, most significant first; of a field its own name."""
+        """Return the fields of a join, most significant first, or the name of a field itself."""
         return next((item.fields for item in self.joins if item.name == name), (name,))
 
     @property
     def carried_as(self) -> str:
-        """The word of the spec language for how it is carried."""
+        """Word of the spec language for ``in_bytes``."""
         return "bytes" if self.in_bytes else "bits"
 
     @property
@@ -219,10 +219,7 @@ class Layout:
 
     @property
     def spoiling_flags(self) -> tuple[Field, ...]:
-        """The flags during which the position of this frame is not usable.
-
-        A flag that sums up others of the frame adds nothing to them.
-        """
+        """Flags that make the position of this frame unusable, without flags that only sum up others in the frame."""
         here = {item.name for item in self.fields}
         return tuple(
             item
@@ -235,10 +232,10 @@ class Layout:
 
     @property
     def unused(self) -> tuple[tuple[Field, int], ...]:
-        """The unused fields, the lowest first, each with its lowest bit in the number that a decoder makes of them.
+        """Unused fields, lowest first, each with its lowest bit in the number that a decoder combines them into.
 
-        In bytes that number has a byte for each one of the frame in which unused bits lie, and every bit keeps its
-        place in its byte. Where fields move with the order code, and in words, they stand side by side.
+        For bytes, that number has one byte for each byte of the frame with unused bits, and every bit keeps its
+        place in its byte. For words, and if fields move with the order code, the fields are adjacent.
         """
         fields = [item for item in self.fields if isinstance(item.kind, Unused)]
         if self.in_bytes and all(item.low.is_constant and item.width.is_constant for item in fields):
@@ -247,19 +244,19 @@ class Layout:
             taken = sorted({byte for low, high in spans for byte in range(low // 8, high // 8 + 1)})
             places = [8 * taken.index(item.low.constant // 8) + item.low.constant % 8 for item in fields]
         else:
-            # The last one sent is the lowest in a word, the first one where the low byte comes first.
+            # The last field sent is the lowest in a word. With the low byte first, the first one is.
             fields = fields if self.byte_order == "low_byte_first" else fields[::-1]
             places = [sum(item.widest for item in fields[:index]) for index in range(len(fields))]
         return tuple(zip(fields, places, strict=True))
 
     @property
     def unused_width(self) -> int:
-        """How many bits the number of the unused fields has."""
+        """Number of bits in the number of the unused fields."""
         return max((place + item.widest for item, place in self.unused), default=0)
 
     @property
     def status_fields(self) -> tuple[Field, ...]:
-        """The bits for error and warning: flags, and bits that stand for one and are never active, so always 1."""
+        """Bits for error and warning: flags, and bits in their place that are never active and so always 1."""
         return tuple(
             item
             for item in self.fields
@@ -271,7 +268,7 @@ class Layout:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
-        """The layout for one order code; fields without bits are left out, flags of other order codes not explained."""
+        """Return the layout for one order code, without fields of no bits and with foreign flags unexplained."""
         every = (
             PlacedField(item.held_by(parameters), item.low.value(parameters), item.width.value(parameters))
             for item in self.fields
@@ -284,9 +281,9 @@ class Layout:
 
 @dataclass(frozen=True, slots=True)
 class PlacedLayout:
-    """A layout whose positions are numbers; ``gray`` says that the number ``layout.gray_of`` is sent in Gray code.
+    """A layout whose positions are numbers. If ``gray`` is set, the number ``layout.gray_of`` is sent in Gray code.
 
-    ``unused`` are the unused fields that the order code has, each with its place as in ``layout.unused``.
+    ``unused`` are the unused fields of the order code, each with its place as in ``layout.unused``.
     """
 
     layout: Layout
@@ -303,10 +300,7 @@ class PlacedLayout:
         return next((item for item in self.fields if item.name == name), None)
 
     def place_of(self, name: str) -> tuple[int, int]:
-        """Low bit and width of a field, or of a join whose fields touch.
-
-        Width 0 where this order code has none of them.
-        """
+        """Return low bit and width of a field, or of a join of adjacent fields. The width is 0 if it is absent."""
         parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
         return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
 

@@ -1,4 +1,4 @@
-"""Between which values a register, or the field of it that its limits bound, may lie."""
+"""Limits of a register, or of its field that they apply to."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ from .expressions import Expression
 
 
 def bounded(register: Register) -> str:
-    """The name of the field or join that the limits bound: the one named, or the only one.
-
-    Empty for a register as a whole.
-    """
+    """Return the name of the limited field or join: the named one, or the only one, or empty for the whole register."""
     names = [*(item.name for item in register.layout.joins), *(item.name for item in register.layout.fields)]
     if register.limits_of in names:
         return register.limits_of
@@ -20,12 +17,12 @@ def bounded(register: Register) -> str:
 
 
 def bounded_width(register: Register, placed: PlacedLayout) -> int:
-    """The bits of what the limits bound: a field, a join, or the whole register."""
+    """Return the width of the limited field, join or register."""
     return placed.place_of(bounded(register))[1] or 8 * register.length
 
 
 def representable(register: Register, placed: PlacedLayout) -> tuple[int, int]:
-    """The lowest and the highest number that what the limits bound can hold; below zero where it is a signed field."""
+    """Return the lowest and the highest number that the limited field, join or register can hold."""
     width = bounded_width(register, placed)
     item = placed.field(bounded(register))
     if item is not None and item.field.number.signed:
@@ -39,7 +36,7 @@ def bounds(
     limits: tuple[Expression | None, Expression | None],
     parameters: Mapping[str, int],
 ) -> tuple[int, int]:
-    """The lowest and the highest value that may be written: by ``limits`` where they are given, else what fits."""
+    """Return the lowest and the highest value that may be written, from ``limits`` or else from the width."""
     lowest, highest = representable(register, placed)
     item = placed.field(bounded(register))
     if item is not None:

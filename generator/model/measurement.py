@@ -1,4 +1,4 @@
-"""What a position counts."""
+"""Measurement of a position: an angle or a length."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from .facts import Sources
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What ``of`` counts: ``counts_per_turn`` and ``turns`` for an angle, ``step_um`` and ``modulus`` for a length.
+    """Units of ``of``: ``counts_per_turn`` and ``turns`` for an angle, ``step_um`` and ``modulus`` for a length.
 
-    ``highest`` is the highest number sent, where an offset can move the positions above the counts in all.
+    ``highest`` is the highest number sent if an offset can move positions above the total count.
     """
 
     of: str

@@ -4,5 +4,5 @@ from typing import NoReturn
 
 
 def assert_never(value: NoReturn) -> NoReturn:
-    """Makes mypy refuse a ``match`` that forgets a member of the union."""
+    """Make mypy reject a ``match`` that misses a member of the union."""
     raise AssertionError(f"no case for {value!r}")

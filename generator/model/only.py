@@ -1,4 +1,4 @@
-"""``only``: the order codes for which something holds, abbreviated as manuals do it, such as ``.../65K...``."""
+"""``only``: the order codes for which a fact holds, abbreviated as in manuals, such as ``.../65K...``."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ _PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
 
 
 def fits(only: str, code: str) -> bool:
-    """Tell whether ``code`` is among the order codes ``only``; all are where that is empty.
+    """Return whether ``code`` is among the order codes ``only``, which are all if it is empty.
 
-    ``...`` stands for any text and ``x`` for any one character; a comma separates several. A label goes on with a
-    hyphen, which counts as part of the order code.
+    ``...`` stands for any text and ``x`` for any one character. A comma separates several. The hyphen after an order
+    code on a label counts as part of it.
     """
     return not only or any(pattern.fullmatch(f"{code}-") for pattern in _patterns(only))
 

@@ -1,4 +1,4 @@
-"""Procedures: what a master does, step by step."""
+"""Procedures: the steps of a master."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class _Step:
 
 @dataclass(frozen=True, slots=True)
 class WriteStep(_Step):
-    """Write ``value`` into the whole register; None stands for the argument ``value_name``."""
+    """Write ``value`` to the whole register. None stands for the argument ``value_name``."""
 
     do: ClassVar[str] = "write"
     register: str
@@ -26,7 +26,7 @@ class WriteStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class ModifyStep(_Step):
-    """Write ``value`` into one field and leave the others as read; None stands for the argument ``value_name``."""
+    """Write ``value`` to one field and keep the others as read. None stands for the argument ``value_name``."""
 
     do: ClassVar[str] = "write"
     register: str
@@ -37,7 +37,7 @@ class ModifyStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class ReadStep(_Step):
-    """Read the register, for the sake of one field if ``field`` names it."""
+    """Read the register, or one field of it if ``field`` names it."""
 
     do: ClassVar[str] = "read"
     register: str
@@ -56,7 +56,7 @@ class PollStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class WaitStep(_Step):
-    """Let ``microseconds`` go by."""
+    """Wait ``microseconds``."""
 
     do: ClassVar[str] = "wait"
     microseconds: int
@@ -64,9 +64,9 @@ class WaitStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class SendStep(_Step):
-    """Send the bytes ``request``, which ask for ``data_id``, so many ``times``, ``microseconds`` apart.
+    """Send the bytes ``request``, which ask for ``data_id``, ``times`` times, ``microseconds`` apart.
 
-    ``in_succession`` says that nothing else may be sent between them.
+    ``in_succession`` is true if nothing else may be sent between them.
     """
 
     do: ClassVar[str] = "send"
@@ -78,13 +78,13 @@ class SendStep(_Step):
 
 
 RegisterStep = WriteStep | ModifyStep | ReadStep | PollStep
-#: ``do`` is the word of the spec language; only what reads or prints it asks for it.
+#: ``do`` is the word of the spec language, used for reading and printing only.
 Step = RegisterStep | WaitStep | SendStep
 
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A value that the caller of a procedure gives, written to the register ``of``.
+    """A value that the caller of a procedure gives, for the register ``of``.
 
     ``meant_as`` names the register's meaning, if it has several.
     """
@@ -109,5 +109,5 @@ class Procedure:
 
     @property
     def registers(self) -> frozenset[str]:
-        """The registers that its steps read or write."""
+        """Registers that the steps read or write."""
         return frozenset(step.register for step in self.steps if isinstance(step, RegisterStep))

@@ -1,4 +1,4 @@
-"""A device as some of its order codes have it: what holds ``only`` for others is left out, or not explained."""
+"""A device for some of its order codes: facts that hold ``only`` for others are left out or unexplained."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 from ..model import Device, Field, Flag
 from ..model.only import fits
 
-#: The parts of a device in which ``only`` stands, or what refers to such parts.
+#: The parts of a device that have ``only`` or refer to such parts.
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
 
 
 def held_by(device: Device, codes: Collection[str]) -> Device:
-    """Return the device as these order codes have it.
+    """Return the device for these order codes.
 
-    What holds for none of them is left out, and a flag is not explained; what holds for all of them no longer says so.
+    Facts that hold for none of them are left out, and flags are unexplained. Facts that hold for all lose ``only``.
     """
     made = replace(device, **{name: _held(getattr(device, name), codes) for name in _PARTS})
     steps = {item.name for item in made.characteristics}
@@ -47,7 +47,7 @@ def _is_of_others(item: Any, codes: Collection[str]) -> bool:
 
 
 def _with_steps(item: Any, known: Collection[str]) -> Any:
-    """The same without steps by hand that the order codes do not have."""
+    """Return the item without steps by hand that do not apply to the order codes."""
     if isinstance(item, tuple):
         kept = tuple(_with_steps(one, known) for one in item)
         return item if all(new is old for new, old in zip(kept, item, strict=True)) else kept

@@ -1,4 +1,4 @@
-"""Order codes: the list of them, and what the text on a label means."""
+"""Enumerate order codes, and parse the text on a label."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from types import MappingProxyType
 
 from ..model import CodePart, Device, OrderCode, Spelling, Variant
 
-#: No label has more characters.
+#: Most characters of a label.
 LONGEST = 100
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
-#: What may follow the code on a label.
+#: Text that may follow the code on a label.
 _AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
 class UnknownOrderCode(ValueError):
-    """No such order code; the message says which part is wrong and what would be right.
+    """There is no such order code. The message says which part is wrong and what would be right.
 
-    ``close`` says that the message is the one to show: the text is an order code of the family but for a part of it, or
-    it can be none of any family.
+    ``close`` is true if this message is the one to show: all but one part of the text matches the family, or the text
+    cannot belong to any family.
     """
 
     def __init__(self, message: str, close: bool) -> None:
@@ -35,9 +35,9 @@ class UnknownOrderCode(ValueError):
 class Match:
     """An order code as read from a label.
 
-    ``variant`` is the enumerated code that it stands for. ``unlisted`` names the parts whose value the manual leaves
-    open, ``tail`` is what followed the code on the label, ``special`` is set for codes that end in /Sxxx.
-    ``written_as_in`` says where codes are written like this label, if that is not as the order codes are listed.
+    ``variant`` is the matching enumerated code. ``unlisted`` names the parts whose value is not listed in the manual,
+    ``tail`` is the text after the code on the label, and ``special`` is set for codes that end in /Sxxx.
+    ``written_as_in`` says where codes are written like this label, if the order codes are listed in another notation.
     """
 
     variant: Variant
@@ -48,7 +48,7 @@ class Match:
 
 
 def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
-    """Every enumerated code: its text, the value of each part, the interface, and the parameters that the parts set."""
+    """Yield every enumerated code: text, value of each part, interface, and the parameters that the parts set."""
     for values in itertools.product(*(part.values for part in order_code.parts)):
         chosen = {part.name: value for part, value in zip(order_code.parts, values, strict=True)}
         texts = {name: value.text for name, value in chosen.items()}
@@ -60,25 +60,21 @@ def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str]
 
 
 def filled(pattern: str, texts: Mapping[str, str]) -> str:
-    """A pattern with the text of each part in the place of its braces."""
+    """Return a pattern with the parts in braces replaced by their texts."""
     return _BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
 def find(device: Device, text: str) -> Match:
-    """What the label ``text`` means for this family.
-
-    A tail after ``-`` and ``/Sxxx`` are accepted, and blanks mean nothing.
+    """Parse the label ``text`` for this family. A tail after ``-`` and ``/Sxxx`` are accepted, and blanks are ignored.
 
     Raises:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
     if len(text) > LONGEST:
-        reason = (
-            f"'{text[:20]}...' is no order code: it has {len(text)} characters, and no label has more than {LONGEST}"
-        )
-        raise UnknownOrderCode(reason, close=True)
+        size = f"it has {len(text)} characters, more than the {LONGEST} of any label"
+        raise UnknownOrderCode(f"'{text[:20]}...' is not an order code: {size}", close=True)
     code = without_blanks(text).upper()
-    # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
+    # A part of the code itself may look like /Sxxx, which counts only after the code.
     for spelling in (_as_listed(device.order_code), *device.order_code.also_written):
         match = re.fullmatch(_regex(device.order_code, spelling) + _AFTER, code, re.IGNORECASE)
         if match is not None:
@@ -91,18 +87,18 @@ def find(device: Device, text: str) -> Match:
 
 
 def without_blanks(text: str) -> str:
-    """A label or pattern without its blanks: some are printed with them, the same codes elsewhere without."""
+    """Return a label or pattern without blanks, since the same codes are printed with and without them."""
     return "".join(text.split())
 
 
 def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
-    """What stands for each listed value of ``part`` in this spelling, by the text on the label."""
+    """Return the listed values of ``part`` by their texts in this spelling."""
     own = {item.text: item.value for item in spelling.values if item.part == part.name}
     return own or {value.text: value.text for value in part.values}
 
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
-    """How labels of the family can begin, in capitals and without blanks; an empty text where in any way."""
+    """Return the possible beginnings of the family's labels, uppercase and without blanks, or "" for any."""
     found = set[str]()
     for spelling in (_as_listed(code), *code.also_written):
         text, *pieces = _BRACES.split(spelling.pattern)
@@ -116,12 +112,12 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
 
 
 def _as_listed(order_code: OrderCode) -> Spelling:
-    """Order codes as the manual lists them, as a spelling among others."""
+    """Return the notation in which the manual lists order codes as a spelling."""
     return Spelling(order_code.pattern, "", (), "", ())
 
 
 def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Variant, tuple[str, ...]]:
-    """The order code that has these parts, and which of them the manual leaves open."""
+    """Return the order code with these parts, and the names of unlisted ones."""
     known = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
     variant = _fitting(device, known)
     if variant is None:
@@ -139,7 +135,7 @@ def _listed(part: CodePart, text: str) -> str | None:
 
 
 def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
-    """The first enumerated code that has these parts, where None stands for a part that is not listed."""
+    """Return the first enumerated code with these parts, where None stands for an unlisted one."""
     unlisted = [part for part in device.order_code.parts if known[part.name] is None]
     for variant in device.variants:
         if all(value in (None, variant.parts[name]) for name, value in known.items()) and all(
@@ -152,7 +148,7 @@ def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
 
 
 def _regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
-    """A regular expression for the whole code in this spelling; the part ``anything`` may be any text."""
+    """Return a regular expression for the whole code in this spelling. The part ``anything`` may be any text."""
     own = {item.part for item in spelling.values}
     parts = {
         part.name: _any_of(spelled(part, spelling)) if part.name in own else _alternatives(part)
@@ -176,19 +172,18 @@ def _any_of(texts: Iterable[str]) -> str:
 
 
 def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[str, str | None]) -> str:
-    """What is wrong with parts that are right one by one but not together: those of which another value would do."""
+    """Return the message about parts that are valid individually but not together, naming those to change."""
     names = [
         part.name
         for part in device.order_code.parts
         if any(_fitting(device, {**known, part.name: value.text}) for value in part.values)
     ]
     listed = " and ".join(f"{name} '{known[name] or parts[name]}'" for name in names) or "its parts"
-    return f"'{code}' has {listed}, which do not go together; the nearest codes are {_nearest(device, code)}"
+    return f"'{code}' has {listed}, which cannot be combined; the nearest codes are {_nearest(device, code)}"
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
-    """The error that says what is wrong with ``code``: the one part that is missing or not listed, or else the nearest
-    codes."""
+    """Return the error about ``code``, with the only part that is missing or unlisted, or else the nearest codes."""
     found = []
     for part in device.order_code.parts:
         match = re.fullmatch(
@@ -205,14 +200,14 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
                 )
             )
     if not found:
-        wrong = f"'{code}' is no order code of {device.name.upper()}; the nearest are {_nearest(device, code)}"
+        wrong = f"'{code}' is not an order code of {device.name.upper()}; the nearest are {_nearest(device, code)}"
         return UnknownOrderCode(wrong, close=False)
-    # Rather a part that leaves the others with listed values, and rather a missing one.
+    # Prefer a part that leaves the others with listed values, and prefer a missing one.
     _, _, part, given = min(found, key=lambda item: item[:2])
     valid = ", ".join(value.text for value in part.values)
     wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
     return UnknownOrderCode(
-        f"'{code}' {wrong}; valid are {valid}. The nearest codes are {_nearest(device, code)}", close=True
+        f"'{code}' {wrong}; valid values: {valid}. The nearest codes are {_nearest(device, code)}", close=True
     )
 
 
@@ -221,12 +216,12 @@ def _nearest(device: Device, code: str) -> str:
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
-    """The three enumerated codes that look most like ``text``, or like as much of it as comes before a tail.
+    """Return the three enumerated codes that are most similar to ``text``, or to its part before a tail.
 
     Args:
         devices: The families.
-        text: What was taken for an order code.
-        least: The likeness, of 1, that a code has to have.
+        text: Text that was meant as an order code.
+        least: Least similarity, from 0 to 1.
     """
     pieces = text.upper().split("-")
 

@@ -1,4 +1,4 @@
-"""A device with only a part of its interfaces or order codes, and without what belongs to the others alone."""
+"""A device reduced to some of its interfaces or order codes, without parts that belong only to the others."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .parameters import parameters_of
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
-    """The device with only these of its listed order codes, and without interfaces and examples of the others."""
+    """Return the device with only these listed order codes, and without interfaces and examples of the others."""
     variants = tuple(item for item in device.variants if item.code in codes)
     kinds = {item.interface for item in variants}
     here = for_interfaces(device, kinds) if kinds != {item.name for item in device.interfaces} else device
@@ -49,12 +49,12 @@ def _listed(part: CodePart, texts: Collection[str]) -> CodePart:
 
 
 def for_interface(device: Device, kind: str) -> Device:
-    """The device with only one of its interfaces, and without what belongs to the others."""
+    """Return the device with only one of its interfaces, and without parts that belong to the others."""
     return for_interfaces(device, {kind})
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """The device with only some of its interfaces, and without what belongs to the others alone."""
+    """Return the device with only some of its interfaces, and without parts that belong only to the others."""
     part = _with_used(_with_own(device, kinds))
     kept = {
         "interfaces": _names(part.interfaces),
@@ -75,7 +75,7 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
 
 
 def _with_own(device: Device, kinds: Collection[str]) -> Device:
-    """The device with only those parts that belong to these interfaces by what they say themselves."""
+    """Return the device with only the parts that name one of these interfaces or none."""
     return replace(
         device,
         interfaces=tuple(item for item in device.interfaces if item.name in kinds),
@@ -88,7 +88,7 @@ def _with_own(device: Device, kinds: Collection[str]) -> Device:
 
 
 def _with_used(device: Device) -> Device:
-    """The device with only the CRCs, groups, alarms and alternatives that its frames and registers use."""
+    """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use."""
     sent = [field for item in device.interfaces for layout in item.layouts for field in layout.fields]
     crcs = {field.kind.crc for field in sent if isinstance(field.kind, CrcValue)}
     crcs |= {part.crc for item in device.interfaces if isinstance(item, Biss) for part in item.control_data}
@@ -107,7 +107,7 @@ def _with_used(device: Device) -> Device:
 
 
 def _with_registers(item: Input, registers: Collection[str]) -> Input:
-    """The input; what registers of another interface do to it does not hold here."""
+    """Return the input without the effects of other interfaces' registers."""
 
     def held(path: str) -> str:
         return path if path.partition(".")[0] in registers else ""
@@ -125,9 +125,9 @@ def _names(items: Iterable[_Named]) -> set[str]:
 
 
 def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
-    """Whether a path of an erratum leads to something that these interfaces have.
+    """Return a test of whether a path of an erratum leads to a part of these interfaces.
 
-    Paths that belong to no interface always do.
+    Paths that belong to no interface pass.
     """
 
     def found(path: str) -> bool:
@@ -138,7 +138,7 @@ def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
 
 
 def _holds_for(example: Example, interfaces: Collection[str], device: Device, kept: Mapping[str, set[str]]) -> bool:
-    """Whether an example is about something that the interfaces have, and its order code one with one of these."""
+    """Return whether an example is about a part of the interfaces, and its order code has one of them."""
     match example:
         case FrameExample():
             found = example.layout in {"", *kept["layouts"]}

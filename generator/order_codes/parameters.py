@@ -1,4 +1,4 @@
-"""Which parameters belong to which interface: an order code over SSI need not hear of the widths of a BiSS frame."""
+"""Parameters by interface: users of an SSI order code need not see the widths of a BiSS frame."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..model.expressions import Expression
 
 
 def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
-    """The parameters that say something about the interface ``kind``.
+    """Return the parameters that matter for the interface ``kind``.
 
-    What only other interfaces use is left out, unless it follows from what is kept; what no interface uses is kept, for
-    it is there to be read.
+    Parameters used only by other interfaces are left out, unless they follow from the ones kept. Parameters used by no
+    interface are kept, since they are there for information.
     """
     used = {item.name: _used(device, item.name) for item in device.interfaces}
     elsewhere = set[str]().union(*used.values()) - used[kind]
@@ -28,7 +28,7 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
 
 
 def run_time_names(device: Device) -> frozenset[str]:
-    """The parameters that a register holds, and those that follow from them."""
+    """Return the parameters that registers hold, and those that follow from them."""
     found = {item.name for item in device.run_time_parameters}
     for _ in device.parameters:
         found |= {
@@ -40,28 +40,27 @@ def run_time_names(device: Device) -> frozenset[str]:
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
-    """Whether registers decide at run time where the fields of a layout stand, or in which code."""
+    """Return whether registers decide the positions or the code of a layout's fields at run time."""
     return not run_time_names(device).isdisjoint(
         {layout.gray_when, *(name for item in _of_layout(layout) for name in item.parameters)}
     )
 
 
 def needed_parameters(device: Device, name: str) -> frozenset[str]:
-    """A parameter and all that it follows from."""
+    """Return a parameter and all parameters that it follows from."""
     definition = next((item.equals for item in device.parameters if item.name == name), None)
     inputs = definition.parameters if definition is not None else ()
     return frozenset({name}.union(*(needed_parameters(device, other) for other in inputs)))
 
 
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
-    """The register fields, as ``register.field``, that decide how long a layout is."""
+    """Return the register fields, as ``register.field``, that determine the length of a layout."""
     names = frozenset[str]().union(*(needed_parameters(device, name) for name in layout.bits.parameters))
     return tuple(item.read_from for item in device.run_time_parameters if item.name in names)
 
 
 def _used(device: Device, kind: str) -> set[str]:
-    """The parameters that the frames, registers and measurement of an interface are made of, with all that those follow
-    from."""
+    """Return the parameters used in frames, registers and measurement of an interface, with those they follow from."""
     expressions = list(_expressions(device, kind))
     found = {name for item in expressions for name in item.parameters}
     found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}

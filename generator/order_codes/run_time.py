@@ -1,4 +1,4 @@
-"""What an encoder's registers change at run time: parameters that a register holds, and values read from registers."""
+"""Parameters that registers hold at run time, and values read from registers."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ..model.expressions import Expression, ExpressionError
 
 
 class RegisterError(ValueError):
-    """A register is unknown, or its bytes or value cannot be."""
+    """A register is unknown, or its bytes or value are invalid."""
 
 
 def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
-    """``given`` with every parameter that follows from others."""
+    """Return ``given`` with all parameters that follow from others."""
     parameters = dict(given)
     left = {name: item for name, item in definitions.items() if name not in parameters}
     while left:
@@ -28,18 +28,18 @@ def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expre
             try:
                 parameters[name] = left.pop(name).value(parameters)
             except ExpressionError:
-                parameters[name] = 0  # out of reach; a width this large is reported where it is used
+                parameters[name] = 0  # out of range, which is reported where the width is used
     return MappingProxyType(parameters)
 
 
-#: Combinations of extremes beyond which only those of two parameters at a time are looked at.
+#: Most combinations of extremes. Beyond this, only pairs of parameters are combined.
 _MOST_CORNERS = 64
 
 
 def corners(extremes: Mapping[str, Sequence[int]]) -> Iterator[Mapping[str, int]]:
-    """The joint extremes of parameters: what fits with one of them at its end may not where two are.
+    """Yield the combined extremes of parameters, since a value may fit with one of them at its end but not with two.
 
-    Where that would be too many, those of each two, the others being what they are, and all at the same end.
+    If there are too many, yield those of each pair with the others unchanged, and those with all at the same end.
     """
     names = [name for name, values in extremes.items() if values]
     if prod(len(set(extremes[name])) for name in names) <= _MOST_CORNERS:
@@ -56,7 +56,7 @@ def _joint(names: Sequence[str], extremes: Mapping[str, Sequence[int]]) -> Itera
 
 
 def at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
-    """The parameters of a variant as delivered, and at the extremes of those that registers hold."""
+    """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
     given = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
     definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
     bounds = {
@@ -67,15 +67,15 @@ def at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]
 
 
 def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) -> Variant:
-    """The variant as it is when these registers hold these bytes.
+    """Return the variant with these register values.
 
     Args:
         device: The family.
         variant: One of its order codes.
-        held: Bytes by address; other registers hold their defaults.
+        held: Bytes by address. Other registers have their defaults.
 
     Raises:
-        RegisterError: No parameter is held at an address, or a value cannot be.
+        RegisterError: An address holds no parameter, or a value is invalid.
     """
     parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
     used: set[int] = set()
@@ -100,7 +100,7 @@ def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) ->
 
 
 def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
-    """The variant with these answers, each by the name of its alternative.
+    """Return the variant with these answers, each by the name of its alternative.
 
     Raises:
         KeyError: There is no such alternative or answer.
@@ -114,7 +114,7 @@ def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Var
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
-    """The variant as it is once ``register`` holds ``number``."""
+    """Return the variant after writing ``number`` to ``register``."""
     held = {item.name: item for item in device.run_time_parameters if item.register == register.name}
     if not held:
         return variant
@@ -127,7 +127,7 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
 
 
 def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) -> int:
-    """The parameter in a register whose bytes are those held, or its defaults."""
+    """Return the parameter from a register's bytes in ``held`` or its defaults."""
     default = register.default_bytes() or bytes(register.length)
     data = bytes(held.get(register.address + index, byte) for index, byte in enumerate(default))
     field = register.layout.field(parameter.field)

@@ -1,4 +1,4 @@
-"""A device as an order code has it: what depends on the order code is a number."""
+"""A device for one order code, with numbers in place of quantities that depend on it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 from ..model import Device, Layout, Variant
 from ..model.expressions import Expression, Factor
 
-#: The parts of a device that expressions stand in.
+#: The parts of a device that contain expressions.
 _PARTS = ("interfaces", "registers", "procedures", "measurement")
 
 
 def applied(device: Device, variant: Variant) -> Device:
-    """The device with the quantities of an order code filled in; the questions that a manual leaves open stay.
+    """Return the device with the quantities of an order code filled in. Questions left open by the manual remain.
 
-    Quantities that registers hold are those as delivered.
+    Quantities held in registers have their factory defaults.
     """
     asked = {item.name for item in device.parameters if item.alternative}
     known = {name: value for name, value in variant.parameters.items() if name not in asked}
@@ -38,14 +38,14 @@ def _filled(item: Any, known: Mapping[str, int]) -> Any:
 
 
 def _decoded(layout: Layout, known: Mapping[str, int]) -> Layout:
-    """The layout with its code known: Gray, or plain binary."""
+    """Return the layout with a fixed code, Gray or binary."""
     if layout.gray_when not in known:
         return layout
     return replace(layout, gray_of=layout.gray_of if known[layout.gray_when] else "", gray_when="")
 
 
 def _without_empty(layout: Layout) -> Layout:
-    """The layout without fields that have no bits, and joins without them."""
+    """Return the layout without fields of no bits, also in its joins."""
     empty = {item.name for item in layout.fields if item.width == Expression(0)}
     if not empty:
         return layout
@@ -58,7 +58,7 @@ def _without_empty(layout: Layout) -> Layout:
 
 
 def _number(item: Expression, known: Mapping[str, int]) -> Expression:
-    """The sum with each term that is known as a number."""
+    """Return the sum with known terms replaced by numbers."""
     if item.is_constant:
         return item
     open_terms = tuple(term for term in item.terms if not all(_is_known(factor, known) for factor in term.factors))

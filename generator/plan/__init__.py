@@ -1,5 +1,5 @@
-"""What code has to do, in no language: typed operations that each target spells.
+"""Operations of the generated code, independent of any language.
 
-Which operations there are, and in which order, is decided here once. A target decides how an operation is written in
-its language. The reference codec never imports this: it is what every target is tested against.
+This package decides once which operations are needed, and in which order. A target decides how to write an operation
+in its language. The reference codec never imports this package, since every target is tested against it.
 """

@@ -1,4 +1,4 @@
-"""Which steps of a procedure undo what a step before them has opened, as the register that is written says."""
+"""Steps of a procedure that undo an opening step before them, according to the written register."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from ..model import Device, ModifyStep, Register, Step, WriteStep
 
 
 def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
-    """The places of the steps that close.
+    """Return the indices of the closing steps.
 
-    A step opens where it writes the number by which a register of the procedure is opened (``opened_by``); the first
-    step after it that writes another number to the same place closes.
+    A step opens if it writes the number that opens a register of the procedure (``opened_by``). The first step after it
+    that writes another number to the same place closes.
     """
     written = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
     openers = [item for item in device.registers if item.opened_by and item.name in written]
@@ -30,14 +30,14 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
 
 
 def _is_place(step: WriteStep | ModifyStep, opened: Register) -> bool:
-    """Whether the step writes what opens the register."""
+    """Return whether the step writes to the place that opens the register."""
     if step.register != opened.opened_by:
         return False
     return isinstance(step, WriteStep) or step.field == opened.opened_by_field
 
 
 def _opening_number(device: Device, opened: Register) -> int:
-    """What opens the register."""
+    """Return the number that opens the register."""
     fields = device.register(opened.opened_by).layout.fields
     values = (value for field in fields if opened.opened_by_field in ("", field.name) for value in field.values)
     return next(value.value for value in values if value.name == opened.opened_by_value)

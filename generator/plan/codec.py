@@ -1,4 +1,4 @@
-"""How a layout is decoded and encoded: where each field is read, what has to hold, and what each bit is made of."""
+"""Plans for decoding and encoding layouts: positions of fields, checks, and sources of the bits."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .crcs import divides, fold_steps
 
 @dataclass(frozen=True, slots=True)
 class Bits:
-    """``width`` bits from bit ``low`` of the word up; ``pieces`` tell the same for bytes, lowest bits first.
+    """``width`` bits from bit ``low`` of the word up. ``pieces`` describe the same in bytes, lowest bits first.
 
-    ``on_top`` says that nothing lies above them, so that a shift alone takes them out. ``widest`` is the width of the
-    order code with the most bits.
+    ``on_top`` is true if there are no bits above, so that a shift is enough to extract them. ``widest`` is the width
+    for the order code with the most bits.
     """
 
     low: Expression
@@ -30,11 +30,11 @@ class Bits:
 
     @property
     def are_fixed(self) -> bool:
-        """Whether they lie at the same place for every order code."""
+        """Whether they are at the same position for every order code."""
         return self.low.is_constant and self.width.is_constant
 
 
-# -- what has to hold of a frame
+# -- checks of a frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +49,9 @@ class AlwaysIs:
 
 @dataclass(frozen=True, slots=True)
 class ZerosAbove:
-    """The field fills its container up to ``width`` bits; ``padding`` is the constant that lies above it there.
+    """The field fills its container up to ``width`` bits, and the constant ``padding`` is above it.
 
-    ``bits`` are those of the whole container as far as the field can reach, ``beyond`` the bytes that it never reaches.
+    ``bits`` are the bits of the container that the field can reach, ``beyond`` the bytes that it never reaches.
     """
 
     field: Field
@@ -62,7 +62,7 @@ class ZerosAbove:
 
     @property
     def may_reach(self) -> bool:
-        """Whether the bytes that the field reaches have bits above it."""
+        """Whether there are bits above the field in the bytes that it reaches."""
         reached = self.field.container - 8 * len(self.beyond)
         return reached > (self.field.widest if self.bits.width.is_constant else 0)
 
@@ -71,7 +71,7 @@ class ZerosAbove:
 class ParityIs:
     """The bit is the parity of the fields ``of``: 1 for an odd number of ones, or with ``odd`` for an even one.
 
-    ``known`` is the only bit that is right in this frame, if each field in ``of`` has one value only.
+    ``known`` is the only valid bit in this frame if each field in ``of`` has a single value.
     """
 
     field: Field
@@ -84,14 +84,14 @@ class ParityIs:
 
     @property
     def selector(self) -> Field:
-        """The one field with a known value."""
+        """The only field with a known value."""
         (field,) = self.of
         return field
 
 
 @dataclass(frozen=True, slots=True)
 class IsOneOf:
-    """The field is one of these values: of its named ones, or as a selector one of those that tell this frame."""
+    """The field has one of these values: its named ones, or for a selector those that identify this frame."""
 
     field: Field
     bits: Bits
@@ -101,7 +101,7 @@ class IsOneOf:
 
 @dataclass(frozen=True, slots=True)
 class AtMost:
-    """The field, which is read in decimal digits, has no more than ``runs`` can show."""
+    """The field, read as decimal digits, has at most as many digits as ``runs``."""
 
     field: Field
     bits: Bits
@@ -117,8 +117,8 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost
 class FrameCrc:
     """The CRC at the end of a frame, over everything before it.
 
-    ``covered`` is how many bits that is. ``divides`` says that the word as a whole, its final XOR taken out, is divided
-    by the polynomial where it is sound; ``steps`` then fold it without a table, if there are any.
+    ``covered`` is the number of these bits. ``divides`` is true if the polynomial divides a whole valid word, after its
+    final XOR is removed. ``steps``, if any, then fold it without a table.
     """
 
     crc: Crc
@@ -138,12 +138,12 @@ class Gray:
     when: str
 
 
-# -- what a frame is made of
+# -- parts of a frame
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A field that a decoded frame shows. ``shared`` says that a join or a parity bit looks at its bits as well."""
+    """A field in a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field
     bits: Bits
@@ -152,7 +152,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Whole:
-    """A join: its fields as one number, most significant first; ``bits`` where they stand side by side in the word."""
+    """A join: its fields as one number, most significant first. ``bits`` is set if they are adjacent in the word."""
 
     join: Join
     fields: tuple[Field, ...]
@@ -162,7 +162,7 @@ class Whole:
 
     @property
     def from_low(self) -> Iterator[tuple[Field, Expression]]:
-        """Its fields, the lowest first, and where each begins in the number."""
+        """Yield its fields, lowest first, and the bit at which each begins in the number."""
         low = Expression(0)
         for item in reversed(self.fields):
             yield item, low
@@ -170,16 +170,16 @@ class Whole:
 
     @property
     def depends(self) -> bool:
-        """Whether any of them begins elsewhere with another order code."""
+        """Whether the start of any field depends on the order code."""
         return not all(low.is_constant for _, low in self.from_low)
 
 
 @dataclass(frozen=True, slots=True)
 class Reserved:
-    """Unused bits, which a decoder reports and does not refuse.
+    """Reserved bits, which a decoder reports but does not reject.
 
-    A decoded frame has one number for all of them, ``unused``: there the bits from ``place`` up are 1 where the field
-    is not ``value``.
+    A decoded frame has one number for all of them, ``unused``. In it, the bits from ``place`` up are 1 where the field
+    differs from ``value``.
     """
 
     field: Field
@@ -197,7 +197,7 @@ class Fixed:
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """The value of a field, in the bits that its kind makes of it."""
+    """The value of a field, converted to bits according to its kind."""
 
     field: Field
 
@@ -212,7 +212,7 @@ class ParityOf:
 
 @dataclass(frozen=True, slots=True)
 class Turned:
-    """Unused bits: ``value`` with those turned round that are 1 in the frame's ``unused`` from ``place`` up."""
+    """Reserved bits: ``value``, with those inverted that are 1 in the frame's ``unused`` from ``place`` up."""
 
     value: int
     place: int
@@ -220,7 +220,7 @@ class Turned:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One field of a frame that is encoded, all but the CRC."""
+    """One field of an encoded frame, other than the CRC."""
 
     field: Field
     bits: Bits
@@ -228,7 +228,7 @@ class Term:
 
     @property
     def depends(self) -> bool:
-        """Whether its place, or where it has a sign its width, differs with the order code."""
+        """Whether its position, or for a signed field its width, depends on the order code."""
         return not self.field.low.is_constant or (self.field.number.signed and not self.field.width.is_constant)
 
 
@@ -236,9 +236,9 @@ class Term:
 class Codec:
     """The plan of a layout.
 
-    ``by_word`` says that it is taken as one number: its bits are one, or fields move with the order code, or Gray code
-    has to be taken out first. Otherwise the bytes are taken one by one. ``alternatives`` are the decisions that the
-    caller has to hand over.
+    ``by_word`` is true if the frame is processed as one number: it is sent as bits, its fields move with the order
+    code, or Gray code must be converted first. Otherwise the bytes are processed one by one. ``alternatives`` are the
+    decisions that the caller must pass.
     """
 
     layout: Layout
@@ -256,7 +256,7 @@ class Codec:
 
     @property
     def keeps_others(self) -> bool:
-        """Whether bits without a field are kept: those of a register, where the manual does not say what they are."""
+        """Whether bits without a field are kept: those of a register that the manual does not define."""
         return self.layout.gaps == "unspecified" and not self.layout.sender
 
     @property
@@ -265,7 +265,7 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """Whether the place or width of anything differs with the order code."""
+        """Whether any position or width depends on the order code."""
         chosen = {name for item in self.alternatives for name in item.answers[0].sets}
         places = (place for item in self.layout.fields for place in (item.low, item.width))
         return self.gray is not None or any(
@@ -274,11 +274,11 @@ class Codec:
 
     @property
     def from_low(self) -> range:
-        """Its bytes, the lowest of the number first."""
+        """Return the indices of the bytes, lowest byte of the number first."""
         return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
 
     def faults(self) -> tuple[Fault, ...]:
-        """The faults that a decoder of this layout can find, each once."""
+        """Return the errors that a decoder of this layout can find, each once."""
         found = {Fault.LENGTH, *(item.fault for item in self.checks), *([Fault.CRC] if self.crc is not None else [])}
         return tuple(item for item in Fault if item in found)
 
@@ -287,7 +287,7 @@ class Codec:
 
 
 def codec_of(device: Device, layout: Layout) -> Codec:
-    """The plan of a layout: of a frame, or of the bytes of a register."""
+    """Return the plan of a layout, of a frame or of the bytes of a register."""
     placed = all(item.pieces or item.padding_of for item in layout.fields)
     by_word = not (layout.in_bytes and placed) or bool(layout.gray_of)
     selector = fixed_selector(layout)
@@ -315,19 +315,19 @@ def codec_of(device: Device, layout: Layout) -> Codec:
 
 
 def fixed_selector(layout: Layout) -> Field | None:
-    """The selector of a frame that is told by one value of it."""
+    """Return the selector if a single value of it identifies the frame."""
     return layout.field(layout.selector) if len(layout.selects) == 1 else None
 
 
 def only_value(layout: Layout, item: Field) -> int | None:
-    """The value that a field always has, if it is a constant or the selector of a frame that is told by one value."""
+    """Return the only value of a field, if it is a constant or a selector with one value, or else None."""
     if isinstance(item.kind, Constant):
         return item.kind.value
     return layout.selects[0] if item is fixed_selector(layout) else None
 
 
 def bits_of(layout: Layout, item: Field) -> Bits:
-    """Where a field is read; of a padded one in bytes, all bytes that it can reach."""
+    """Return the bits of a field. For a padded field in bytes, include all bytes that it can reach."""
     reached = tuple(piece for piece in item.pieces if not item.container or piece.left < item.widest)
     return _bits(layout, item.low, item.width, item.widest, reached)
 
@@ -365,7 +365,7 @@ def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
 
 
 def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
-    """Constants and parity bits, in the order of the fields, which is that of their faults."""
+    """Yield the checks of constants and parity bits in the order of the fields, which is that of their errors."""
     for item in layout.fields:
         bits = bits_of(layout, item)
         match item.kind:
@@ -394,16 +394,16 @@ def _ranges(layout: Layout) -> Iterator[Check]:
 
 
 def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
-    """The values that a selector or a choice may have, each once; empty where the field can have no other one."""
+    """Return the valid values of a selector or a choice, each once, or none if the field can hold no others."""
     named = (value.value for value in item.values)
     values = dict.fromkeys(layout.selects if item.name == layout.selector else named)
-    # Each of them fits into the bits, so that so many are all.
+    # Each value fits into the bits, so this many are all possible values.
     is_full = item.width.is_constant and len(values) == 1 << item.widest
     return () if is_full else tuple(values)
 
 
 def _known_parity(layout: Layout, of: tuple[Field, ...], odd: bool) -> int | None:
-    """The parity bit of a single field that has one value only."""
+    """Return the parity bit if every field has a single value, or else None."""
     value = only_value(layout, of[0]) if len(of) == 1 else None
     return parity(value, odd) if value is not None else None
 
@@ -435,12 +435,12 @@ def _terms(layout: Layout) -> Iterator[Term]:
 
 
 def characters(item: Field) -> tuple[tuple[int, int], ...]:
-    """The characters of a text in reading order: index, and the byte that holds it; empty if they do not fill bytes."""
+    """Return the characters of a text in reading order, as index and byte, or none if they do not fill bytes."""
     if not isinstance(item.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in item.pieces):
         return ()
     return tuple((item.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(item.pieces))
 
 
 def is_plain_flag(part: Part) -> bool:
-    """Whether a part is a flag that nothing but its own member looks at."""
+    """Return whether a part is a flag that only its own member uses."""
     return isinstance(part.field.kind, Flag) and not part.shared

@@ -1,7 +1,6 @@
-"""How many frames are read at once: the same operations as for one frame, each over bits of the number that it makes.
+"""Plans for decoding many frames at once, with the same operations as for one frame.
 
-A decoder of columns looks at no byte by itself: what a frame's bytes are taken for, one by one, is told here by the
-place in their number.
+A decoder of columns does not look at single bytes, so positions are bits of the number that the frame's bytes form.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Bits that are one of ``values``, or at most ``limit``, or the parity of all bits at ``parity_of``."""
+    """Bits that must be one of ``values``, at most ``limit``, or the parity of all bits at ``parity_of``."""
 
     place: Place
     check: Check
@@ -37,9 +36,9 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """A verdict, and what leads to it: a flag unless one of others speaks, or one of some unused bits.
+    """A verdict and its cause: a flag, unless one of certain others is active, or any of some reserved bits.
 
-    Without ``only`` for all order codes.
+    Without ``only`` it applies to all order codes.
     """
 
     verdict: Verdict
@@ -51,7 +50,7 @@ class Worth:
 
 @dataclass(frozen=True, slots=True)
 class Telling:
-    """A report, and what makes a frame give it: a flag, or one of some unused bits."""
+    """A report and its cause: a flag, or any of some reserved bits."""
 
     report: str
     flag: Part | None
@@ -60,7 +59,7 @@ class Telling:
 
 
 def conditions(codec: Codec) -> Iterator[Condition]:
-    """What has to hold of a frame, in the order in which one frame is checked; the CRC left out."""
+    """Yield the checks of a frame other than the CRC, in the order used for a single frame."""
     for item in codec.checks:
         match item:
             case AlwaysIs(field, _, value):
@@ -77,7 +76,7 @@ def conditions(codec: Codec) -> Iterator[Condition]:
 
 
 def kind_of(part: Part) -> str:
-    """What the bits of a field stand for, in one word."""
+    """Return the kind of a field as one word."""
     match part.field.kind:
         case Flag(active_low=active_low):
             return "not_flag" if active_low else "flag"
@@ -92,7 +91,7 @@ def kind_of(part: Part) -> str:
 
 
 def worth(judgement: Judgement) -> Iterator[Worth]:
-    """What decides about the position, the worst first."""
+    """Yield the verdicts on the position, worst first."""
     for verdict, items in judgement.worst_first:
         for item in items:
             if isinstance(item.by, Reserved):
@@ -102,7 +101,7 @@ def worth(judgement: Judgement) -> Iterator[Worth]:
 
 
 def telling(reporting: Reporting) -> Iterator[Telling]:
-    """What makes the reports of a frame."""
+    """Yield the reports of a frame."""
     for item in reporting.told:
         if isinstance(item.by, Reserved):
             yield Telling(item.report.name, None, ((1 << item.by.bits.widest) - 1) << item.by.place, item.only)
@@ -111,20 +110,20 @@ def telling(reporting: Reporting) -> Iterator[Telling]:
 
 
 def crc_place(layout: Layout, width: int) -> int:
-    """The lowest bit of the CRC that ends a frame, in the number that the frame makes."""
+    """Return the lowest bit of the CRC at the end of a frame, in the number that the frame forms."""
     ends_on_top = layout.in_bytes and layout.byte_order == "low_byte_first"
     return layout.widest - width if ends_on_top else 0
 
 
 def fixed(codec: Codec) -> Iterator[tuple[Place, int]]:
-    """The bits that every such frame has."""
+    """Yield the fixed bits of the frame."""
     for item in codec.terms:
         if isinstance(item.value, Fixed) and item.value.number:
             yield Place(item.field.low, item.field.width), item.value.number
 
 
 def parities(codec: Codec) -> Iterator[tuple[Place, tuple[Place, ...], bool]]:
-    """The parity bits of a frame that is made, each with the bits that it is taken over."""
+    """Yield the parity bits to encode, each with the bits that it covers."""
     for item in codec.terms:
         if isinstance(item.value, ParityOf):
             of = tuple(Place(one.low, one.width) for one in item.value.of)

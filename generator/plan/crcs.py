@@ -1,4 +1,4 @@
-"""Which CRC functions a family needs: over bits, over bytes, and in which form."""
+"""CRC functions that a family needs: over bits or bytes, and in which form."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Form(Enum):
 
 
 class Carrier(Enum):
-    """What a CRC is taken over."""
+    """Data that a CRC covers."""
 
     BITS = "bits"
     BYTES = "bytes"
@@ -37,7 +37,7 @@ class Carrier(Enum):
 class CrcFunction:
     """One function for ``crc``.
 
-    ``alone`` says that the CRC needs no other, ``in_words`` that it ends frames that are one number.
+    ``alone`` is true if the CRC needs no other function, ``in_words`` if it ends frames that are one number.
     """
 
     crc: Crc
@@ -53,9 +53,10 @@ class CrcFunction:
 
 
 def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
-    """What carries a CRC, in frames and registers.
+    """Return the carriers of a CRC in frames and registers.
 
-    Where none has it, its parameters tell: reflected input has a meaning for bytes only, and whole bytes suggest bytes.
+    If none uses it, its parameters decide: reflected input is defined for bytes only, and a width of whole bytes
+    suggests bytes.
     """
     layouts = [layout for _, layout in device.layouts()] + [item.layout for item in device.registers]
     used = {layout.carried_as for layout in layouts if _ends_in(layout, crc)}
@@ -65,7 +66,7 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
 
 
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
-    """The functions of a family, in the order of its CRCs; over bytes before over bits."""
+    """Yield the functions of a family in the order of its CRCs, over bytes before over bits."""
     for crc in device.crcs:
         found = carriers(device, crc)
         in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
@@ -74,7 +75,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
 
 
 def function_of(device: Device, layout: Layout) -> CrcFunction | None:
-    """The function for the CRC that ends a layout, if one does."""
+    """Return the function for the CRC at the end of a layout, or None."""
     found = (item for item in crc_functions(device) if item.carrier.value == layout.carried_as)
     return next((item for item in found if _ends_in(layout, item.crc)), None)
 

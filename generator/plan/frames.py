@@ -1,4 +1,4 @@
-"""How the frames that one side sends are told apart."""
+"""Plans for distinguishing the frames of one sender."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .codec import Bits, bits_of
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """A frame, and the values of the selector that tell it."""
+    """A frame, and the selector values that identify it."""
 
     layout: Layout
     values: tuple[int, ...]
@@ -19,9 +19,9 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Dispatch:
-    """The frames of one sender, told by ``selector``; ``fallback`` is the frame of all others, if there is one.
+    """The frames of one sender, identified by ``selector``. ``fallback`` is the frame for all other values, or None.
 
-    The selector lies at the same place in each of them. ``needs`` is how many bytes have to be there to read it.
+    The selector is at the same position in all of them. ``needs`` is the number of bytes needed to read it.
     """
 
     sender: str
@@ -33,7 +33,7 @@ class Dispatch:
 
 
 def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
-    """How the frames of an interface are told apart, for each side that sends more than one kind."""
+    """Yield the dispatch of an interface's frames, for each sender with more than one kind."""
     for sender in dict.fromkeys(item.sender for item in layouts):
         sent = [item for item in layouts if item.sender == sender]
         if not sent[0].selector:

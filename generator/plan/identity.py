@@ -1,4 +1,4 @@
-"""By which registers an encoder is known, and what is compared."""
+"""Registers that identify an encoder, and the values to compare."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..model import Device, Field, Register
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """A register, and those of its fields whose value the manual states."""
+    """A register, and those of its fields with a documented value."""
 
     register: Register
     fields: tuple[Field, ...]
@@ -18,7 +18,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What the registers of one interface tell; ``alone`` says that no other interface can tell anything."""
+    """Identifying registers of one interface. ``alone`` is true if no other interface has any."""
 
     interface: str
     compared: tuple[Compared, ...]
@@ -26,7 +26,7 @@ class Identity:
 
 
 def identities(device: Device) -> Iterator[Identity]:
-    """What each interface can tell of the encoder, in the order of the registers."""
+    """Yield the identifying registers of each interface, in the order of the registers."""
     by_interface: dict[str, dict[str, list[Field]]] = {}
     for register, field in device.identity:
         by_interface.setdefault(register.interface, {}).setdefault(register.name, []).append(field)

@@ -1,4 +1,4 @@
-"""Between which values a register may be written, and which of the two bounds say more than the width does."""
+"""Limits of the values that may be written to a register, and which of them are stricter than the width."""
 
 from __future__ import annotations
 
@@ -13,11 +13,9 @@ from ..model.expressions import Expression
 class Limits:
     """The limits of a register, or of one of its meanings.
 
-    ``member`` is the field or join that they bound, empty where they bound the register as a whole. ``low`` and
-    ``high`` are None where the manual gives none; ``binds_low`` and ``binds_high`` say that a value that fits can lie
-    beyond.
-    All that fits are ``width`` bits, with a sign or without; ``zero_means`` is what 0 stands for, if it is more than
-    these can hold.
+    ``member`` is the limited field or join, or empty if they limit the whole register. ``low`` and ``high`` are None if
+    the manual gives none. ``binds_low`` and ``binds_high`` are true if a value that fits can be beyond them. A value
+    fits if it has ``width`` bits, with or without sign. ``zero_means`` is the meaning of 0 if it is above these values.
     """
 
     member: str
@@ -31,13 +29,13 @@ class Limits:
 
     @property
     def binding(self) -> tuple[tuple[str, Expression], ...]:
-        """``min`` and ``max``, those of them that a value that fits can be beyond."""
+        """``min`` and ``max``, if a value that fits can be beyond them."""
         sides = (("min", self.low, self.binds_low), ("max", self.high, self.binds_high))
         return tuple((side, limit) for side, limit, binds in sides if limit is not None and binds)
 
 
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> Limits:
-    """The limits of a register, or while it has one of its meanings."""
+    """Return the limits of a register, or of one of its meanings."""
     low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
     layout, member = register.layout, limited_member(register)
     join = next((item for item in layout.joins if item.name == member), None)
@@ -49,7 +47,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
         for item in device.variants
         if item.interface == register.interface
     ]
-    # A limit may bind with what a register holds at run time that does not as delivered.
+    # A limit that does not bind with the factory defaults may bind with other register values.
     held = {item.name for item in device.run_time_parameters}
     binds_low = low is not None and (
         not held.isdisjoint(low.parameters) or any(low.value(parameters) > least for parameters, least, _ in ranges)
@@ -63,7 +61,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 
 
 def limited_member(register: Register) -> str:
-    """The field or join that the limits bound: the one named, or the only field; empty for the register as a whole."""
+    """Return the limited field or join: the named one, or the only field, or empty for the whole register."""
     layout = register.layout
     if register.limits_of in {*(item.name for item in layout.joins), *(item.name for item in layout.fields)}:
         return register.limits_of
@@ -71,6 +69,6 @@ def limited_member(register: Register) -> str:
 
 
 def _fitting(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
-    """The lowest and the highest number of so many bits."""
+    """Return the lowest and the highest number of this width."""
     bits = width.value(parameters)
     return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)

@@ -1,4 +1,4 @@
-"""What a position is in turns, degrees or micrometres, and which interfaces share one formula."""
+"""Conversion of positions to turns, degrees or micrometres, and the interfaces that share a formula."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Formula = tuple["Expression | None", ...]
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Interfaces whose positions mean the same; ``everywhere`` says that those of all interfaces do."""
+    """Interfaces with the same measurement. ``everywhere`` is true if these are all interfaces."""
 
     measurement: Measurement
     interfaces: tuple[Interface, ...]
@@ -24,7 +24,7 @@ class Measured:
 
 
 def measured(device: Device) -> Iterator[Measured]:
-    """The formulas of a family, in the order of its interfaces; an interface that measures nothing is left out."""
+    """Yield the formulas of a family in the order of its interfaces, without interfaces that measure nothing."""
     groups: dict[Formula, list[tuple[Interface, Measurement]]] = {}
     for interface in device.interfaces:
         item = device.measurement_of(interface.name)
@@ -37,9 +37,9 @@ def measured(device: Device) -> Iterator[Measured]:
 
 @dataclass(frozen=True, slots=True)
 class Cases(Generic[T]):
-    """What differs by interface: each value with the interfaces that have it, that of the most interfaces last.
+    """Values by interface: each value with its interfaces, the one with the most interfaces last.
 
-    ``everywhere`` says that every interface has one.
+    ``everywhere`` is true if every interface has a value.
     """
 
     cases: tuple[tuple[T, tuple[str, ...]], ...]
@@ -47,7 +47,7 @@ class Cases(Generic[T]):
 
 
 def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
-    """What ``value`` gives for each interface; None where it has none."""
+    """Return the values of ``value``, which is None for an interface without one."""
     kinds: dict[T, list[str]] = {}
     for interface in device.interfaces:
         found = value(interface)
@@ -58,8 +58,10 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
 
 
 def also_measured(device: Device) -> frozenset[str]:
-    """The parameters that follow from others and tell, with every order code, what a measurement tells: the counts of
-    a revolution, or after how many a position starts again."""
+    """Return the derived parameters that equal a quantity of the measurement for every order code.
+
+    These are the counts per revolution and the counts after which a position starts again.
+    """
     derived = [item for item in device.parameters if item.equals is not None]
     return frozenset(item.name for item in derived if _is_measured(device, item))
 
@@ -81,7 +83,7 @@ def _is_measured(device: Device, parameter: Parameter) -> bool:
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
-    """The factors of how many counts there are before they start again; empty where that is not known."""
+    """Return the factors of the number of counts before a position starts again, or none if that is unknown."""
     if measurement.modulus is not None:
         return (measurement.modulus,)
     if measurement.counts_per_turn is None or measurement.turns is None:

@@ -1,4 +1,4 @@
-"""How much a receiver takes in for a frame that comes as bits: by order code, so that code has it as constants."""
+"""Number of bits to receive for a frame sent as bits, by order code, for use as constants in code."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from itertools import product
 
 from ..model import Answer, Device, Interface, Layout, Rs485, Ssi, Variant, choices
 
-#: Before the start bit of a BiSS frame the line rests for two clocks, then come acknowledge and line delay. No manual
-#: says how long an encoder takes; this is room for so many bits, 4 us at 10 MHz.
+#: Before the start bit of a BiSS frame, the line is idle for two clocks, followed by acknowledge and line delay. No
+#: manual says how long an encoder takes. This is room in bits, 4 us at 10 MHz.
 BISS_REST, BISS_ACKNOWLEDGE = 2, 40
 #: Start and CDS before the data, and the stop bit after them.
 BISS_AROUND = 3
-#: Over SSI the line is high until the first clock has stored the position, and one more clock brings the 0 after it.
+#: On SSI the line is high until the first clock has stored the position, and one more clock shifts out the 0 after it.
 SSI_AROUND = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """What a frame of one order code takes: its bits, and the bytes of a buffer with room for what surrounds them.
+    """Size of a frame of one order code: its bits, and the bytes of a buffer that also fits the surrounding bits.
 
-    ``answers`` are those decisions of the user on which the length depends. ``held`` says that registers change
-    the bits at run time: they are then those of the factory default, and the bytes are enough for any register value.
+    ``answers`` are the user's decisions on which the length depends. ``held`` is true if registers change the bits at
+    run time. The bits are then those of the factory default, and the bytes are enough for any register value.
     """
 
     variant: Variant
@@ -36,7 +36,7 @@ class Received:
 def received(device: Device, interface: Interface) -> Iterator[Received]:
     """Yield the frames that this interface carries as bits from the encoder, by order code.
 
-    A frame whose length depends on what the manual leaves open comes once for each way to decide.
+    A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
     """
     held = {item.name for item in device.set_parameters if item.register}
     for layout in interface.layouts:
@@ -58,7 +58,7 @@ def _bytes(interface: Interface, bits: int) -> int:
 
 
 def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
-    """The parameters that these come down to."""
+    """Yield the independent parameters that these follow from."""
     for name in names:
         item = next((item for item in device.parameters if item.name == name), None)
         if item is None or item.equals is None:
@@ -68,7 +68,7 @@ def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
 
 
 def longest_reply(devices: Iterable[Device]) -> int:
-    """The bytes of the longest frame that one of these sends over RS-485; 0 where there is none."""
+    """Return the length in bytes of the longest RS-485 frame that one of these sends, or 0."""
     ports = (item for device in devices for item in device.interfaces if isinstance(item, Rs485))
     frames = (frame for port in ports for frame in port.layouts if frame.sender == "encoder" and frame.in_bytes)
     return max((frame.widest // 8 for frame in frames), default=0)

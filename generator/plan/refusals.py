@@ -1,4 +1,4 @@
-"""What an encoder refuses: each value that does not fit its field, and members that contradict each other."""
+"""Checks of an encoder: values that do not fit their fields, and members that contradict each other."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class NotSigned:
 
 @dataclass(frozen=True, slots=True)
 class NotZeroFor:
-    """The number is 0, or does not fit and is not the one that 0 stands for."""
+    """The number is 0, or does not fit and is not the meaning of 0."""
 
     field: Field
     stands_for: int
@@ -38,7 +38,7 @@ class NotZeroFor:
 
 @dataclass(frozen=True, slots=True)
 class NoPowerOfTwo:
-    """The number is no power of two; that it fits is another matter."""
+    """The number is not a power of two. Whether it fits is another check."""
 
     field: Field
 
@@ -53,7 +53,7 @@ class TooWide:
 
 @dataclass(frozen=True, slots=True)
 class DigitTooHigh:
-    """A run of digits has more digits than it has place for."""
+    """A run of digits has too many digits."""
 
     field: Field
     run: Digits
@@ -61,7 +61,7 @@ class DigitTooHigh:
 
 @dataclass(frozen=True, slots=True)
 class DigitsDisagree:
-    """The runs of digits do not make the number, for languages that keep both."""
+    """The runs of digits do not match the number, for languages that keep both."""
 
     field: Field
     runs: tuple[Digits, ...]
@@ -69,14 +69,14 @@ class DigitsDisagree:
 
 @dataclass(frozen=True, slots=True)
 class WholeDisagrees:
-    """The fields of a join do not make its number, for languages that keep both."""
+    """The fields of a join do not match its number, for languages that keep both."""
 
     whole: Whole
 
 
 @dataclass(frozen=True, slots=True)
 class OutsideLimits:
-    """The member is beyond a limit of its register, one of the ``bounds``: those of its limits that bind."""
+    """The member is beyond a limit of its register. ``bounds`` are the limits that bind."""
 
     member: str
     bounds: tuple[tuple[str, Expression], ...]
@@ -96,16 +96,16 @@ Refusal = (
 
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
-    """What an encoder of this layout refuses, in order; limits of a register come on top."""
+    """Yield the checks in an encoder of this layout, in order, without the limits of a register."""
     for part in codec.parts:
         yield from _of_field(codec.layout, part.field)
     yield from (WholeDisagrees(item) for item in codec.wholes)
 
 
 def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
-    """What the limits of a register refuse, if they bound a member.
+    """Return the check of a register's limits if they apply to a member.
 
-    Where 0 is refused already, a least value of 1 says no more.
+    A minimum of 1 is left out if 0 is already rejected.
     """
     if not limits.member:
         return None
@@ -117,7 +117,7 @@ def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
 
 
 def depends(refusal: Refusal) -> bool:
-    """Whether it differs with the order code."""
+    """Return whether a check depends on the order code."""
     match refusal:
         case NotSigned(field) | NotZeroFor(field):
             return not field.width.is_constant

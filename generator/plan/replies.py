@@ -1,4 +1,4 @@
-"""What a master can hold of a reply before it knows the encoder: its length, and whether its bytes cancel out."""
+"""Checks of a reply that a master can do before it knows the encoder: its length, and the XOR of its bytes."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from .frames import dispatches
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """``length`` in bytes; ``is_xor`` says that its last byte is the exclusive-or of all others."""
+    """A reply. ``length`` is in bytes. ``is_xor`` is true if its last byte is the XOR of all others."""
 
     length: int
     is_xor: bool
 
 
 def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
-    """What the encoder answers to a request; None where the spec does not tell."""
+    """Return the encoder's reply to a request, or None if the spec has none."""
     of = device.interface(interface)
     if not isinstance(of, Rs485):
         return None

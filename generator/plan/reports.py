@@ -1,6 +1,6 @@
-"""What frames report of the encoder, and what the position in them is worth.
+"""Reports of the encoder in frames, and the verdict on their position.
 
-A sound frame is not yet a usable position: an encoder with an error, or a busy one, sends frames with a right CRC too.
+A valid frame may have an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from .codec import Codec, Part, Reserved, codec_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """One thing that a family can report: the bit ``number`` of its reports.
+    """One report of a family, with its bit ``number`` among all reports.
 
-    ``field`` is the flag, or the unused bits, as the first frame has it that carries it.
+    ``field`` is the flag or the reserved bits, taken from the first frame that carries it.
     """
 
     name: str
@@ -34,9 +34,9 @@ class Only:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """A frame makes a report: by a flag while it is active, or by unused bits that are not as the manual has them.
+    """Report in a frame: a flag while it is active, or reserved bits that differ from the manual.
 
-    Without ``only`` it does for all order codes.
+    Without ``only`` it applies to all order codes.
     """
 
     report: Report
@@ -45,17 +45,17 @@ class Told:
 
     @property
     def made_of(self) -> Field:
-        """The field as these order codes have it."""
+        """The field for these order codes."""
         is_explained = self.only is None or self.only.holds
         return self.by.field if is_explained else _unexplained(self.by.field)
 
 
 @dataclass(frozen=True, slots=True)
 class Speaks:
-    """What decides about the position, unless one of the flags ``unless`` is active, which it only sums up.
+    """Cause of a verdict, unless one of the flags ``unless`` is active, which it only sums up.
 
-    Those of them that decide by themselves, and no better, are left out: with them the position is worth no more.
-    Without ``only`` it decides for all order codes.
+    Flags that lead to the same or a worse verdict themselves are left out, since they make no difference. Without
+    ``only`` it applies to all order codes.
     """
 
     by: Part | Reserved
@@ -65,9 +65,9 @@ class Speaks:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What the position of a frame is worth: the worst that speaks decides, and ``otherwise`` if nothing speaks.
+    """Verdict on the position of a frame: the worst active cause decides, and ``otherwise`` if none is active.
 
-    Where ``otherwise`` is UNKNOWN, which is worse than a warning, no warning decides.
+    If ``otherwise`` is UNKNOWN, which is worse than a warning, warnings do not count.
     """
 
     not_usable: tuple[Speaks, ...]
@@ -76,14 +76,14 @@ class Judgement:
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
-        """The verdicts that something leads to, with what does."""
+        """Return the verdicts with their causes, worst first."""
         levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
         return tuple(item for item in levels if item[1])
 
 
 @dataclass(frozen=True, slots=True)
 class Reporting:
-    """What the frames of one layout tell. ``judgement`` is None where they do not carry the position."""
+    """Reports and verdict of one layout. ``judgement`` is None if it does not carry the position."""
 
     interface: Interface
     codec: Codec
@@ -92,15 +92,15 @@ class Reporting:
 
 
 def reports_of(device: Device) -> tuple[Report, ...]:
-    """All that the frames of a family can report, in the order in which the spec lists it.
+    """Return all reports in the frames of a family, in the order of the spec.
 
-    Flags of one name are one report where they say the same; else the interface or the frame is put before the name.
+    Flags with the same name and meaning are one report. Otherwise the interface or the frame precedes the name.
     """
     return tuple(dict.fromkeys(_reports(device).values()))
 
 
 def reportings(device: Device) -> Iterator[Reporting]:
-    """What each frame of the encoder tells, of those that tell anything."""
+    """Yield reports and verdict of each frame of the encoder that has any."""
     reports = _reports(device)
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
@@ -125,7 +125,7 @@ def _telling(codec: Codec) -> Iterator[Part | Reserved]:
 
 
 def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
-    """The field as order codes have it: one that the manual explains for some is another report for the others."""
+    """Yield the field by order codes: one that the manual explains only for some is another report for the others."""
     match field.kind:
         case Flag(only_while=parameter) if parameter:
             yield field, Only(parameter, True)
@@ -139,12 +139,12 @@ def _unexplained(field: Field) -> Field:
 
 
 def _is_told(field: Field) -> bool:
-    """Whether it says something of the encoder's state; a flag during which the position is usable need not."""
+    """Return whether the field is about the encoder's state. A flag with a usable position need not be."""
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
-    """By frame and field."""
+    """Return the reports by frame and field."""
     found = [
         (interface.name, layout.name, item, only is not None and not only.holds)
         for interface, layout in _sent(device)
@@ -152,7 +152,7 @@ def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
         for item, only in _by_code(field)
         if _is_told(item)
     ]
-    # What the manual does not explain comes last, so that the others keep their numbers.
+    # Unexplained flags come last, so that the others keep their numbers.
     fields = [item[:3] for item in sorted(found, key=lambda item: item[3])]
     said: dict[str, set[object]] = {}
     for kind, _, item in fields:
@@ -188,14 +188,14 @@ def _judgement(codec: Codec) -> Judgement:
 
 
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
-    """The flag as order codes have it, those together for which the position is worth the same."""
+    """Yield the flag by order codes, grouped by the verdict."""
     found = [(item.kind, only) for item, only in _by_code(field) if isinstance(item.kind, Flag)]
     alike = len({(kind.makes_position, kind.sums_up) for kind, _ in found}) == 1
     yield from [(found[0][0], None)] if alike else found
 
 
 def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
-    """Whether a flag makes the position worth no more than ``verdict``, whatever else is active."""
+    """Return whether a flag always leads to ``verdict`` or a worse one."""
     match part.field.kind:
         case Flag(makes_position=own, sums_up=names, only_while="") if own is not None:
             worst_first = list(Verdict)

@@ -1,4 +1,4 @@
-"""Parameters that registers hold at run time: how they are taken out of the bytes, and which values cannot be."""
+"""Parameters that registers hold at run time: how they are read from the bytes, and which values are invalid."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from .codec import Bits, bits_of
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A parameter in a register. ``low`` and ``high`` are None where no value of the field is beyond them; ``most`` is
-    the highest value that is left."""
+    """A parameter in a register.
+
+    ``low`` and ``high`` are None if no value of the field is beyond them. ``most`` is the highest valid value.
+    """
 
     parameter: Parameter
     field: Field
@@ -31,7 +33,7 @@ class HeldBy:
 
 
 def held_parameters(device: Device) -> Iterator[HeldBy]:
-    """The registers that hold parameters, each once."""
+    """Yield the registers that hold parameters, each once."""
     by_register: dict[str, list[Parameter]] = {}
     for item in device.run_time_parameters:
         by_register.setdefault(item.register, []).append(item)

@@ -1,4 +1,4 @@
-"""How a procedure is carried out: which bytes its steps touch, what its arguments have to be, and what it reads."""
+"""Plans for procedures: the bytes that their steps access, the checks of their arguments, and what they read."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from .replies import Reply, reply_to
 
 
 class Call(Enum):
-    """What a master has to be able to do."""
+    """Operation that a master must support."""
 
     READ = "read"
     WRITE = "write"
@@ -42,7 +42,7 @@ class Call(Enum):
     SEND = "send"
 
 
-# -- what a step writes
+# -- values that a step writes
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +62,14 @@ class InField:
 
 @dataclass(frozen=True, slots=True)
 class AsNumber:
-    """The argument, as the number that the register holds as a whole."""
+    """The argument, as the number in the whole register."""
 
     argument: Argument
 
 
 @dataclass(frozen=True, slots=True)
 class AsMember:
-    """The argument, as the field or join ``member``, of which the register is encoded."""
+    """The argument, as the field or join ``member`` from which the register is encoded."""
 
     argument: Argument
     member: str
@@ -78,17 +78,17 @@ class AsMember:
 Source = Stated | InField | AsNumber | AsMember
 
 
-# -- what is done
+# -- operations
 
 
 @dataclass(frozen=True, slots=True)
 class Writes:
-    """Write a register, or one field of it and leave the others as they were read.
+    """Write a register, or one field of it while keeping the others as read.
 
-    ``pieces`` are the bytes concerned: bits ``mask << right`` of the byte get ``(number >> left) & mask``. They are
-    empty where the field moves with the order code. ``teaches`` are the parameters that the register holds at run time,
-    where limits of later steps depend on them: there they have the value that was written. ``closes`` says that it
-    undoes what a step before it has opened: it is also done where a step in between fails.
+    ``pieces`` are the affected bytes: bits ``mask << right`` of the byte become ``(number >> left) & mask``. They are
+    empty if the field moves with the order code. ``teaches`` are the run-time parameters in the register on which
+    limits of later steps depend. Those steps use the written value. ``closes`` is true if the write undoes an opening
+    step before it. It is then also done if a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -128,7 +128,7 @@ class Polls:
 
 @dataclass(frozen=True, slots=True)
 class Verifies:
-    """Read what ``write`` has written, and stop where ``pieces`` of it are not as written."""
+    """Read back ``write``, and stop if any of ``pieces`` differs."""
 
     write: Writes
     pieces: tuple[Piece, ...]
@@ -144,7 +144,7 @@ class Verifies:
 
     @property
     def step(self) -> WriteStep | ModifyStep:
-        """The step whose write is read back; the manual has none for this one."""
+        """The step whose write is read back. The manual has no step for this operation."""
         return self.write.step
 
 
@@ -156,7 +156,7 @@ class Waits:
 
 @dataclass(frozen=True, slots=True)
 class Sends:
-    """Send a request so many times; ``reply`` is what has to come back each time, None where the spec does not tell."""
+    """Send a request a number of times. ``reply`` is the reply expected each time, or None if the spec has none."""
 
     step: SendStep
     reply: Reply | None = None
@@ -169,12 +169,12 @@ class Sends:
 Operation = Writes | Reads | Polls | Verifies | Waits | Sends
 
 
-# -- what arguments have to be
+# -- checks of arguments
 
 
 @dataclass(frozen=True, slots=True)
 class Beyond:
-    """The argument is outside the limits of the register, or of the ``meaning`` that the argument gives it."""
+    """The argument is outside the limits of the register, or of the ``meaning`` that it has for this argument."""
 
     register: Register
     meaning: RegisterMeaning | None
@@ -183,7 +183,7 @@ class Beyond:
 
 @dataclass(frozen=True, slots=True)
 class Undecodable:
-    """The argument is no number that the register's decoder accepts, as one with a bit that is always 0."""
+    """The register's decoder does not accept the argument, for example with a bit set that is always 0."""
 
     register: Register
 
@@ -193,9 +193,9 @@ ArgumentRefusal = Beyond | TooWide | NotOneOf | Undecodable
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """An argument, what writes it, and why it is refused before anything is written.
+    """An argument, the operation that writes it, and the reasons to reject it before any write.
 
-    What encodes a register refuses on top of that what it cannot hold.
+    The register's encoder also rejects values that do not fit.
     """
 
     argument: Argument
@@ -205,7 +205,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Run:
-    """How a procedure is carried out. ``changes_frames`` says that it writes a parameter that frames depend on."""
+    """Plan of a procedure. ``changes_frames`` is true if it writes a parameter that frames depend on."""
 
     procedure: Procedure
     operations: tuple[Operation, ...]
@@ -218,7 +218,7 @@ class Run:
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
-        """What it needs of a master, each once."""
+        """Return the operations that it needs from a master, each once."""
         found = {call for item in self.operations for call in item.calls}
         return tuple(call for call in Call if call in found)
 
@@ -246,7 +246,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
 
 
 def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """The operations, with the parameters that later limits take from what was written."""
+    """Yield the operations, with the written parameters that later limits depend on."""
     for index, item in enumerate(operations):
         if isinstance(item, Writes) and item.field is None and not isinstance(item.value, Stated):
             later = [other for other in operations[index + 1 :] if isinstance(other, Writes)]
@@ -259,11 +259,11 @@ def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operati
 
 
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with a ``Verifies`` for each write that can be read back, before anything acts on it.
+    """Yield the operations, with a ``Verifies`` for each write that can be read back, before it takes effect.
 
-    The manuals have no such step. But over BiSS a disturbed write can come back as if it were stored. Three things act
-    on it: a write to a register that cannot be read, such as a command; a write that closes; and another write to the
-    same place.
+    The manuals have no such step. But over BiSS a disturbed write can be echoed as if it were stored. A written value
+    takes effect with a write to a register that cannot be read, such as a command, with a closing write, or with
+    another write to the same place.
     """
     written: list[Verifies] = []
     for item in operations:
@@ -285,14 +285,14 @@ def _same_place(item: Writes, before: Writes) -> bool:
 
 
 def _can_be_read_back(item: Writes) -> bool:
-    """Whether the register still holds, afterwards, what was written."""
+    """Return whether the register still holds the written value afterwards."""
     unused = (field for field in item.register.layout.fields if isinstance(field.kind, Unused))
     is_fixed = all(field.is_fixed for field in unused)
     return item.register.readable and not item.register.clears_itself and not item.closes and is_fixed
 
 
 def _stored(item: Writes) -> Iterator[Piece]:
-    """The bits that were written and mean something: unused ones may read as anything."""
+    """Yield the written bits with a meaning. Reserved bits may read as anything."""
     for piece in item.pieces:
         mask = piece.mask & ~(_unused_bits(item.register, piece.byte) >> piece.right)
         if mask:
@@ -300,7 +300,7 @@ def _stored(item: Writes) -> Iterator[Piece]:
 
 
 def _unused_bits(register: Register, byte: int) -> int:
-    """The bits of a byte of the register that no manual gives a meaning."""
+    """Return the bits in a byte of the register that have no meaning in the manual."""
     layout = register.layout
     number = sum(field.mask_in_place for field in layout.fields if isinstance(field.kind, Unused))
     return register.bytes_of(number)[byte]
@@ -334,7 +334,7 @@ def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
 
 
 def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ...]:
-    """The bytes of a field, or all of a register, in ascending order of address."""
+    """Return the bytes of a field, or of a whole register, in ascending order of address."""
     if field is not None:
         return tuple(sorted(field.pieces, key=lambda item: item.byte))
     last = register.length - 1
@@ -368,7 +368,7 @@ def _argument(value: Source) -> Argument | None:
 def _given(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
     refusals: list[ArgumentRefusal] = []
     for item in writes:
-        # A register written twice refuses an argument once.
+        # A register that is written twice rejects an argument only once.
         refusals += [refusal for refusal in _refusals(device, item, argument) if refusal not in refusals]
     return Given(argument, writes, tuple(refusals))
 
@@ -376,7 +376,7 @@ def _given(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Gi
 def _refusals(device: Device, item: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
     match item.value:
         case AsMember():
-            # What encodes the member knows the limits of the register.
+            # The encoder of the member checks the limits of the register.
             if argument.meant_as:
                 yield from _beyond(device, item.register, argument)
         case AsNumber():
@@ -394,7 +394,7 @@ def _refusals(device: Device, item: Writes, argument: Argument) -> Iterator[Argu
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
 ) -> Iterator[TooWide | Beyond | NotOneOf]:
-    """Why an argument for one field of a register is refused; one that has a meaning has its limits."""
+    """Yield the reasons to reject an argument for one field of a register. With a meaning, its limits apply."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
         yield from _beyond(device, register, argument)

@@ -1,6 +1,6 @@
-"""Public numbers that no manual of an encoder prints: they hold for whoever uses the same CRC, words or parity.
+"""Public test vectors from outside the encoders' manuals, valid for all users of the same CRC, words or parity.
 
-The self-test of the C headers carries them; tests hold them against ``tests/vectors.json``, which has the sources.
+They are in the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which has the sources.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _TI = "TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png"
 
 @dataclass(frozen=True, slots=True)
 class PublicVector:
-    """The CRC of a word, which begins with its first bit that is 1."""
+    """The CRC of a word, which begins with its first 1 bit."""
 
     title: str
     data: int
@@ -25,7 +25,7 @@ class PublicVector:
 
 
 def _single_cycle(title: str, position: int, flags: int, crc: int) -> PublicVector:
-    """Of 22 bits and two flags, error and warning."""
+    """Return the vector for 22 bits and two flags, error and warning."""
     return PublicVector(title, position << 2 | flags, crc, _BRIDGE)
 
 
@@ -65,7 +65,7 @@ CONTROL_FIELDS = {0: 0x02, 1: 0x8A, 2: 0x92, 3: 0x1A, 6: 0x32, 7: 0xBA, 8: 0xC2,
 
 
 def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
-    """Those for a CRC of these parameters: the two of BiSS, of 6 and of 4 bits, sent inverted."""
+    """Return the vectors for a CRC with these parameters: one of the two of BiSS, 6 or 4 bits, sent inverted."""
     if crc.init or crc.xorout != crc.mask or crc.refin or crc.refout:
         return ()
     return {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}.get((crc.width, crc.poly), ())

@@ -1,5 +1,4 @@
-"""Encoding and decoding by the model alone: what the command line shows, and what every generated codec is held
-against."""
+"""Encode and decode using only the model, for the command line and as the reference for all generated codecs."""
 
 from __future__ import annotations
 
@@ -35,13 +34,13 @@ from .crc import compute_bits, compute_bytes
 
 Values = Mapping[str, "int | str | bool"]
 
-#: What a decoded frame calls the number of its unused bits.
+#: Name of the number of unused bits in a decoded frame.
 UNUSED = "unused"
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A fault of a frame, and the field that has it."""
+    """An error in a frame, with its field."""
 
     fault: Fault
     field: str
@@ -54,8 +53,10 @@ class EncodeError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class DecodedField:
-    """``raw`` is the number on the wire, ``value`` what it stands for: a number, a truth value, the name of a value, or
-    text."""
+    """A field of a decoded frame.
+
+    ``raw`` is the number on the wire, ``value`` its number, truth value, value name or text.
+    """
 
     name: str
     raw: int
@@ -91,20 +92,17 @@ class Decoded:
 
 
 def number_of_text(text: str) -> int:
-    """The bits of a field of characters as one number; Latin-1 has a character for every byte."""
+    """Return the bits of a text field as one number. Latin-1 has a character for every byte."""
     return int.from_bytes(text.encode("latin-1", "replace"), "big")
 
 
 def select(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
-    """The layout of ``data`` among those of the variant's interface, told by the selecting field.
-
-    Or why there is none.
-    """
+    """Return the layout of ``data``, identified by the selecting field, or the reason why there is none."""
     candidates = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
     if not candidates:
-        return None, (Problem(Fault.RANGE, "", f"the {sender} sends no frame over this interface"),)
+        return None, (Problem(Fault.RANGE, "", f"the {sender} sends no frames on this interface"),)
     allowed: list[int] = []
     for layout in candidates:
         placed = layout.place(variant.parameters)
@@ -123,10 +121,7 @@ def select(
 
 
 def _selected(placed: PlacedLayout, data: bytes) -> int | None:
-    """The selecting field, counted from the start of the frame, which may be too short or too long.
-
-    None where it is not in ``data``.
-    """
+    """Return the selecting field, counted from the start of a frame of any length, or None if it is not in ``data``."""
     selector = placed.field(placed.layout.selector)
     if selector is None:
         return None
@@ -139,13 +134,13 @@ def _selected(placed: PlacedLayout, data: bytes) -> int | None:
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
-    """A frame of whole bytes, its layout told by its selecting field."""
+    """Decode a frame of whole bytes, whose selecting field identifies the layout."""
     placed, problems = select(device, variant, sender, data)
     return decode_placed(device, placed, data) if placed is not None else Decoded(None, 0, (), None, problems)
 
 
 def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
-    """A frame of whole bytes whose layout is known."""
+    """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
         return _other_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
@@ -153,7 +148,7 @@ def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
 
 
 def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> Decoded:
-    """A frame of so many bits whose layout is known."""
+    """Decode a frame of this many bits with a known layout."""
     if bits != placed.bits:
         return _other_length(placed, number, f"{placed.bits} bits", bits)
     return decode(device, placed, number)
@@ -165,7 +160,7 @@ def _other_length(placed: PlacedLayout, number: int, needed: str, found: int) ->
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
-    """Every field of ``number``, the CRC, and all faults."""
+    """Decode ``number`` into all fields, the CRC, and all errors."""
     if number >> placed.bits:
         return _other_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
@@ -185,7 +180,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
     if any(isinstance(item.kind, Unused) for item in placed.layout.fields):
         bits = unused_bits(placed, number)
-        fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that are not as the manual has them", -1, -1))
+        fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that differ from the manual", -1, -1))
     problems.sort(key=lambda item: list(Fault).index(item.fault))
     return Decoded(placed, number, tuple(fields), crc, tuple(problems))
 
@@ -211,7 +206,7 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> D
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
-    """The unused bits of a frame as one number: 0 where they are as the manual has them."""
+    """Return the unused bits of a frame as one number, with 0 for bits as in the manual."""
     found = 0
     for item, place in placed.unused:
         found |= (number >> item.low & item.mask ^ _documented(item)) << place
@@ -219,19 +214,19 @@ def unused_bits(placed: PlacedLayout, number: int) -> int:
 
 
 def _documented(item: PlacedField) -> int:
-    """What the manual has in an unused field, which may be narrower for this order code."""
+    """Return the documented value of an unused field, which may be narrower for this order code."""
     return item.field.kind.value & item.mask if isinstance(item.field.kind, Unused) else 0
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
-    """The parity bit that belongs to the other bits of ``number``."""
+    """Return the parity bit for the other bits of ``number``."""
     fields = (placed.field(name) for name in parity.of)
     ones = sum((number >> of.low & of.mask).bit_count() for of in fields if of is not None)
     return (ones + parity.odd) & 1
 
 
 def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
-    """The fields of a join as one number, the first of them most significant."""
+    """Return the fields of a join as one number, first field most significant."""
     value = 0
     for name in join.fields:
         part = placed.field(name)
@@ -241,7 +236,7 @@ def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
 
 
 def gray_to_binary(gray: int) -> int:
-    """The number that ``gray`` stands for in reflected binary code."""
+    """Return the number with the reflected binary code ``gray``."""
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
@@ -249,17 +244,17 @@ def gray_to_binary(gray: int) -> int:
 
 
 def binary_to_gray(binary: int) -> int:
-    """``binary`` in reflected binary code."""
+    """Return ``binary`` in reflected binary code."""
     return binary ^ binary >> 1
 
 
 def from_gray(placed: PlacedLayout, number: int) -> int:
-    """``number`` with the part that is sent in Gray code, if any, turned into binary."""
+    """Return ``number`` with its part in Gray code, if any, converted to binary."""
     return _with_part(placed, number, gray_to_binary)
 
 
 def to_gray(placed: PlacedLayout, number: int) -> int:
-    """``number`` with the part that is sent in Gray code, if any, turned into it."""
+    """Return ``number`` with the part that is sent in Gray code, if any, converted to it."""
     return _with_part(placed, number, binary_to_gray)
 
 
@@ -272,7 +267,7 @@ def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) 
 
 
 def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
-    """The field as a user reads it; ``wire`` is what was sent, ``raw`` the same out of Gray code."""
+    """Decode a field for the user. ``wire`` is the number as sent, ``raw`` the same converted from Gray code."""
     field, name = item.field, item.name
     value: int | str | bool = raw
     meaning = field.meaning
@@ -299,9 +294,9 @@ def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem
                 wrong = fault.digits(name, f"{raw}", f"{decimal.digits}")
                 problems.append(Problem(Fault.RANGE, name, wrong))
         case Unused():
-            pass  # whatever it is, the frame is sound
+            pass  # any value is valid
         case CrcValue() | Parity():
-            pass  # compared with what they are made of when that is known
+            pass  # checked later, when the other fields are known
         case _ as kind:
             assert_never(kind)
     found = [DecodedField(name, wire, value, field.unit, meaning, item.high, item.low)]
@@ -318,7 +313,7 @@ def _number_of(number: Number, raw: int, width: int) -> int:
 
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
-    """The CRC that belongs to the other bits of ``number``."""
+    """Return the CRC for the other bits of ``number``."""
     if placed.layout.in_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
         return compute_bytes(crc, data[: -(crc.width // 8)])
@@ -326,10 +321,10 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
-    """The number whose fields have these values.
+    """Encode these values.
 
-    Constants, parity and CRC are filled in, a join may stand for its fields. Unused bits are as the manual has them
-    but for those that ``unused`` turns round.
+    Constants, parity and CRC are filled in. A join can replace its fields. Unused bits are as in the manual, except for
+    those that ``unused`` inverts.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -367,19 +362,19 @@ def _used(placed: PlacedLayout) -> set[str]:
 
 
 def _unused(placed: PlacedLayout, turned: int) -> int:
-    """The unused bits at their places: as the manual has them, but for those ``turned`` round."""
+    """Return the unused bits at their places, as in the manual except for those ``turned``."""
     number = 0
     for item, place in placed.unused:
         number |= (turned >> place & item.mask ^ _documented(item)) << item.low
         turned &= ~(item.mask << place)
     if turned:
-        raise EncodeError(f"'{UNUSED}' has the bits {turned:#x}, which are none of the unused bits of {placed.name}")
+        raise EncodeError(f"'{UNUSED}' has the bits {turned:#x}, which are not unused bits of {placed.name}")
     return number
 
 
 def _number(value: int | str | bool) -> int:
     if isinstance(value, str):
-        raise EncodeError(f"'{value}' is no number")
+        raise EncodeError(f"'{value}' is not a number")
     return int(value)
 
 
@@ -399,7 +394,7 @@ def _split(placed: PlacedLayout, join: Join, value: int, given: Values) -> dict[
 
 
 def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
-    """The bits of one field; those of CRC and parity follow from the others."""
+    """Return the bits of one field, without CRC and parity, which follow from the others."""
     name, kind = item.name, item.field.kind
     if isinstance(kind, Constant):
         return kind.value
@@ -447,7 +442,7 @@ def _chosen(name: str, values: Sequence[Value], value: str) -> int:
 
 
 def _parts(decimal: Decimal, given: Values) -> Iterator[int]:
-    """Its runs of digits, each at its place."""
+    """Yield the runs of digits, each at its place."""
     for run in decimal.runs:
         value = _number(given.get(run.name, 0))
         if not 0 <= value < run.modulus:

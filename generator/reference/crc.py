@@ -1,6 +1,6 @@
 """Cyclic redundancy checks, bit by bit as the definition says.
 
-Parameters are named as everywhere in the field: width, poly (without its top bit), init, refin, refout, xorout.
+Parameters have their usual names: width, poly (without its top bit), init, refin, refout, xorout.
 """
 
 from __future__ import annotations
@@ -9,14 +9,14 @@ from ..model import Crc
 
 
 def reflect(value: int, width: int) -> int:
-    """``value`` with its ``width`` bits in the opposite order."""
+    """Return ``value`` with its ``width`` bits in reverse order."""
     return int(f"{value:0{width}b}"[::-1], 2)
 
 
 def compute_bits(crc: Crc, number: int, bits: int) -> int:
-    """CRC over ``bits`` bits of ``number``, most significant first, bit by bit as the definition says.
+    """Compute the CRC over ``bits`` bits of ``number``, most significant first, bit by bit as in the definition.
 
-    ``refin`` has no meaning for a string of bits and is taken as false.
+    ``refin`` has no meaning for a string of bits and is ignored.
     """
     register = crc.init
     top = 1 << (crc.width - 1)
@@ -31,7 +31,7 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
-    """CRC over whole bytes, each taken least significant bit first when ``refin`` is set."""
+    """Compute the CRC over whole bytes, each least significant bit first if ``refin`` is set."""
     number = 0
     for byte in data:
         number = number << 8 | (reflect(byte, 8) if crc.refin else byte)

@@ -14,7 +14,7 @@ from .findings import Difference
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
-    """What cannot be in a register that is read as this edition has it: the encoder is of another one."""
+    """Yield values that a register cannot have in this edition, which means that the encoder belongs to another one."""
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name
@@ -28,10 +28,10 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 
 
 def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> str:
-    """The latest edition that an encoder can be of by what its registers hold.
+    """Return the latest edition that is compatible with the registers of an encoder.
 
     Raises:
-        ValueError: No register that would tell is given, as a whole.
+        ValueError: None of the registers that identify the edition is given completely.
     """
     given = False
     for edition in device.editions:
@@ -52,7 +52,7 @@ def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> 
 
 
 def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
-    """What registers hold beside those that tell the edition."""
+    """Return the registers without those that identify the edition."""
     registers = [device.register(test.register) for item in device.editions for test in item.tests]
     telling = {address for item in registers for address in range(item.address, item.last_address + 1)}
     return {address: value for address, value in held.items() if address not in telling}
@@ -61,9 +61,9 @@ def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
 def _needed(device: Device) -> str:
     names = dict.fromkeys(test.register for item in device.editions for test in item.tests)
     if not names:
-        return f"no register of {device.name} tells the edition"
+        return f"no register of {device.name} identifies the edition"
     asked = []
     for name in names:
         item = device.register(name)
         asked.append(" ".join(f"--register 0x{at:02X}=0x.." for at in range(item.address, item.last_address + 1)))
-    return f"to tell the edition, give all of {' or '.join(names)}: {'; or '.join(asked)}"
+    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(asked)}"

@@ -1,6 +1,6 @@
-"""What a frame or register says of the encoder: what it reports, what its position is worth, what is not as documented.
+"""Findings in a frame or register: reports of the encoder, the verdict on the position, and undocumented values.
 
-A sound frame is not yet a usable position: an encoder with an error, or a busy one, sends frames with a right CRC too.
+A valid frame may have an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
 """
 
 from __future__ import annotations
@@ -31,10 +31,7 @@ from .codec import Decoded, DecodedField, number_of_text
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """An active flag, or unused bits that are not as the manual has them.
-
-    ``makes_position`` is None where it comes with no position.
-    """
+    """An active flag, or unused bits that differ from the manual. ``makes_position`` is None without a position."""
 
     field: str
     printed_name: str
@@ -46,7 +43,7 @@ class Report:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A value that is another one than the manual has; ``of_register`` says that it is a register's."""
+    """A value that differs from the manual. ``of_register`` is true if it is in a register."""
 
     field: str
     found: int | str
@@ -57,10 +54,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What a frame or register says.
-
-    ``verdict`` is None where there is no position or no sound frame.
-    """
+    """Findings in a frame or register. ``verdict`` is None without a position or for an invalid frame."""
 
     reports: tuple[Report, ...] = ()
     verdict: Verdict | None = None
@@ -68,7 +62,7 @@ class Findings:
 
 
 def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
-    """What ``decoded`` says of the encoder; nothing where it has a fault, since then no bit of it can be relied on."""
+    """Return the findings in ``decoded``. A frame with an error has none, since none of its bits can be trusted."""
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
     layout = decoded.layout.layout
@@ -79,7 +73,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     alarms = {
         name: item if item is not None and fits(item.only, variant.code) else None for name, item in found.items()
     }
-    # A flag of a register may say anything, such as "ready"; only those that the manual lists as alarms are reported.
+    # A flag in a register may mean anything, such as "ready". Only flags that the manual lists as alarms are reported.
     told = [
         item
         for item in active
@@ -91,7 +85,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
 
 
 def _speaks(item: PlacedField, raw: int) -> bool:
-    """Whether a flag is active, or unused bits are not as the manual has them."""
+    """Return whether a flag is active, or unused bits differ from the manual."""
     match item.field.kind:
         case Flag(active_low=low):
             return bool(raw) != low
@@ -117,9 +111,9 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
 
 
 def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
-    """What the position of a sound frame is worth."""
+    """Return the verdict on the position of a valid frame."""
     names = {item.name for item in active}
-    # A flag that sums up others adds nothing where one of these is here to speak for itself.
+    # A flag that sums up others adds nothing if one of them is active itself.
     silent = {item.name for item in active if isinstance(item.kind, Flag) and not names.isdisjoint(item.kind.sums_up)}
     speaking = {_worth(item.kind) for item in active if item.name not in silent}
     flags = (item.kind for item in layout.fields if isinstance(item.kind, Flag))
@@ -155,19 +149,19 @@ def _shown(value: int | str) -> str:
 
 
 def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
-    """The registers by which this order code is known, but for those of a bank: others have their addresses too."""
+    """Yield the registers that identify this order code, except those in a bank, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
     return (item for item in device.registers if item.name in names and item.interface == variant.interface)
 
 
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
-    """The addresses of the registers by which this order code is known."""
+    """Return the addresses of the registers that identify this order code."""
     registers = _fixed(device, variant)
     return frozenset(address for item in registers for address in range(item.address, item.last_address + 1))
 
 
 def compare_held(device: Device, variant: Variant, held: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Where registers hold other bytes than this order code has; of addresses not in ``held`` nothing is known."""
+    """Return the registers that contradict this order code. Addresses missing in ``held`` are unknown."""
     return tuple(item for register in _fixed(device, variant) for item in _compare_register(variant, register, held))
 
 
@@ -188,13 +182,13 @@ def _compare_register(variant: Variant, register: Register, held: Mapping[int, i
         if found != wanted & known:
             where = f"{register.name}.{item.name}" if len(placed.fields) > 1 else register.name
             given_digits, wanted_digits = _digits(found, known, item), _digits(wanted, known, item)
-            wrong = f"{where}: what is given of it is {given_digits}, {variant.code} has {wanted_digits}"
+            wrong = f"{where}: the given part is {given_digits}, {variant.code} has {wanted_digits}"
             if known == item.mask:
                 wrong = fault.other_content(where, f"{found:#04x}", variant.code, f"{wanted:#04x}")
             yield Difference(where, found, wanted, wrong, True)
 
 
 def _digits(value: int, known: int, item: PlacedField) -> str:
-    """The hex digits of a field, with dots for those of which nothing is known."""
+    """Return the hex digits of a field, with dots for unknown ones."""
     shifts = range((item.width - 1) // 4 * 4, -1, -4)
     return "".join(f"{value >> shift & 15:X}" if known >> shift & 15 else "." for shift in shifts) + "h"

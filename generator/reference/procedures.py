@@ -1,4 +1,4 @@
-"""Procedures carried out on paper: the register writes that come out for one order code and given arguments."""
+"""Register writes of a procedure for one order code and given arguments."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ Limits = tuple["Expression | None", "Expression | None"]
 def register_writes(
     device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]
 ) -> tuple[Write, ...]:
-    """Every byte that the procedure writes, in order.
+    """Return every byte that the procedure writes, in order.
 
-    What a step writes holds for the limits of the steps after it.
+    The limits of later steps take the written values into account.
 
     Raises:
         EncodeError: An argument is missing or does not fit its register.
     """
     writes: list[Write] = []
-    # What a register holds before: its default, then what the procedure has written.
+    # The current value of a register: its default, then the value written by the procedure.
     held: dict[str, int] = {}
     for step in procedure.steps:
         if isinstance(step, (WriteStep, ModifyStep)):
@@ -50,7 +50,7 @@ def _number(
     limits: Limits,
     before: int,
 ) -> int:
-    """What the step writes into the register, which held ``before``."""
+    """Return the value that the step writes to the register, which held ``before``."""
     placed = register.layout.place(variant.parameters)
     if step.value is None and step.value_name not in arguments:
         raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
@@ -59,9 +59,9 @@ def _number(
     if step.value is None:
         known = [choice.value for field in register.layout.fields if field.name == name for choice in field.values]
         if known and value not in known:
-            raise codec.EncodeError(f"{value} is no value of '{name}'")
+            raise codec.EncodeError(f"{value} is not a value of '{name}'")
         low, high = bounds(register, placed, limits, variant.parameters)
-        # Those of a meaning are of whatever the argument is written to.
+        # The limits of a meaning apply to whatever the argument is written to.
         has_meaning = limits != (register.min, register.max)
         if (has_meaning or name == bounded(register)) and not low <= value <= high:
             raise codec.EncodeError(fault.outside(f"{value}", f"{low}", f"{high}"))
@@ -76,7 +76,7 @@ def _number(
     numbers |= {join.name for join in register.layout.joins}
     if name in numbers or register.limits_of == name:
         return codec.encode(device, placed, {name: value})
-    # A register of several fields without limits on one of them is given as its whole number.
+    # For a register of several fields without limits on one of them, the argument is the whole number.
     for problem in codec.decode(device, placed, value).problems:
-        raise codec.EncodeError(f"{value:#x} is no value of '{register.name}': {problem.message}")
+        raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problem.message}")
     return value

@@ -1,4 +1,4 @@
-"""The usual mistakes with a frame that is one number: BiSS, or whatever else is sent as bits with a CRC at the end."""
+"""The usual mistakes with a frame that is one number: BiSS, or any other bits with a CRC at the end."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from ..reference.crc import reflect
 from ..say.words import counted
 from .tries import NOT_INVERTED, Try, fixed_bits, usual
 
-#: Polynomials with their top bit that BiSS masters offer: Microchip dsPIC33A by length, and 0x97 that Beckhoff names
-#: besides 0x43.
+#: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
+#: which Beckhoff names next to 0x43.
 POLYNOMIALS = (0x190D9, 0x12F, 0x89, 0x97, 0x43, 0x25, 0x13, 0xB)
-#: A frame of another order code, cut off, is recognised by what is left of its CRC: all but so many bits.
+#: A truncated frame of another order code is recognised by the rest of its CRC. At most this many bits may be missing.
 _CUT = 2
-#: So many states of the registers are looked at, far more than an encoder of today has.
+#: Most register states to try, far more than today's encoders have.
 _STATES = 4096
 
 
-#: A layout of a certain length, and the order codes that send it; none where registers make it so.
+#: A layout of a certain length, and the order codes that send it, or none if registers set that length.
 Shape = tuple[PlacedLayout, tuple[str, ...]]
-#: A kind of mistake, what is said of it, and the CRC that a frame has then.
+#: A kind of mistake, its text, and the CRC of a frame with that mistake.
 OtherCrc = tuple[str, str, Crc]
 
 
 @dataclass(frozen=True, slots=True)
 class BitText:
-    """A frame as typed: ``bits`` long, or at least so long where the text leaves open the zeros in front."""
+    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros."""
 
     number: int
     bits: int
@@ -40,10 +40,10 @@ class BitText:
 
 @dataclass(frozen=True, slots=True)
 class Slip:
-    """A text that does not begin and end where the frame does.
+    """A text that does not begin and end with the frame.
 
-    ``front`` are bits before it (``?`` is any), ``missing`` the first bits of the frame, which are not there, ``lost``
-    how many of its last bits are not there, and ``behind`` how many bits follow it.
+    ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
+    ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits after it.
     """
 
     kind: str
@@ -61,50 +61,50 @@ class Slip:
 SLIPS = (
     Slip(
         "first_bit_missing",
-        "read one bit late: the first bit, a 0, is missing, and one bit more follows",
+        "started one clock late: the first bit (0) is missing, and an extra bit follows",
         missing="0",
         behind=1,
     ),
     Slip(
         "first_bit_missing",
-        "read one bit late: the first bit, a 1, is missing, and one bit more follows",
+        "started one clock late: the first bit (1) is missing, and an extra bit follows",
         missing="1",
         behind=1,
     ),
     Slip(
         "bits_in_front",
-        "read one bit early: a bit such as CDS is in front, and the last one is missing",
+        "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
         front="?",
         lost=1,
     ),
     Slip(
         "bits_in_front",
-        "read two bits early: start and CDS bit are in front, and the last two are missing",
+        "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
         front="1?",
         lost=2,
     ),
-    Slip("bits_in_front", "a bit too many in front, such as CDS", front="?"),
-    Slip("bits_behind", "a bit too many at the end, such as the stop bit", behind=1),
-    Slip("bits_in_front", "two bits too many in front: start and CDS bit", front="1?"),
+    Slip("bits_in_front", "an extra bit in front, such as CDS", front="?"),
+    Slip("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
+    Slip("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
     Slip(
         "bits_in_front",
-        "a bit too many in front, such as CDS, and one at the end, such as the stop bit",
+        "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
         front="?",
         behind=1,
     ),
-    Slip("bits_behind", "two bits too many at the end", behind=2),
-    Slip("first_bit_missing", "the first bit, a 0, is missing", missing="0"),
-    Slip("first_bit_missing", "the first bit, a 1, is missing", missing="1"),
+    Slip("bits_behind", "two extra bits at the end", behind=2),
+    Slip("first_bit_missing", "the first bit (0) is missing", missing="0"),
+    Slip("first_bit_missing", "the first bit (1) is missing", missing="1"),
     Slip("last_bits_missing", "the last bit is missing", lost=1),
     Slip("last_bits_missing", "the last two bits are missing", lost=2),
 )
 
 
 def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Every single mistake that could have made ``text`` of a sound frame.
+    """Yield every single mistake that could have turned a valid frame into ``text``.
 
-    The frame by ``placed`` is what was expected. A number without its zeros in front may have any length from its first
-    1 on. Where it could have the right one, the others are tried only as far as they lead to another frame.
+    ``placed`` is the layout of the expected frame. A number without leading zeros may have any length from its first 1
+    on. If it can have the right length, other lengths are tried only if they lead to another frame.
     """
     expected = placed.bits
     lengths = {text.bits} if text.exact or text.bits > expected else {expected, expected - 1}
@@ -134,7 +134,7 @@ def read_as(
     holds: bool = True,
     codes: Sequence[str] = (),
 ) -> Try:
-    """The try that the frame was ``number``, of which the last ``lost`` bits have not been received."""
+    """Return the try that the frame was ``number``, whose last ``lost`` bits were not received."""
     fixed, right = fixed_bits(placed, number)
     received = (number & crc.mask) >> lost
     return Try(
@@ -155,7 +155,7 @@ def read_as(
 
 
 def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
-    """A try of the frame as it is, of which everything but the mistake is known."""
+    """Return a try of the frame as it is, with everything but the mistake."""
     fixed, right = fixed_bits(placed, number)
     same = Try("", "", crc, number >> crc.width, placed.bits - crc.width, number & crc.mask, crc.width)
     return replace(same, fixed=fixed if right else 0, usual=usual(placed, number))
@@ -171,68 +171,68 @@ def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: in
 
 
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
-    """The frame is as it was sent; the CRC is another one."""
+    """Yield tries of the frame as sent with another CRC."""
     same = as_sent(placed, crc, number)
     yield from (replace(same, kind=kind, text=words, crc=other) for kind, words, other in other_crcs(crc))
     yield from _status_otherwise(same, placed, number)
     yield from _position_otherwise(same, placed, number)
     yield from _start_bits_in_crc(same)
-    words = "the bits of the CRC are in reversed order"
+    words = "the bits of the CRC are in reverse order"
     yield replace(same, kind="crc_reversed", text=words, received=reflect(same.received, crc.width))
 
 
 def _status_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
-    """Error and warning are not in the CRC, or are turned round."""
+    """Yield tries in which the CRC does not cover error and warning, or they were inverted."""
     status, width = _status_mask(placed), same.crc.width
     if not status:
         return
     data, bits = _without(same.data, same.bits, status >> width)
-    words = "the CRC is over the bits before error and warning"
+    words = "the CRC covers only the bits before error and warning"
     yield replace(same, kind="status_left_out", text=words, data=data, bits=bits)
-    words = "error and warning have been turned round, into active high"
+    words = "error and warning were converted to active high"
     turned = number ^ status
     yield replace(same, kind="status_turned", text=words, data=turned >> width, usual=usual(placed, turned))
 
 
 def _position_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
-    """The position is in Gray code where the CRC is over binary, or the other way round."""
+    """Yield tries in which the position is in Gray code but the CRC covers binary, or vice versa."""
     low, width = _position(placed)
     if not width:
         return
     position = number >> low & ((1 << width) - 1)
     rest = number ^ position << low
     for made, words in (
-        (gray_to_binary(position), "the CRC is over the position in binary; here it is in Gray code"),
-        (binary_to_gray(position), "the CRC is over the position in Gray code; here it is in binary already"),
+        (gray_to_binary(position), "the CRC covers the position in binary, but here it is in Gray code"),
+        (binary_to_gray(position), "the CRC covers the position in Gray code, but here it is already binary"),
     ):
         yield replace(same, kind="other_code", text=words, data=(rest | made << low) >> same.crc.width)
 
 
 def _start_bits_in_crc(same: Try) -> Iterator[Try]:
     for front, words in (
-        (0b1, "the start bit, or a CDS bit that is 1,"),
-        (0b10, "start bit and CDS bit 0"),
-        (0b11, "start bit and CDS bit 1"),
+        (0b1, "the start bit, or a CDS bit of 1"),
+        (0b10, "the start bit and a CDS bit of 0"),
+        (0b11, "the start bit and a CDS bit of 1"),
     ):
         data, bits = front << same.bits | same.data, same.bits + front.bit_length()
-        yield replace(same, kind="start_bits_in_crc", text=f"the CRC is over {words} too", data=data, bits=bits)
+        yield replace(same, kind="start_bits_in_crc", text=f"the CRC also covers {words}", data=data, bits=bits)
 
 
 def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
-    """The CRC inverted or not, with another start value, or with its polynomial reversed."""
+    """Yield the CRC with its inversion changed, with another start value, or with its polynomial reversed."""
     turned = "is not inverted" if crc.xorout else "is inverted"
     yield NOT_INVERTED, f"the CRC {turned}", replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in sorted({0, crc.mask} - {crc.init}):
-        yield "start_value", f"the CRC starts with {start:#x}", replace(crc, init=start)
+        yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
     backwards = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
-    words = f"the polynomial is {backwards | 1 << crc.width:#x}, read from the other end"
+    words = f"the polynomial is {backwards | 1 << crc.width:#x}, written in reverse"
     yield "polynomial_reversed", words, replace(crc, poly=backwards)
 
 
 def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
-    words = "every bit is inverted, as with the two wires of the data line swapped"
+    words = "every bit is inverted, as with swapped data wires"
     yield read_as("all_inverted", words, placed, crc, number ^ (1 << placed.bits) - 1)
-    yield read_as("bits_reversed", "all bits are in reversed order", placed, crc, reflect(number, placed.bits))
+    yield read_as("bits_reversed", "the bits are in reverse order", placed, crc, reflect(number, placed.bits))
 
 
 def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -241,12 +241,12 @@ def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
         return
     swapped = int.from_bytes(text.number.to_bytes(size, "little"), "big")
     number, unused = swapped & ((1 << placed.bits) - 1), 8 * size - placed.bits
-    words = "the bytes are in reversed order"
+    words = "the bytes are in reverse order"
     yield read_as("bytes_reversed", words, placed, crc, number, demanded=unused, holds=number == swapped)
 
 
 def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Error and warning are not among the bits at all: taken out after the CRC was made, or before."""
+    """Yield tries in which error and warning are missing: removed after the CRC was computed, or before."""
     status = _status_mask(placed)
     short = placed.bits - status.bit_count()
     if (
@@ -261,10 +261,10 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
     )
     frame = data << (crc.width + status.bit_count()) | idle | received
     bits = short - crc.width
-    words = "error and warning have been taken out of the frame"
-    yield read_as("status_not_sent", f"{words}; the CRC is over them, with none active", placed, crc, frame)
-    if text.exact:  # else it asks the same as a CRC over the bits before them
-        words += "; the CRC is over the rest"
+    words = "error and warning were removed from the frame"
+    yield read_as("status_not_sent", f"{words}, and the CRC covers them as inactive", placed, crc, frame)
+    if text.exact:  # Otherwise this is the same as a CRC over the bits before them.
+        words += ", and the CRC covers the rest"
         yield Try(
             "status_not_sent",
             words,
@@ -284,10 +284,7 @@ def _is_set_when_idle(kind: Kind) -> bool:
 
 
 def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Yield the frame by each other way to decide what the manual leaves open.
-
-    It is read to its end, or a bit too long.
-    """
+    """Yield the frame with each other answer to what the manual leaves open, complete or read one bit too long."""
     for answers, sets in choices(device.alternatives_of(placed.layout)):
         other = placed.layout.place({**variant.parameters, **sets})
         if other == placed:
@@ -295,22 +292,21 @@ def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: C
         words = f"{other.bits} bits, as with {' '.join(_options(device, answers))}"
         for more in (0, 1):
             if text.bits == other.bits + more if text.exact else text.bits <= other.bits + more:
-                longer = ", read a bit too long" if more else ""
+                longer = ", read one bit too long" if more else ""
                 yield read_as("other_answer", words + longer, other, crc, text.number >> more)
 
 
 def _options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:
-    """The answers as ``decode`` takes them."""
+    """Yield the options of ``decode`` for the answers."""
     for item in device.alternatives:
         yield from (f"--choose {item.name}={answer.name}" for answer in answers if answer in item.answers)
 
 
 def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Data of the right length before a CRC of another length.
+    """Yield tries with data of the right length before a CRC of another length.
 
-    They are whole, cut off by a reader that expects fewer bits, or followed by zeros.
-
-    The stop bit is 0, and with one slave what follows it is 0 too: SLI, which the master holds at 0.
+    The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
+    with one slave the bits after it are 0 too, since the master holds SLI at 0.
     """
     before = placed.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -323,7 +319,7 @@ def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterato
 
 
 def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
-    """The CRC with another polynomial, its start value and inversion widened or narrowed to it."""
+    """Return the CRC with another polynomial, and with start value and inversion of that width."""
     width = polynomial.bit_length() - 1
     mask = (1 << width) - 1
     return replace(
@@ -332,17 +328,17 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
 
 
 def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: int) -> Try:
-    """The try that ``number``, ``length`` bits long, is the data of the frame and ``other`` in place of its ``crc``."""
+    """Return the try that the ``length`` bits of ``number`` are the frame's data with the CRC ``other``."""
     before, width = placed.bits - crc.width, other.width
     behind, data = number & ((1 << (length - before)) - 1), number >> (length - before)
     known = min(width, length - before)
     zeros = max(length - before - width, 0)
     fixed, right = fixed_bits(placed, data << crc.width)
     own_place = length == placed.bits
-    cut = f", of which the first {known} bits are here" if known < width else ", followed by zeros" if zeros else ""
+    cut = f", of which only {known} bits arrived" if known < width else ", followed by zeros" if zeros else ""
     return Try(
         "other_polynomial",
-        f"the polynomial is {other.poly_with_top_bit:#x}: a CRC of {width} bits{cut}",
+        f"the polynomial is {other.poly_with_top_bit:#x}, a {width}-bit CRC{cut}",
         other,
         data,
         before,
@@ -356,14 +352,16 @@ def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: 
 
 
 def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """The frame of another order code, or of this one with other widths in its registers: whole, read too long, or cut
-    off."""
+    """Yield tries with the frame of another order code, or of this one with other widths in its registers.
+
+    The frame is complete, read too long, or truncated.
+    """
     shapes = _shapes(device, variant, placed)
     whole = [
         same for bits, same in shapes.items() if (bits == text.bits if text.exact else placed.bits < text.bits <= bits)
     ]
     if whole:
-        # Where the text may have any number of zeros in front, the CRC cannot tell these lengths apart.
+        # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
         other = _possible(whole[0], text.number)[0]
         codes = tuple(code for same in whole for code in _possible(same, text.number)[1])
         longer = " or more" if len(whole) > 1 else ""
@@ -373,7 +371,7 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
     for bits, same in shapes.items():
         more = placed.bits - bits
         if more > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
-            # One bit more is the stop bit, or what came instead; further ones are 0, as the master holds SLI at 0.
+            # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
             zeros = more if more > 1 else 0
             ends = text.number & ((1 << zeros) - 1)
             other, codes = _possible(same, text.number >> more)
@@ -388,7 +386,7 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
 
 
 def _possible(shapes: Sequence[Shape], number: int) -> Shape:
-    """Of shapes of one length, the one that asks least of the frame, with all order codes that it could be of."""
+    """Return the shape of this length with the fewest fixed bits, and all order codes that could send the frame."""
     could = [item for item in shapes if fixed_bits(item[0], number)[1]] or shapes
     least = min(could, key=lambda item: fixed_bits(item[0], number)[0])
     return least[0], tuple(code for _, codes in could for code in codes)
@@ -407,9 +405,9 @@ def _sender(variant: Variant, codes: Sequence[str]) -> str:
 
 
 def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
-    """The layout with every other length that it can have, by length, shortest first.
+    """Return the layout in every other length that it can have, by length, shortest first.
 
-    Those of one length differ in what they ask of a frame, such as zeros above the position.
+    Those of one length differ in their fixed bits, such as zeros above the position.
     """
     found: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
     answers = {item.name: variant.parameters[item.name] for item in device.parameters if item.alternative}
@@ -444,13 +442,13 @@ def _status_mask(placed: PlacedLayout) -> int:
 
 
 def _without(data: int, bits: int, mask: int) -> tuple[int, int]:
-    """``data`` without the bits of ``mask``, closed up, and how many bits that is."""
+    """Remove the bits of ``mask`` from ``data``, and return the remaining bits and their number."""
     kept = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
     return int("".join(map(str, kept)) or "0", 2), len(kept)
 
 
 def _position(placed: PlacedLayout) -> tuple[int, int]:
-    """Low bit and width of what a master would turn from Gray code into binary."""
+    """Return low bit and width of the number that a master would convert from Gray code to binary."""
     named = placed.layout.gray_of or next((join.name for join in placed.layout.joins), "")
     numbers = [item for item in placed.fields if isinstance(item.field.kind, Number)]
     return placed.place_of(named or (max(numbers, key=lambda item: item.width).name if numbers else ""))

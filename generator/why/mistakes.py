@@ -1,8 +1,8 @@
-"""Why a CRC fails: the usual mistakes that a CRC can see, and what it cannot see.
+"""Explain why a CRC fails by trying the usual mistakes.
 
-Each mistake is tried on the frame: were it made, what would the CRC have to be? All that fit are listed, likeliest
-first. A mistake fits by coincidence too: with a CRC of 6 bits, one random frame in 64. So every explanation has its
-chance, and the list as a whole has one.
+For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
+may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation comes with its chance, and
+so does the whole list.
 """
 
 from __future__ import annotations
@@ -19,19 +19,18 @@ from .tries import MISTAKES, NOT_INVERTED, Try
 
 __all__ = ["BitText", "Explanation", "Why", "explain_bits", "explain_bytes", "explain_constant"]
 
-#: A mistake that more than one random frame in eight fits explains nothing.
+#: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3
-#: So few bits may well be all alike.
+#: Frames with fewer bits may be all zeros or all ones by coincidence.
 _LEAST_STUCK = 12
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """A mistake that would make the CRC fit.
+    """A mistake that would explain the CRC.
 
-    Of ``one_in`` random frames it fits one. ``reads`` are the numbers of the frame as it would be without the mistake,
-    where that is another frame than given. ``codes`` are the order codes that would send it. ``twice`` says that two
-    mistakes are needed.
+    It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
+    changes the frame. ``codes`` are the order codes that would send it. ``twice`` is true if two mistakes are needed.
     """
 
     kind: str
@@ -45,12 +44,12 @@ class Explanation:
 
 @dataclass(frozen=True, slots=True)
 class Why:
-    """What would explain a frame, likeliest first.
+    """Explanations of a frame, most likely first.
 
-    ``tried`` mistakes were tried, pairs included; of random frames the part ``coincidence`` would fit at least one of
-    them. ``cannot_see`` says which mistakes no CRC of this kind notices. ``disturbed`` are the bits, 0 the last one of
-    the number, each of which makes the frame valid if it alone is inverted. It is the usual cause if only some frames
-    fail, and none that a single frame could show: the CRC is short, and most random frames have such a bit.
+    ``tried`` is the number of mistakes tried, pairs included. At least one of them matches the fraction ``coincidence``
+    of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
+    counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
+    only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
     """
 
     explanations: tuple[Explanation, ...]
@@ -61,9 +60,9 @@ class Why:
 
 
 def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
-    """What would make the CRC of ``text`` fit, which was to be a frame by ``placed``.
+    """Explain the wrong CRC of ``text``, which should be a frame of the layout ``placed``.
 
-    None where the frame has no CRC, unless all its bits are alike.
+    Return None if the frame has no CRC, unless all its bits are equal.
     """
     crc = device.crc_of(placed.layout)
     stuck = _stuck(text.number, text.bits if text.exact else max(text.bits, placed.bits), crc is not None)
@@ -79,9 +78,9 @@ def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: B
 
 
 def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
-    """Explain a frame whose CRC fits and whose constant does not by another answer to what the manual leaves open.
+    """Explain a valid CRC with a wrong constant by another answer to a question that the manual leaves open.
 
-    None where no other answer fits.
+    Return None if no other answer matches.
     """
     crc = device.crc_of(placed.layout)
     if crc is None:
@@ -93,9 +92,9 @@ def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, tex
 def explain_bytes(
     device: Device, variant: Variant, sender: str, placed: PlacedLayout | None, data: bytes
 ) -> Why | None:
-    """What would make the CRC of ``data`` fit, which was to be a frame by ``placed`` if that is known.
+    """Explain the wrong CRC of ``data``, which should be a frame of the layout ``placed`` if that is known.
 
-    None where nothing could be tried.
+    Return None if there is no mistake to try.
     """
     number = int.from_bytes(data, "big")
     stuck = _stuck(number, 8 * len(data), True)
@@ -103,7 +102,7 @@ def explain_bytes(
         return stuck
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
     crcs = tuple({item.crc.name: device.crc(item.crc.name) for item in tried}.values())
-    # The user has decided nothing for an unknown frame, so what depends on an answer is not read.
+    # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
     undecided = frozenset(name for item in device.alternatives for name in item.answers[0].sets)
     why = _why(device, tried, (), crcs, undecided)
     if why is None or placed is None or 8 * len(data) != placed.bits:
@@ -117,7 +116,7 @@ def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:
 
 
 def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, ...]:
-    """The frame as given, which is known not to fit; a mistake that comes to the same is not worth a try."""
+    """Return the frame as given, which is known not to match, so that equivalent mistakes are not tried."""
     if text.bits > placed.bits or (text.exact and text.bits != placed.bits):
         return ()
     return (in_bits.as_sent(placed, crc, text.number),)
@@ -136,7 +135,8 @@ def _why(
     found = [_explanation(device, item, undecided) for item in single if item.fits]
     asked = single
     if not found:
-        # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
+        # Try pairs only with the most common mistake, and only if no single one matches. More pairs would mostly match
+        # by coincidence.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != NOT_INVERTED)), failed)
         found = [
             replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits
@@ -149,10 +149,7 @@ def _why(
 
 
 def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
-    """The tries that say something, without those that ask what is known to fail.
-
-    Of those that ask the same and lead to the same frame the first.
-    """
+    """Return the significant tries, without those known to fail and without duplicates that lead to the same frame."""
     wrong = {item.question for item in failed}
     found: dict[object, Try] = {}
     for item in tries:
@@ -163,7 +160,7 @@ def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
 
 
 def _places(placed: PlacedLayout) -> tuple[int, tuple[tuple[str, int], ...]]:
-    """The length, and the lowest bits of the fields: frames of one length can differ in them."""
+    """Return the length and the lowest bits of the fields, in which frames of one length can differ."""
     return placed.bits, tuple((item.name, item.low) for item in placed.fields)
 
 
@@ -171,7 +168,7 @@ def _not_inverted(item: Try) -> Try:
     turned = "not inverted" if item.crc.xorout else "inverted"
     return replace(
         item,
-        text=f"{item.text}; and the CRC is {turned}",
+        text=f"{item.text}, and the CRC is {turned}",
         crc=replace(item.crc, xorout=item.crc.xorout ^ item.crc.mask),
     )
 
@@ -191,15 +188,15 @@ def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explan
 
 
 def _stuck(number: int, bits: int, has_crc: bool) -> Why | None:
-    """All bits alike: that is no frame at all, and no other mistake is worth a try."""
+    """Explain a frame whose bits are all equal, which rules out other mistakes."""
     if bits < _LEAST_STUCK or number not in (0, (1 << bits) - 1):
         return None
     level = 1 if number else 0
     if has_crc:
-        cause = "cut" if level else "shorted"
-        text = f"every bit is {level}: the line does not move. Is it {cause}, is there a supply, does the clock arrive?"
+        cause = "a broken wire" if level else "a short circuit"
+        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and the clock"
     else:
-        text = f"every bit is {level}: a line that does not move looks the same, and without a CRC nothing tells"
+        text = f"every bit is {level}. A dead line looks the same, and there is no CRC to tell"
     one_in = 1 << min(bits - 1, 62)
     found = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
     return Why((found,), 1, 1 / one_in, ())
@@ -208,13 +205,11 @@ def _stuck(number: int, bits: int, has_crc: bool) -> Why | None:
 def _cannot_see(crc: Crc) -> list[str]:
     found = []
     if crc.is_xor:
-        found.append(
-            "that bytes have changed places, or that every byte is sent from the other end: it is the XOR of the bytes"
-        )
-        found.append("how many bytes of 0 there are")
+        found.append("swapped bytes, or reversed bits in every byte (it is the XOR of the bytes)")
+        found.append("missing or extra bytes of 0")
     elif crc.init == 0:
         found.append(
-            "zeros missing or too many in front, such as those of a wider or narrower order code: its start value is 0"
+            "missing or extra leading zeros, such as those of a wider or narrower order code (its start value is 0)"
         )
-    found.append("which bits are which field, and whether they are Gray code or binary")
+    found.append("wrong field boundaries, or Gray code mistaken for binary")
     return found

@@ -1,4 +1,4 @@
-"""One mistake tried on one frame: what the CRC would then be over, and how likely it is that it fits by coincidence."""
+"""One mistake tried on one frame: the bits that the CRC would cover, and the chance that it matches by coincidence."""
 
 from __future__ import annotations
 
@@ -26,40 +26,39 @@ from ..reference.crc import compute_bits, compute_bytes
 
 NOT_INVERTED = "crc_not_inverted"
 
-#: How often each kind of mistake is made, beside the others, and why that is thought; it holds for every single try.
-#: Nobody has counted; only the ratios matter.
+#: Estimated relative frequency of each kind of mistake, with the reason. It applies to every single try.
 MISTAKES: Mapping[str, float] = MappingProxyType(
     {
-        "line_stuck": 8,  # no supply, no encoder, or a wire that is off
-        NOT_INVERTED: 8,  # a switch of its own in every master, and drivers differ
-        "other_order_code": 8,  # the widths are typed in by a person, and the label is worn
-        "other_widths": 2,  # registers hold the widths, and somebody wrote to them once
-        "first_bit_missing": 4,  # sampled one clock late, such as after an uncompensated line delay
-        "bits_in_front": 4,  # where a master's data begin, at the start bit, CDS or after it, is told in few manuals
-        "bits_behind": 4,  # the stop bit, read as one more bit of data
+        "line_stuck": 8,  # no power, no encoder, or a disconnected wire
+        NOT_INVERTED: 8,  # every master has a switch for it, and drivers differ
+        "other_order_code": 8,  # a person types in the widths, and the label is worn
+        "other_widths": 2,  # registers hold the widths, and someone once wrote to them
+        "first_bit_missing": 4,  # sampled one clock late, such as with an uncompensated line delay
+        "bits_in_front": 4,  # few manuals say whether a master's data begin at the start bit, at CDS or after it
+        "bits_behind": 4,  # the stop bit is read as one more data bit
         "last_bits_missing": 4,  # one clock too few, or a frame cut to fit an integer
-        "status_left_out": 4,  # nE and nW look like an appendix; a driver takes the CRC over the position
-        "status_not_sent": 4,  # a master's switch for status bits takes them out of the data
-        "other_answer": 8,  # tried only where the manual leaves the form of the frame open
-        "status_turned": 2,  # drivers hand error and warning on as active high
-        "other_code": 2,  # a master that turns Gray into binary before anybody checks the CRC
-        "start_bits_in_crc": 2,  # other protocols have their start bit in the CRC
-        "other_polynomial": 2,  # masters know polynomials of many lengths, and their defaults differ
-        "bytes_reversed": 2,  # a buffer of bytes copied into an integer of the other byte order
-        "bytes_in_front": 8,  # on two wires the sender hears its own request
+        "status_left_out": 4,  # a driver computes the CRC over the position only
+        "status_not_sent": 4,  # a master's switch for status bits removes them from the data
+        "other_answer": 8,  # tried only if the manual is ambiguous about the frame
+        "status_turned": 2,  # drivers pass error and warning on as active high
+        "other_code": 2,  # a master converts Gray code to binary before the CRC is checked
+        "start_bits_in_crc": 2,  # other protocols include their start bit in the CRC
+        "other_polynomial": 2,  # masters offer polynomials of many lengths, and their defaults differ
+        "bytes_reversed": 2,  # a byte buffer is copied into an integer of the other byte order
+        "bytes_in_front": 8,  # on two wires the sender receives its own request
         "bytes_behind": 4,  # the next frame has begun
-        "first_byte_lost": 4,  # the receiver was switched on too late after the request
-        "first_byte_left_out": 2,  # the control field is compared, then forgotten for the CRC
-        "all_inverted": 2,  # the two wires of a differential pair have changed places
+        "first_byte_lost": 4,  # the receiver was enabled too late after the request
+        "first_byte_left_out": 2,  # the control field is compared, but left out of the CRC
+        "all_inverted": 2,  # the two wires of a differential pair are swapped
         "start_value": 1,  # other protocols start with all ones
-        "polynomial_reversed": 1,  # a polynomial may be written from either end
-        "bits_reversed": 1,  # a serial port that takes the least significant bit first
-        "crc_reversed": 0.5,  # a CRC computed least significant bit first
+        "polynomial_reversed": 1,  # a polynomial can be written from either end
+        "bits_reversed": 1,  # a serial port receives the least significant bit first
+        "crc_reversed": 0.5,  # the CRC is computed least significant bit first
     }
 )
 
-#: How much likelier a flag that tells nothing, or an unused bit as the manual has it, makes a reading than a random bit
-#: does, and one that tells of a fault: faults are taken to be rare.
+#: Likelihood, relative to a random bit, of an inactive flag or a reserved bit as documented, and of an active flag.
+#: Faults are assumed to be rare.
 _IDLE, _ACTIVE = 1.8, 0.2
 
 
@@ -67,12 +66,12 @@ _IDLE, _ACTIVE = 1.8, 0.2
 class Try:
     """One mistake, tried.
 
-    ``data`` is what the CRC by the parameters ``crc`` would be over, ``bits`` long. ``received`` are the first
-    ``known`` bits of the CRC that is held against it. ``demanded`` is how many other bits the mistake says the value
-    of, and ``holds`` whether they have it. ``fixed`` is how many bits of the frame have the value that they always
-    have, which tells nothing by itself but makes one reading likelier than another, as do flags that are not set
-    (``usual``). ``number`` is the frame by ``placed`` as it would be without the mistake, where that is another one
-    than given. ``codes`` are the order codes that would send it.
+    ``data`` are the ``bits`` bits that the CRC with parameters ``crc`` would cover. ``received`` are the first
+    ``known`` bits of the CRC to compare with. ``demanded`` is the number of other bits whose value the mistake
+    determines, and ``holds`` is true if they have it. ``fixed`` is the number of frame bits that have their constant
+    value. They prove nothing, but make one reading more likely than another, as do inactive flags (``usual``).
+    ``number`` is the frame with the layout ``placed`` without the mistake, if that changes the frame. ``codes`` are
+    the order codes that would send it.
     """
 
     kind: str
@@ -104,27 +103,24 @@ class Try:
 
     @property
     def one_in(self) -> int:
-        """Of how many frames of random bits one fits."""
+        """Number of random frames of which one matches."""
         return 1 << (self.known + self.demanded)
 
     @property
     def score(self) -> float:
-        """How likely the mistake is once it fits: how often it is made, times what was improbable without it."""
+        """Likelihood of a mistake that matches: its frequency, times the improbability of the match without it."""
         return MISTAKES[self.kind] * self.usual * 2.0 ** (self.known + max(self.demanded, self.fixed))
 
     @property
     def question(self) -> tuple[object, ...]:
-        """What is asked of the frame.
-
-        Two tries with the same question have the same answer. With start value 0, zeros in front make no difference.
-        """
+        """Key of the try. Two tries with the same key match the same frames. Leading zeros do not matter for init 0."""
         return self.crc, self.data, self.bits if self.crc.init else 0, self.received, self.known
 
 
 def fixed_bits(placed: PlacedLayout, number: int) -> tuple[int, bool]:
-    """How many bits of a frame have to have a certain value, and whether they have it.
+    """Return the number of bits in a frame that must have a certain value, and whether they all have it.
 
-    These are constants, parity, and the field that tells the layout.
+    These are constants, parity, and the field that identifies the layout.
     """
     bits, holds = 0, True
     for item in placed.fields:
@@ -138,7 +134,7 @@ def fixed_bits(placed: PlacedLayout, number: int) -> tuple[int, bool]:
 
 
 def _fixed_value(placed: PlacedLayout, item: PlacedField, number: int) -> int | None:
-    """What a constant or parity has to be in ``number``; None for other fields."""
+    """Return the value that a constant or parity must have in ``number``, or None for other fields."""
     match item.field.kind:
         case Constant(value):
             return value
@@ -151,7 +147,7 @@ def _fixed_value(placed: PlacedLayout, item: PlacedField, number: int) -> int | 
 
 
 def usual(placed: PlacedLayout, number: int) -> float:
-    """How much likelier than a random frame its flags and unused bits make it."""
+    """Return the likelihood of the flags and reserved bits, relative to random bits."""
     made = 1.0
     for item in placed.fields:
         raw = number >> item.low & item.mask

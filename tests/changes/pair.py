@@ -19,7 +19,7 @@ Edits = Sequence[Sequence[str]]
 
 
 class Case(TypedDict):
-    """A pair: ``before`` holds for both sides, ``edits`` make the new one, or the old one where it is ``backwards``."""
+    """A pair: ``before`` applies to both sides, ``edits`` to the new one, or to the old one if ``backwards``."""
 
     rule: str
     before: Edits
@@ -29,7 +29,7 @@ class Case(TypedDict):
 
 
 def devices(edits: Edits) -> tuple[Device, ...]:
-    """The families of the base with these texts replaced; each stands in one of its files, once."""
+    """Return the families of the base with these texts replaced, each of which is in its files once."""
     return _devices(tuple((old, new) for old, new in edits))
 
 
@@ -62,5 +62,5 @@ def found(old: Sequence[Device], new: Sequence[Device]) -> Found:
 
 
 def shown(old: Sequence[Device], new: Sequence[Device]) -> str:
-    """What diff prints of the two, but for what is generated."""
+    """Return the output of diff for the two, without the line about generated files."""
     return as_text(found(old, new))

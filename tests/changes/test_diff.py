@@ -1,4 +1,4 @@
-"""``codewheel diff``: what it reads, what it prints in each form, and how it ends."""
+"""``codewheel diff``: its input, its output in each form, and its exit code."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def edit(file: Path, old: str, new: str) -> None:
 
 @pytest.fixture
 def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
-    """A repository with the base in the folder ``specs``, which is the tag v1.0."""
+    """Create a repository with the base in the folder ``specs`` and the tag v1.0."""
     copytree(BASE, tmp_path / "specs")
     monkeypatch.chdir(tmp_path)
-    # In a hook of git's own, these lead to another repository.
+    # In a git hook, these point to another repository.
     for name in ("GIT_DIR", "GIT_INDEX_FILE", "GIT_WORK_TREE"):
         monkeypatch.delenv(name, raising=False)
-    # The settings of the user, such as hooks or signatures, have no part in this.
+    # Ignore the user's settings, such as hooks or signatures.
     monkeypatch.setenv("GIT_CONFIG_NOSYSTEM", "1")
     monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "no.gitconfig"))
 
@@ -70,7 +70,7 @@ demo
                  all 4 BiSS order codes; C, Python, XML [value-new]
   documentation  registers.command.function.save.meaning [words]
 4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
-generated: 15 of 126 files change; maker_encoders 1.4.2 → 2.0.0, where the spec
+generated: 15 of 126 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
   still says 1.4.2
 """
 
@@ -91,7 +91,7 @@ def revise(folder: Path) -> None:
 
 
 def test_as_text(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert diff(capsys, "v1.0:specs", "specs") == (0, "no difference\n", "")
+    assert diff(capsys, "v1.0:specs", "specs") == (0, "no differences\n", "")
     revise(tmp_path / "specs")
     for old, new in (("v1.0:specs", "specs"), ("v1.0:specs/demo.yaml", "specs/demo.yaml"), ("HEAD:./specs", "specs")):
         assert diff(capsys, old, new) == (1, TOLD, "")
@@ -187,14 +187,14 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
     ("old", "message"),
     [
         ("v9:specs", "there is no revision 'v9' in this repository; known: master, v1.0"),
-        ("-x:specs", "'-x' is no revision; write it as in v1.0:specs/my_encoder.yaml"),
+        ("-x:specs", "'-x' is not a revision; write it like v1.0:specs/my_encoder.yaml"),
         ("--upload-pack=touch x:specs", None),
         ("v1.0:spec", "there is no spec in v1.0"),
-        ("v1.0:../specs", "v1.0:../specs is outside of the repository; paths begin at its top"),
-        ("v1.0:/a/b", "v1.0:/a/b is outside of the repository; paths begin at its top"),
+        ("v1.0:../specs", "v1.0:../specs is outside the repository; paths are relative to its top"),
+        ("v1.0:/a/b", "v1.0:/a/b is outside the repository; paths are relative to its top"),
         ("$(touch x):specs", "there is no revision '$(touch x)' in this repository; known: master, v1.0"),
         ("v1.0\x1b[2J:specs", "there is no revision 'v1.0\\x1b[2J' in this repository; did you mean 'v1.0'?"),
-        ("specs/nowhere.yaml", "there is no file or folder specs/nowhere.yaml"),
+        ("specs/nowhere.yaml", "no such file or folder: specs/nowhere.yaml"),
     ],
 )
 def test_what_is_not_there(
@@ -215,7 +215,7 @@ def test_without_a_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.delenv("GIT_DIR", raising=False)
     place = named("v1.0:specs")
     assert place is not None
-    with pytest.raises(RevisionError, match="the current folder is in no git repository"):
+    with pytest.raises(RevisionError, match="the current folder is not in a git repository"):
         lay_out(place, tmp_path / "out")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(RevisionError, match="git is not installed"):
@@ -245,12 +245,12 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     assert (code, out) == (1, "")
     assert err.startswith("HEAD:specs/demo.yaml:2:1: missing-key: ")
     assert err.endswith(
-        "codewheel: HEAD:specs has 2 problems by today's spec language, of which it may be an earlier form, so it is "
-        "not compared; add --lenient, take a later revision, or run the codewheel of that time\n"
+        "codewheel: HEAD:specs has 2 problems in today's spec language and is not compared. It may use an older form "
+        "of the language: add --lenient, use a later revision, or run the codewheel of that time\n"
     )
     code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
     assert out.splitlines()[0] == (
-        "HEAD:specs has 2 problems by today's spec language; what is at fault is left out, and may be told as new"
+        "HEAD:specs has 2 problems in today's spec language. The faulty parts are left out and may be listed as new"
     )
 
 
@@ -266,7 +266,7 @@ def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, caps
     code, out, _ = diff(capsys, "HEAD:specs", "specs")
     assert (code, out) == (
         0,
-        "not compared, for 2 problems by today's spec language: demo of HEAD:specs\nno difference\n",
+        "not compared, with 2 problems in today's spec language: demo of HEAD:specs\nno differences\n",
     )
 
 
@@ -274,7 +274,7 @@ def test_the_new_specs_have_to_be_sound(git: Git, tmp_path: Path, capsys: pytest
     edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "movement: round")
     code, out, err = diff(capsys, "v1.0:specs", "specs")
     assert (code, out) == (1, "")
-    assert err.endswith("codewheel: specs has 1 problem, so it is not compared\n")
+    assert err.endswith("codewheel: specs has 1 problem and is not compared\n")
 
 
 def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
@@ -282,7 +282,7 @@ def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
 
 
 def test_amm5_needs_a_decision(amm5: Device) -> None:
-    """A decision that a frame comes to need breaks its callers, as its going does."""
+    """A decision that a frame now needs breaks its callers, and so does its removal."""
     before = replace(amm5, alternatives=())
     there, back = _rules(before, amm5), _rules(amm5, before)
     assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= there

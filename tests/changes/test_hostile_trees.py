@@ -1,4 +1,4 @@
-"""``codewheel diff`` on a git tree that somebody else made: it writes nowhere, runs nothing and reads no giant."""
+"""``codewheel diff`` on a hostile git tree does not write elsewhere, run commands or read huge files."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FILE, FOLDER = "100644", "40000"
 
 @pytest.fixture
 def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
-    """A repository with the base in the folder ``specs``; temporary folders are made in ``tmp_path/deep/down/tmp``."""
+    """Create a repository with the base in ``specs``. Temporary folders are in ``tmp_path/deep/down/tmp``."""
     repository = tmp_path / "repository"
     copytree(BASE, repository / "specs")
     monkeypatch.chdir(repository)
@@ -49,7 +49,7 @@ def blob(git: Git, content: bytes) -> str:
 
 
 def tree(git: Git, *entries: Entry) -> str:
-    """The tree of these entries, whatever their names; git itself refuses to make such a one."""
+    """Return the tree of these entries with any names, which git itself would refuse to create."""
     raw = b"".join(f"{mode} ".encode() + os.fsencode(name) + b"\0" + bytes.fromhex(of) for mode, name, of in entries)
     return git("hash-object", "-t", "tree", "--literally", "-w", "--stdin", given=raw)
 
@@ -91,7 +91,7 @@ def test_a_name_that_leads_elsewhere_is_refused(
     assert main(["diff", "HEAD:specs", asked]) == 2
     name = f"specs/{shown.format(tmp=tmp_path)}"
     assert capsys.readouterr().err == (
-        f"codewheel: evil holds a file '{name}'; '{bad}' is not a safe name, so nothing of the revision is read\n"
+        f"codewheel: evil holds a file '{name}'; '{bad}' is not a safe name, so the revision is not read\n"
     )
     assert below(tmp_path) == before
 
@@ -124,7 +124,7 @@ def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("GIT_TRACE", str(tmp_path / "trace"))
     commit(git, tree(git, (FILE, "big.yaml", blob(git, b"#" * (4 * 2**20 + 1)))))
     with pytest.raises(
-        RevisionError, match=r"^evil:big\.yaml is larger than 4 MB, so it is not a spec; name the folder"
+        RevisionError, match=r"^evil:big\.yaml is larger than 4 MB and cannot be a spec; name the folder"
     ):
         laid_out(tmp_path, "")
     trace = (tmp_path / "trace").read_text()
@@ -135,9 +135,7 @@ def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.Monke
 def test_many_large_files_are_not_read(git: Git, tmp_path: Path) -> None:
     large = blob(git, b"#" * (4 * 2**20))
     commit(git, tree(git, *((FILE, f"{number:02}.yaml", large) for number in range(17))))
-    with pytest.raises(
-        RevisionError, match=r"^the YAML files of evil: are larger than 64 MB together; name the folder"
-    ):
+    with pytest.raises(RevisionError, match=r"^the YAML files of evil: have more than 64 MB in total; name the folder"):
         laid_out(tmp_path, "")
 
 
@@ -187,5 +185,5 @@ def test_a_git_that_fetches_all_the_same_finds_no_protocol(
 
 
 def test_a_revision_never_becomes_an_option(git: Git, tmp_path: Path) -> None:
-    with pytest.raises(RevisionError, match=r"^'--git-dir' is no revision"):
+    with pytest.raises(RevisionError, match=r"^'--git-dir' is not a revision"):
         laid_out(tmp_path, "specs", "--git-dir")

@@ -1,4 +1,4 @@
-"""The page for who has a new edition of a manual: every command is run, and prints exactly what it shows."""
+"""The page about new editions of a manual: every command is run, and its output is exactly as shown."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 
 
 def steps() -> list[tuple[str, str]]:
-    """Each command with what it prints; for the change of the spec, the name of the change and its text."""
+    """Yield each command with its output. For the change of the spec, yield its name and text."""
     found: list[tuple[str, str]] = []
     for language, block in BLOCKS:
         if language == "diff":
@@ -30,7 +30,7 @@ def steps() -> list[tuple[str, str]]:
 
 
 def environment(folder: Path) -> dict[str, str]:
-    """The command codewheel, and a git that knows nothing of the one who runs the tests."""
+    """Provide the command codewheel, and a git without the settings of the user."""
     tool = folder / "bin" / "codewheel"
     tool.parent.mkdir()
     tool.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m codewheel "$@"\n', encoding="utf-8")
@@ -43,7 +43,7 @@ def environment(folder: Path) -> dict[str, str]:
 
 
 def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
-    """The repository in which the page begins."""
+    """Create the repository with which the page begins."""
     variables, work = environment(folder), folder / "work"
     copytree(ROOT / "docs" / "example" / "tolvarn", work / "specs" / "tolvarn")
     begin = "git init -q && codewheel generate specs/tolvarn && git add . && git commit -q -m first && git tag v0.1.0"

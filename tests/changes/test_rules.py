@@ -1,4 +1,4 @@
-"""Every rule of diff: a pair of specs for each, exactly what is printed of it, and whether its impact is true."""
+"""Every rule of diff: a pair of specs for each, its exact output, and a check of its impact."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CASES: list[Case] = [
     {**_WITHOUT, **case}  # type: ignore[typeddict-item]
     for case in yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"))
 ]
-#: Rules that need two families, or a member of the model that no rule knows; they have tests of their own.
+#: Rules with tests of their own, since they need two families or a member of the model that no rule covers.
 _ELSEWHERE = {"family-gone", "family-new", "unforeseen"}
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _NAME = re.compile(r"\b[A-Za-z_]\w*")
@@ -52,7 +52,7 @@ def test_what_is_printed(case: Case) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
 def test_the_way_back(case: Case) -> None:
-    """What is new one way is gone the other, and nothing goes unnoticed."""
+    """A new thing is gone in the opposite direction, and every change is noticed."""
     old, new = sides(case)
     there, back = ({change.rule.name for change in compare(*pair)} for pair in ((old, new), (new, old)))
     assert back
@@ -80,7 +80,7 @@ def test_families_that_come_and_go() -> None:
 
 
 def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
-    """More bits allow more; that is told of the bits, and does not hide that the limit allows less of them."""
+    """More bits allow more. This is reported for the bits, and does not hide that the limit allows less."""
     more = [(f"sets: {{singleturn_bits: {bits}}}", f"sets: {{singleturn_bits: {bits + 1}}}") for bits in (13, 17)]
     less = ("max: 2^position_bits - 1", "max: 2^position_bits - 2")
     assert shown(devices([]), devices([*more, less])) == (
@@ -110,13 +110,13 @@ def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("kind", sorted(MEMBERS))
 def test_every_member_of_the_model_has_a_side(kind: str) -> None:
-    """A member that comes anew has to be compared, or left out for a reason."""
+    """A new member must be compared, or left out for a reason."""
     assert {item.name for item in fields(getattr(model, kind))} <= set(MEMBERS[kind])
 
 
 def test_every_member_of_a_family_is_compared() -> None:
-    """A section of a family that comes anew needs a walk of its own in ``walk``. Overlays and editions show in
-    the facts that they change."""
+    """A new section of a family must be compared in ``walk``. Overlays and editions show in the facts that they
+    change."""
     assert {item.name for item in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
@@ -129,12 +129,12 @@ def _generated(devices: Any, target: str) -> dict[str, str]:
 
 
 def _c_code(text: str) -> list[str]:
-    """The words and numbers of a header, without comments and texts."""
+    """Return the words and numbers of a header, without comments and texts."""
     return re.findall(r"\w+", re.sub(r'"[^"\n]*"', '""', _COMMENT.sub(" ", text)))
 
 
 def _python_code(text: str) -> str:
-    """A module without its texts and numbers that only tell."""
+    """Return a module without texts and informative numbers."""
 
     class Texts(ast.NodeTransformer):
         def visit_Constant(self, node: ast.Constant) -> ast.Constant:
@@ -146,7 +146,7 @@ def _python_code(text: str) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
 def test_its_impact_is_true(case: Case) -> None:
-    """Words change no statement, what is compatible keeps every name, and names that are told are those of the code."""
+    """Wording changes no statement, compatible changes keep every name, and reported names are those of the code."""
     old, new = sides(case)
     changes = compare(old, new)
     before, after = ((_generated(each, "c"), _generated(each, "python")) for each in (old, new))
@@ -166,7 +166,7 @@ def test_its_impact_is_true(case: Case) -> None:
 
 
 def _module(files: dict[str, str]) -> str:
-    """The module of the family, with that of its facts."""
+    """Return the module of the family together with that of its facts."""
     return "\n".join(text for name, text in sorted(files.items()) if name.endswith("/demo.py"))
 
 
@@ -191,7 +191,7 @@ def _python_is_true(impact: Impact, before: str, after: str) -> None:
 
 
 def _public(module: str) -> set[str]:
-    """The names at the top of a module, and those of the members of its classes."""
+    """Return the top-level names of a module and the names of its classes' members."""
     found = set()
     for node in ast.parse(module).body:
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
@@ -211,8 +211,8 @@ def test_explain() -> None:
         "  Python  breaking\n"
         "  XML     breaking\n"
         "  pages   documentation\n"
-        "  Its names are gone from C and Python, and its element from the XML: what uses\n"
-        "  them no longer builds."
+        "  Its names are gone from C and Python, and its element from the XML. Code that\n"
+        "  uses them no longer builds."
     )
     assert all(rule.name in explain(None) for rule in RULES.values())
     assert max(map(len, explain(None).splitlines())) <= 80

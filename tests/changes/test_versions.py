@@ -1,4 +1,4 @@
-"""Versions: what follows from changes, what is recorded, and headers of two generations, which do not compile."""
+"""Versions that follow from changes, their records, and headers of two generations, which do not compile together."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_headers_of_two_generations(tmp_path: Path, compiler: str, mixed: str) -
 
 @pytest.mark.slow
 def test_the_generation_costs_nothing(tmp_path: Path) -> None:
-    """It is in no object file."""
+    """No object file contains it."""
     old, new = headers(tmp_path / "old"), headers(tmp_path / "new", NEXT)
     made = []
     for name, texts in (("one", old), ("two", new)):
@@ -101,7 +101,7 @@ def test_the_generation_costs_nothing(tmp_path: Path) -> None:
 
 
 def test_what_makes_a_generation(tmp_path: Path) -> None:
-    """The version, the options and the shared headers; not the words of a family."""
+    """It depends on version, options and shared headers, but not on the words of a family."""
     devices, _ = load_library([specs(tmp_path / "specs")])
     maker = devices[0].manufacturer
     one = generation(maker, {"a": "b"}, ["text"])
@@ -149,7 +149,7 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
             }
         ]
     }
-    # Recorded again, nothing is doubled; and the next version stands before the last.
+    # Recording again duplicates nothing, and the next version comes before the last.
     assert main(["diff", "old", "new", "--record"]) == 1
     assert Path("new/demo.changes.json").read_text(encoding="utf-8") == kept
     specs(Path("next"), NEXT, ("max_hz: 10000000", "max_hz: 5000000"), ("meaning: Saves", "meaning: Keeps"))
@@ -206,7 +206,7 @@ def test_a_version_that_cannot_be_written(
     assert code == 1
     if message:
         assert err == (
-            f'codewheel: {new}/manufacturer.yaml has no line such as version: "1.4.2"; write 2.0.0 into it\n'
+            f'codewheel: {new}/manufacturer.yaml has no line like version: "1.4.2"; set it to 2.0.0 by hand\n'
         )
         assert not (new / "demo.changes.json").exists()
 
@@ -215,5 +215,5 @@ def test_a_folder_is_needed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     old = specs(tmp_path / "old")
     assert main(["diff", str(old), str(old / "demo.yaml"), "--record"]) == 2
     assert capsys.readouterr().err == (
-        "codewheel: --record is for a folder of specs: the version is that of all families of a maker\n"
+        "codewheel: --record needs a folder of specs: all families of a manufacturer share a version\n"
     )

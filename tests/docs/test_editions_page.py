@@ -325,28 +325,28 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
         (["show", "asc85", "--edition", "0.9"], "the spec of asc85 has no edition '0.9'; there is 1.0"),
         (
             ["show", "AMM5A21/65KSC1", "--edition", "label"],
-            "the label tells no edition; give its revision, such as 1.9",
+            "cannot infer the edition from this label; give its revision, such as 1.9",
         ),
         (
             ["decode", "AMM5B21/65KSC1", "0x0", "--edition", "1.7"],
             (
-                "in edition 1.7 of the manual: 'AMM5B21/65KSC1' has mount 'B'; valid are A. The nearest codes are "
+                "in edition 1.7 of the manual: 'AMM5B21/65KSC1' has mount 'B'; valid values: A. The nearest codes are "
                 "AMM5A21/65KSC1, AMM5A17/65KSC1, AMM5A23/65KSC1"
             ),
         ),
         (
             ["decode", "AMM5A21/65KSC1", "0x0", "--edition", "registers"],
             (
-                "to tell the edition, give all of serial_number: --register 0x44=0x.. --register 0x45=0x.. "
+                "to infer the edition, give all of serial_number: --register 0x44=0x.. --register 0x45=0x.. "
                 "--register 0x46=0x.. --register 0x47=0x.."
             ),
         ),
-        (["master", "--edition", "1.0"], "--edition needs an order code: an edition is one of a family's manual"),
+        (["master", "--edition", "1.0"], "--edition needs an order code"),
         (
             ["generate", "--edition", "amm6=1.0"],
-            "'amm6=1.0' is no family and edition; write it as in am36=1.0 (am36, amm5, asc85, sma21)",
+            "'amm6=1.0' is not a family and an edition; write it like am36=1.0 (am36, amm5, asc85, sma21)",
         ),
-        (["generate", "--edition", "amm5=1.9"], "amm5 is of edition 1.9 already"),
+        (["generate", "--edition", "amm5=1.9"], "the spec of amm5 is already edition 1.9"),
     ],
     ids=lambda item: item if isinstance(item, str) else " ".join(item),
 )

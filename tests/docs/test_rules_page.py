@@ -24,7 +24,7 @@ def test_each_shows_the_line_that_is_at_fault() -> None:
 
 def test_explain_shows_what_the_page_shows() -> None:
     for rule, item in examples().items():
-        assert explain(rule).startswith(f"{rule}, a rule of check. A message by it:\n  {item.message[:20]}"), rule
+        assert explain(rule).startswith(f"{rule}, a rule of check. Example message:\n  {item.message[:20]}"), rule
         assert explain(rule).endswith(item.lines[-1])
     assert [*rules_of_check()] == [*examples()]
 

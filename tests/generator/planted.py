@@ -1,4 +1,4 @@
-"""Frames with one mistake planted in each: the encoder's side written out bit by bit, without anything of codewheel.
+"""Frames with one planted mistake each. The encoder's side is written bit by bit, independent of codewheel.
 
 Frames are texts of ``0`` and ``1``, first bit sent first. Widths are those of the manuals.
 """
@@ -52,7 +52,7 @@ ENCODERS = (
 
 @dataclass(frozen=True)
 class Plant:
-    """A frame with a mistake: the order code that the user names, the text that is typed, and what has to be found."""
+    """A frame with a mistake: the order code that the user gives, the typed text, and the expected explanation."""
 
     code: str
     text: str
@@ -93,12 +93,12 @@ def binary(position: str) -> str:
 
 
 def status(encoder: Encoder, source: random.Random) -> str:
-    """Error and warning, low active: nothing to tell in nine of ten frames."""
+    """Return error and warning, active low. Nine of ten frames have none."""
     return noise(source, 2) if encoder.has_status and source.random() < 0.1 else "11"
 
 
 def parts(encoder: Encoder, source: random.Random) -> tuple[str, str]:
-    """What stands before the status bits, and these."""
+    """Return the bits before the status bits, and these."""
     return "0" * encoder.zeros + noise(source, encoder.position) + "0" * encoder.below, status(encoder, source)
 
 
@@ -126,13 +126,13 @@ def status_left_out(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     position, _ = parts(encoder, source)
-    yield _plant(encoder, position + crc(position), "status_not_sent", "over the rest")
-    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "none active")
+    yield _plant(encoder, position + crc(position), "status_not_sent", "covers the rest")
+    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "as inactive")
 
 
 def other_answer(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The 0 bit below the position is not sent, as a public driver reads it: 33 bits instead of 34 at 25 bits;
-    or the reader clocks once more."""
+    """The 0 bit below the position is not sent, as in a public driver: 33 bits instead of 34 for 25 bits.
+    Or the reader sends one more clock."""
     if encoder.below:
         position, flags = parts(encoder, source)
         data = position[: -encoder.below] + flags
@@ -146,37 +146,37 @@ def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def read_late(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """One clock late: the first bit is gone, and a bit that follows is taken for the last."""
+    """One clock late: the first bit is missing, and an extra bit follows the last."""
     frame = sound(encoder, source)
     if not encoder.zeros:
-        yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"a {frame[0]}")
+        yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"first bit ({frame[0]})")
 
 
 def first_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
     if not encoder.zeros:
-        yield _plant(encoder, frame[1:], "first_bit_missing", f"a {frame[0]}")
+        yield _plant(encoder, frame[1:], "first_bit_missing", f"first bit ({frame[0]})")
 
 
 def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """One clock early: the CDS bit in front, the last bit of the CRC not there."""
+    """One clock early: the CDS bit is in front, and the last bit of the CRC is missing."""
     frame = sound(encoder, source)
     yield _plant(encoder, noise(source, 1) + frame[:-1], "bits_in_front")
 
 
 def bit_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
-    yield _plant(encoder, noise(source, 1) + frame, "bits_in_front", "a bit too many")
+    yield _plant(encoder, noise(source, 1) + frame, "bits_in_front", "an extra bit")
 
 
 def start_and_cds_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
-    yield _plant(encoder, "1" + noise(source, 1) + frame, "bits_in_front", "start and CDS")
+    yield _plant(encoder, "1" + noise(source, 1) + frame, "bits_in_front", "start bit and CDS")
 
 
 def bit_behind(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     frame = sound(encoder, source)
-    yield _plant(encoder, frame + noise(source, 1), "bits_behind", "a bit too many")
+    yield _plant(encoder, frame + noise(source, 1), "bits_behind", "an extra bit")
 
 
 def last_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -186,47 +186,50 @@ def last_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]
 def start_in_crc(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     data = "".join(parts(encoder, source))
     yield _plant(encoder, data + crc("1" + data), "start_bits_in_crc", "the start bit, or")
-    yield _plant(encoder, data + crc("10" + data), "start_bits_in_crc", "CDS bit 0")
-    yield _plant(encoder, data + crc("11" + data), "start_bits_in_crc", "CDS bit 1")
+    yield _plant(encoder, data + crc("10" + data), "start_bits_in_crc", "CDS bit of 0")
+    yield _plant(encoder, data + crc("11" + data), "start_bits_in_crc", "start bit and a CDS bit of 1")
 
 
 def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The position goes through the other code between sender and reader; the CRC does not."""
+    """The position is converted to the other code between sender and reader, but the CRC is not."""
     position, flags = noise(source, encoder.position), status(encoder, source)
     before, behind = "0" * encoder.zeros, "0" * encoder.below
     check = crc(before + position + behind + flags)
     yield _plant(
-        encoder, before + gray(position) + behind + flags + check, "other_code", "in binary; here it is in Gray"
+        encoder, before + gray(position) + behind + flags + check, "other_code", "in binary, but here it is in Gray"
     )
     yield _plant(
-        encoder, before + binary(position) + behind + flags + check, "other_code", "in Gray code; here it is in binary"
+        encoder,
+        before + binary(position) + behind + flags + check,
+        "other_code",
+        "in Gray code, but here it is already binary",
     )
 
 
 def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The CRC as long as its polynomial makes it."""
+    """The CRC has the length of its polynomial."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
-        yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x}:")
+        yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x},")
 
 
 def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The same, and the reader takes 6 bits of CRC as ever:
-    the first of a longer one, or a shorter one and the zeros that follow it."""
+    """The same, but the reader still expects 6 bits of CRC:
+    the first bits of a longer one, or a shorter one with zeros after it."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
-        yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x}:")
+        yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x},")
 
 
 def other_order_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The frame of another order code, as long as that makes it."""
+    """The frame of another order code, with its length."""
     for other, width in encoder.others:
         frame = sound(Encoder(other, 0, width, encoder.below), source)
         yield _plant(encoder, frame, "other_order_code", other)
 
 
 def other_order_code_read_on(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The same with a shorter frame, and the reader clocks on: the stop bit and what follows it are 0."""
+    """The same with a shorter frame and more clocks: the stop bit and the bits after it are 0."""
     for other, width in encoder.others:
         made = Encoder(other, 0, width, encoder.below)
         if made.bits < encoder.bits:
@@ -263,7 +266,7 @@ def polynomial_reversed(encoder: Encoder, source: random.Random) -> Iterator[Pla
     yield _plant(encoder, data + crc(data, 0b1100001), "polynomial_reversed")
 
 
-#: By what the planting does; the three before the last are not in every master's way, but cheap to try.
+#: Named after the planted mistake. The three before the last are rare, but cheap to try.
 MISTAKES: tuple[Maker, ...] = (
     not_inverted,
     status_left_out,
@@ -293,7 +296,7 @@ MISTAKES: tuple[Maker, ...] = (
 
 
 def as_hex(plant: Plant) -> Plant:
-    """The same frame typed as a hex number, which does not tell the zeros in front."""
+    """Return the same frame typed as a hex number, which does not show leading zeros."""
     return Plant(plant.code, hex(int(plant.text, 0)), plant.kind, plant.words)
 
 
@@ -316,7 +319,7 @@ def byte_mistakes(code: str, source: random.Random) -> Iterator[Plant]:
     frame = reply(source, code)
     data, check = frame[:-1], frame[-1]
     random_byte = bytes([source.getrandbits(8)])
-    yield Plant(code, (data + bytes([check ^ 0xFF])).hex(), "crc_not_inverted", "starts with 0xff")
+    yield Plant(code, (data + bytes([check ^ 0xFF])).hex(), "crc_not_inverted", "start value is 0xff")
     yield Plant(code, (data + bytes([check ^ data[0]])).hex(), "first_byte_left_out")
     yield Plant(code, (frame[:1] + frame).hex(), "bytes_in_front")
     yield Plant(code, (frame + random_byte).hex(), "bytes_behind")

@@ -101,7 +101,7 @@ def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest
     assert "--register 0x56=0x.." in biss
     assert "position_bits 28" not in biss
     assert (
-        "As delivered: the widths are those in register 56h (singleturn_bits_used.bits) and register 57h "
+        "Factory default: the widths in register 56h (singleturn_bits_used.bits) and register 57h "
         "(multiturn_bits_used.bits)."
     ) in biss
     assert "--register" not in shown(capsys, "AM3616/4096-BG")
@@ -127,7 +127,7 @@ def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
 # Public vector: TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
 def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     code, found = data(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
-    assert code == 3  # sound, but the encoder reports a fault
+    assert code == 3  # valid, but the encoder reports a fault
     fields = {item["name"]: item["value"] for item in found["fields"]}
     assert (found["layout"], found["direction"], found["problems"]) == ("singleturn_reply", "encoder", [])
     assert fields["singleturn"] == 7000519
@@ -156,7 +156,7 @@ def test_faults_exit_1(capsys: pytest.CaptureFixture[str], arguments: tuple[str,
     assert kind in [item["kind"] for item in found["problems"]]
     code, out, _ = run(capsys, "decode", *arguments)
     assert code == 1
-    assert f"{kind} fault: " in out
+    assert f"{kind} error: " in out
 
 
 def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str]) -> None:
@@ -178,7 +178,7 @@ def test_json_is_indented_by_two_and_not_escaped(
 
 
 def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixture[str]) -> None:
-    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for what edition 1.0 has as AMx36xx/4096-I7-..."""
+    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for AMx36xx/4096-I7-... of edition 1.0."""
     label, frame = "AM3616/4096SC1", f"0x{0b11 << 6 | 0x3F:x}"
     for arguments in (("show", label), ("decode", label, frame), ("master", label)):
         out = " ".join(run(capsys, *arguments)[1].split())

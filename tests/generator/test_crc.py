@@ -73,7 +73,7 @@ def test_the_plan_for_46_bits_has_four_steps() -> None:
 
 @pytest.mark.parametrize(("width", "poly"), [(6, 0x03), (4, 0x03), (5, 0x05), (8, 0x01), (9, 0x11)])
 def test_no_plan_is_shorter(width: int, poly: int) -> None:
-    """Against every list of steps, shortest lists first, by the widths alone that they leave."""
+    """Compare with every list of steps, shortest lists first, by the remaining widths only."""
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
     for bits in range(1, 65):
         widths, steps = {bits}, 0

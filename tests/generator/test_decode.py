@@ -1,4 +1,4 @@
-"""``codewheel decode`` as its users meet it: reports, what is not as documented, frames from a file, slips of the hand.
+"""``codewheel decode`` from a user's view: reports, undocumented values, frames from a file, typing mistakes.
 
 CRCs of BiSS are worked out on paper, modulo x^6 + x + 1 and inverted:
 for a position of 0, x^6 = 000011b is nW alone, x^7 = 000110b nE alone.
@@ -32,7 +32,7 @@ CRCS = {"00": "111111", "01": "111100", "10": "111001", "11": "111010"}
 
 
 def decode(capsys: Capture, *arguments: str) -> tuple[int, dict[str, Any]]:
-    """Exit code and data; the data have the shape that their schema says."""
+    """Return exit code and data, after validating the data against their schema."""
     code = main(["decode", *arguments, "--json"])
     data: dict[str, Any] = json.loads(capsys.readouterr().out)
     schema = json.loads((resources.files("codewheel.language") / "decode.schema.json").read_text(encoding="utf-8"))
@@ -99,17 +99,17 @@ def test_error_and_warning_over_biss(
 def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
     code, out = text(capsys, "AMM5A21/65KSC1", "0xf424316")
     assert code == 3
-    assert "no fault" not in out
+    assert "no frame error" not in out
     assert "°" not in out
     assert "the encoder reports: - error (Error, nE): error active in the system." in out
     assert "- warning (Warning, nW): " in out
     assert out.endswith("so the position is not usable")
     code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
     assert code == 0
-    assert "no fault" not in out
+    assert "no frame error" not in out
     assert out.endswith("so the position is usable, with a warning")
     assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith(
-        "(x^6 + x + 1, sent inverted) no fault; the position is usable"
+        "(x^6 + x + 1, sent inverted) no frame error; the position is usable"
     )
 
 
@@ -122,7 +122,7 @@ def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
         (0x20, 0x20, ["status_other_error", "ps_error"], "not_usable"),
         (0x20, 0x02, ["status_other_error", "busy"], "not_usable"),
         (0x10, 0x04, ["status_st_error", "st_error"], "not_usable"),
-        (0x20, 0x00, ["status_other_error"], "not_usable"),  # a sum of nothing: taken at its word
+        (0x20, 0x00, ["status_other_error"], "not_usable"),  # a sum of no flags, which is accepted as is
         (0x00, 0x80, ["battery_alarm"], "usable_with_warning"),
     ],
 )
@@ -177,7 +177,7 @@ def test_no_battery_is_replaced_in_a_singleturn_model(capsys: Capture, code: str
     ],
 )
 def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: list[str], verdict: str) -> None:
-    """Data ID 4, manual 7.3.2: ea0 warns though the position is right, ea1 is a fault."""
+    """Data ID 4, manual 7.3.2: ea0 is a warning with a valid position, ea1 is a fault."""
     code, data = decode(capsys, "SMA21-JP1-0050", reply(0xA2, status, 123, 0, 0, alarms))
     assert (names(data), data["verdict"], code) == (reported, verdict, 3 if verdict == "not_usable" else 0)
     if alarms == 0x80:
@@ -208,7 +208,7 @@ def test_where_there_is_no_verdict(
 
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
-        "no fault; this frame carries no CRC; no bit of this frame says whether the position is usable"
+        "no frame error; this frame has no CRC; no bit of this frame says whether the position is usable"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
@@ -223,7 +223,7 @@ def test_a_frame_with_a_fault_says_nothing_of_the_encoder(capsys: Capture) -> No
 
 
 def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> None:
-    """SMA21 manual, 7.3.4: 02h in SF sets dd1, which 7.3.2 has at 0. The frame is sound all the same."""
+    """SMA21 manual, 7.3.4: 02h in SF sets dd1, which is 0 in 7.3.2. The frame is still valid."""
     printed = ("SMA21-JP1-0001", "2A 02 DA 04 00 43 25 00 90")
     code, data = decode(capsys, *printed)
     assert (code, names(data), data["verdict"], data["problems"]) == (0, ["status_info"], "usable_with_warning", [])
@@ -240,7 +240,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
     [
         ("11", [], "unknown", 0),
         ("01", ["error"], "not_usable", 2),
-        # A warning does not make a position better that nothing is known of.
+        # A warning does not improve a position with an unknown verdict.
         ("10", ["warning"], "unknown", 1),
         ("00", ["error", "warning"], "not_usable", 3),
     ],
@@ -294,7 +294,7 @@ def test_the_number_of_unused_bits_is_no_line_of_the_text(capsys: Capture) -> No
     ("frame", "address", "value"), [("32 7F 01 4C", 0x7F, 1), ("32 01 5A 69", 1, 0x5A), ("EA 01 EB", 1, None)]
 )
 def test_public_frames_of_the_eeprom(capsys: Capture, frame: str, address: int, value: int | None) -> None:
-    """HPMicro's three printed requests hold with the address in bits 6:0, and break with it in bits 7:1."""
+    """HPMicro's three printed requests are valid with the address in bits 6:0, and invalid with it in bits 7:1."""
     master = ("AMM5A23/65KJP1", "--from", "master", frame)
     code, data = decode(capsys, *master, *AS_T_FORMAT)
     assert (code, data["problems"], data["alternatives"]) == (0, [], {"eeprom_address": "as_t_format"})
@@ -309,8 +309,8 @@ def test_public_frames_of_the_eeprom(capsys: Capture, frame: str, address: int, 
 @pytest.mark.parametrize(("length", "lines"), [(80, 1), (81, 2)])
 def test_what_was_chosen_is_wrapped_at_80_columns(capsys: Capture, tmp_path: Path, length: int, lines: int) -> None:
     base = Path(__file__).parents[1] / "changes" / "base"
-    start = "read with memory = low: "
-    # The last word fits into the line, or is the first that does not.
+    start = "decoded with memory = low: "
+    # The last word just fits into the line, or just does not.
     meaning = "x" * (length - len(start) - 5) + " last"
     changed = (base / "demo.yaml").read_text(encoding="utf-8").replace('"Bits 6:0"', meaning)
     (tmp_path / "demo.yaml").write_text(changed, encoding="utf-8")
@@ -331,14 +331,14 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
             "MEM BUSY is then the remaining bit, 7)"
         )
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]["alternatives"] == {}
-    # Not even the length of a word is known before: 33 bits, or 34. A register is what it is.
+    # Even the length of a word is unknown until then: 33 or 34 bits. A register does not depend on it.
     for frame in ("0x3c1", "0b" + "0" * 33, "0b" + "0" * 34, "0b0"):
         message = refused(capsys, "ASC8525/SC1", frame)
-        assert message.startswith("'single_cycle_data' cannot be decoded before you decide. Constant 0 bit between ")
+        assert message.startswith("'single_cycle_data' cannot be decoded until you decide. Constant 0 bit between ")
         assert "add --choose zero_bit=as_printed (Sent, " in message
         assert " or --choose zero_bit=left_out (Not sent, " in message
     assert decode(capsys, "ASC8525/SC1", "--as", "status", "01")[0] == 0
-    # Without its fields nothing of a frame of bytes can be misread: the length comes first.
+    # A frame of bytes with a wrong length has no fields that could be misread.
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "EA 0A")[1]["problems"][0]["kind"] == "length"
 
 
@@ -347,14 +347,14 @@ def test_an_undecided_frame_among_others(capsys: Capture, monkeypatch: pytest.Mo
     assert main(["decode", "AMM5A23/65KJP1", "--from", "master", "-", "--json"]) == 2
     captured = capsys.readouterr()
     assert [json.loads(line)["line"] for line in captured.out.splitlines()] == [1, 3]
-    assert captured.err.startswith("codewheel: line 2: 'eeprom_read_request' cannot be decoded before you decide. ")
+    assert captured.err.startswith("codewheel: line 2: 'eeprom_read_request' cannot be decoded until you decide. ")
     assert captured.err.count("\n") == 1
 
 
 @pytest.mark.parametrize(
     ("encoder", "chosen", "message"),
     [
-        ("AMM5A23/65KJP1", ["eeprom=as_printed"], f"'eeprom' is nothing to choose with AMM5A23/65KJP1; write {BOTH}"),
+        ("AMM5A23/65KJP1", ["eeprom=as_printed"], f"AMM5A23/65KJP1 has no choice 'eeprom'; write {BOTH}"),
         ("AMM5A23/65KJP1", ["eeprom_address"], f"'eeprom_address' has no answer ''; write {BOTH}"),
         ("AMM5A23/65KJP1", ["eeprom_address=7:1"], f"'eeprom_address' has no answer '7:1'; write {BOTH}"),
         (
@@ -362,7 +362,7 @@ def test_an_undecided_frame_among_others(capsys: Capture, monkeypatch: pytest.Mo
             ["eeprom_address=as_printed", "eeprom_address=as_t_format"],
             "'eeprom_address' is chosen twice, as 'as_printed' and as 'as_t_format'",
         ),
-        ("AMM5A17/1SC1", ["eeprom_address=as_printed"], "with AMM5A17/1SC1 there is nothing to choose"),
+        ("AMM5A17/1SC1", ["eeprom_address=as_printed"], "AMM5A17/1SC1 has nothing to choose"),
     ],
 )
 def test_a_wrong_choice_is_told_the_right_ones(capsys: Capture, encoder: str, chosen: list[str], message: str) -> None:
@@ -371,7 +371,7 @@ def test_a_wrong_choice_is_told_the_right_ones(capsys: Capture, encoder: str, ch
 
 
 def test_a_guess_at_a_mistake_reads_nothing_undecided(capsys: Capture) -> None:
-    """The reply to a read without its first byte fits as such: its data are told, its address is not."""
+    """The reply to a read without its first byte is recognised. Its data are shown, its address is not."""
     for more in ((), AS_PRINTED):
         why = decode(capsys, "AMM5A23/65KJP1", *more, reply(0xEA, 0x0A, 0x5A)[3:])[1]["why"]
         (found,) = [item for item in why["explanations"] if item["kind"] == "first_byte_lost"]
@@ -398,7 +398,7 @@ def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, 
     code, out = text(capsys, "SMA21-SC1-0010", *arguments)
     assert code == 1
     assert message in out
-    assert out.endswith("no other fault")
+    assert out.endswith("no other error")
 
 
 def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
@@ -414,7 +414,7 @@ def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
     ]
     _, data = decode(capsys, "SMA21-SC1-0010", *right[2:], frame)
     assert [item["message"] for item in data["differences"]] == [
-        "profile_id: what is given of it is ..14h, SMA21-SC1-0010 has ..16h"
+        "profile_id: the given part is ..14h, SMA21-SC1-0010 has ..16h"
     ]
     assert "does not change how a frame is read" in refused(capsys, "SMA21-SC1-0010", "--register", "0x44=1", frame)
 
@@ -436,7 +436,7 @@ def test_a_frame_with_another_id_is_decoded(capsys: Capture, tmp_path: Path) -> 
         assert next(item["value"] for item in data["fields"] if item["name"] == "position") == 1
         assert [item["message"] for item in data["differences"]] == ["KIND is 0x17, the manual has 0x23"] * differs
         assert (
-            "not as documented: KIND is 0x17, the manual has 0x23 no other fault" in text(capsys, *arguments)[1]
+            "not as documented: KIND is 0x17, the manual has 0x23 no other error" in text(capsys, *arguments)[1]
         ) is differs
 
 
@@ -467,11 +467,8 @@ def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pyt
     started = [line for line in out.splitlines() if "AMM5A23/65KJP1" in line]
     assert started == [f"line {number}: AMM5A23/65KJP1, RS-485, from the encoder" for number in (2, 4, 6, 8)]
     assert err.splitlines() == [
-        (
-            "codewheel: line 5: '022' has an odd number of hex digits, and a byte has two: "
-            "a digit is missing or one too many"
-        ),
-        "codewheel: line 7: 'zz' is not hex; write the bytes as in: 02 00 12 34 00 24",
+        "codewheel: line 5: '022' has an odd number of hex digits: one is missing or one too many",
+        "codewheel: line 7: 'zz' is not hex; write the bytes like 02 00 12 34 00 24",
     ]
     code, out, _ = many(capsys, monkeypatch, FRAMES, "--json")
     rows = [json.loads(line) for line in out.splitlines()]
@@ -514,8 +511,8 @@ def test_other_streams(tmp_path: Path) -> None:
     assert b"line 2" in done.stdout
     done = subprocess.run(f"{shlex.join(command)} <&-", shell=True, capture_output=True)
     assert done.returncode == 2
-    assert done.stderr == b"codewheel: standard input is closed, so there is no frame to read\n"
-    # The reader leaves after the first line; the fault of that frame is not forgotten.
+    assert done.stderr == b"codewheel: cannot read frames: standard input is closed\n"
+    # The reader leaves after the first line, but the exit code still reports that frame's error.
     lines = tmp_path / "frames"
     lines.write_text("02 20 C7 D1 6A 5F\n" * 2000)
     done = subprocess.run(
@@ -526,7 +523,7 @@ def test_other_streams(tmp_path: Path) -> None:
     assert done.stderr == b""
 
 
-# ---------------------------------------------------------------------------------------------------- slips of the hand
+# ----------------------------------------------------------------------------------------------------- typing mistakes
 
 
 @pytest.mark.parametrize(
@@ -534,12 +531,12 @@ def test_other_streams(tmp_path: Path) -> None:
     [
         (
             "022 0C7D16A5E",
-            "'022' has an odd number of hex digits, and a byte has two: a digit is missing or one too many",
+            "'022' has an odd number of hex digits: one is missing or one too many",
         ),
-        ("02 20C", "'20C' has an odd number of hex digits, and a byte has two: a digit is missing or one too many"),
-        ("2 20 C7 D1 6A 5E", "'2' is one hex digit, and a byte has two; write 02 if it is a byte"),
-        ("", "there is nothing to decode"),
-        (",", "there is nothing to decode"),
+        ("02 20C", "'20C' has an odd number of hex digits: one is missing or one too many"),
+        ("2 20 C7 D1 6A 5E", "'2' is one hex digit; write 02 if it is a byte"),
+        ("", "the frame is empty"),
+        (",", "the frame is empty"),
     ],
 )
 def test_no_digit_is_guessed(capsys: Capture, typed: str, message: str) -> None:
@@ -553,20 +550,20 @@ def test_bytes_in_pieces(capsys: Capture) -> None:
 
 
 def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
-    """Position 1,000,003 of the manual, in the bytes that a master hands on."""
+    """Position 1,000,003 of the manual, in the bytes that a master passes on."""
     for typed in ("0F 42 43 D3", "00 00 0F 42 43 D3", "0x0F 0x42 0x43 0xD3", "0xF4243D3"):
         code, data = decode(capsys, "AMM5A21/65KSC1", typed)
         assert code == 0
         assert data["fields"][-1]["value"] == 1000003
     assert (
         refused(capsys, "AMM5A21/65KSC1", "0F4243D3")
-        == "'0F4243D3' is no frame of 45 bits; write 0x0F4243D3 if it is hex"
+        == "'0F4243D3' is not a frame of 45 bits; write 0x0F4243D3 if it is hex"
     )
     assert (
         refused(capsys, "AMM5A21/65KSC1", "101")
-        == "'101' is no frame of 45 bits; write 0x101 if it is hex, 0b101 if it is bits"
+        == "'101' is not a frame of 45 bits; write 0x101 if it is hex, 0b101 if it is bits"
     )
-    assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' can be bits or hex bytes; write 0b or 0x before it"
+    assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' could be bits or hex bytes; prefix it with 0b or 0x"
     assert "write 0b and all 45 bits" in refused(capsys, "AMM5A21/65KSC1", "0F 42 4")
 
 
@@ -583,7 +580,7 @@ def test_one_byte_is_no_bytes(capsys: Capture) -> None:
 
 
 def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -> None:
-    """nE is BiSS's own error bit, nW its warning bit, 0 while active: understood where a spec says no more of them."""
+    """nE and nW are the error and warning bits of BiSS, 0 while active, even if a spec says no more about them."""
     specs = Path(__file__).parents[1] / "specs"
     text = (specs / "bits22.yaml").read_text(encoding="utf-8")
     assert text.count(", makes_position: ") == 2

@@ -18,7 +18,7 @@ PRINTED = {0x0: 0x02, 0x1: 0x8A, 0x2: 0x92, 0x3: 0x1A, 0x7: 0xBA, 0x8: 0xC2, 0xC
 
 
 def test_each_kind_is_built_by_a_spec(devices: Mapping[str, Device]) -> None:
-    """A kind that no spec has would be one that no other test has looked at."""
+    """No other test would cover a kind that is in no spec."""
     others, report = load_library([Path(__file__).parents[1] / "specs"])
     assert not report
     layouts = [

@@ -1,4 +1,4 @@
-"""Between which values a register may be written, by itself and by procedures."""
+"""Limits of register values, for direct writes and in procedures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_what_zero_stands_for_can_be_written() -> None:
 
 
 def resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:
-    """What the registers hold after AM36's set_resolution, by their addresses."""
+    """Return the registers after AM36's set_resolution, by address."""
     given = {
         "information_per_revolution": information,
         "number_of_revolutions": revolutions,
@@ -46,7 +46,7 @@ def test_what_a_step_writes_holds_for_the_limits_of_later_steps(devices: Mapping
         with pytest.raises(EncodeError, match=f"outside 0 to {information * revolutions - 1}$"):
             resolution(devices["am36"], information, revolutions, position)
     assert resolution(devices["am36"], 1, 1, 0)[0x54] == 0
-    # 16 bits hold 65,536 revolutions as 0, and the limit knows.
+    # 16 bits hold 65,536 revolutions as 0, and the limit takes that into account.
     assert resolution(devices["am36"], 1 << 20, 65536, (1 << 36) - 1)[0x50] == 0x0F
 
 
@@ -69,5 +69,5 @@ def test_a_procedure_accepts_no_more_than_its_register(devices: Mapping[str, Dev
     variant = find(device, "AM3616/4096-I7").variant
     procedure = device.procedure("set_configuration")
     assert register_writes(device, procedure, variant, {"configuration": 0x64})[0].value == 0x64
-    with pytest.raises(EncodeError, match=f"{unused:#x} is no value of 'configuration'"):
+    with pytest.raises(EncodeError, match=f"{unused:#x} is not a value of 'configuration'"):
         register_writes(device, procedure, variant, {"configuration": unused})

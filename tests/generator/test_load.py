@@ -1,4 +1,4 @@
-"""Loading: manufacturers, families beside each other."""
+"""Loading of manufacturers and several families."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ IDENTITY = (
     [("text: ascii, equals: XX", "58, 58"), ("equals: 0x4241", "42, 41"), ("text: ascii, equals: AB", "")],
 )
 def test_the_biss_id_of_the_maker_and_of_the_register(tmp_path: Path, equals: str, shown: str) -> None:
-    """0x4142 is "AB"; the same bytes the other way round are another maker."""
+    """0x4142 is "AB". The same bytes in reverse order are another manufacturer."""
     found = problems(
         tmp_path, minimal=MINIMAL + IDENTITY.replace("EQUALS", equals), manufacturer=MAKER + "biss_id: 0x4142\n"
     )

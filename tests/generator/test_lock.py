@@ -1,4 +1,4 @@
-"""Two runs that write into one folder: one after the other, also where one of them is killed."""
+"""Two runs that write to one folder do so one after the other, even if one of them is killed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def files(text):
 def waiting():
     print("waiting", flush=True)
 """
-#: Stops after the first target until there is a file ``go``.
+#: Waits after the first target until the file ``go`` exists.
 SLOW = """
 real = write._exchange
 def slow(stage, place):
@@ -135,7 +135,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
         with pytest.raises(write.WriteError) as caught:
             write.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
         assert str(caught.value) == (
-            f"another run of codewheel has been writing into {tmp_path / way} for 60 s; nothing has changed; "
+            f"another run of codewheel has been writing to {tmp_path / way} for 60 s; nothing has changed; "
             "try again when it has ended"
         )
         assert waited == [True]
@@ -188,7 +188,7 @@ def test_the_command_says_that_it_waits(
     with lock.locked(tmp_path / "out", list):
         assert main(["generate", "demo.yaml", "--target", "browser", "-o", "out"]) == 1
     assert capsys.readouterr().err == (
-        "codewheel: waiting for another run that writes into out\n"
-        "codewheel: another run of codewheel has been writing into out for 60 s; nothing has changed; "
+        "codewheel: waiting for another run that is writing to out\n"
+        "codewheel: another run of codewheel has been writing to out for 60 s; nothing has changed; "
         "try again when it has ended\n"
     )

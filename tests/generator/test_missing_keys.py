@@ -1,4 +1,4 @@
-"""A key that is missing from an edition or an overlay: a problem with a place, never a traceback."""
+"""A missing key in an edition or an overlay is a problem with a place, never a traceback."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _places(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 
 
 def _without(value: Any, path: tuple[str | int, ...]) -> Any:
-    """A copy of the value without what is at the path."""
+    """Return a copy of the value without the part at the path."""
     first, rest = path[0], path[1:]
     items = value.items() if isinstance(value, dict) else enumerate(value)
     kept = {key: _without(item, rest) if key == first else item for key, item in items if rest or key != first}

@@ -1,4 +1,4 @@
-"""A spec to start from passes check, and every output comes of it."""
+"""The spec that ``new`` writes passes check and yields every output."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
     # 13 bits of 1000, error and warning bit high (not active), and the inverted remainder of the division of
     # these 15 bits by x^6 + x + 1.
     assert main(["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", str(tmp_path)]) == 0
-    assert "no fault" in capsys.readouterr().out
+    assert "no frame error" in capsys.readouterr().out
 
 
 def modeline(path: Path) -> str:
@@ -87,7 +87,7 @@ def test_a_manufacturer_that_is_there_is_used(tmp_path: Path) -> None:
 def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "demo.yaml").write_text("mine", encoding="utf-8")
     assert main(["new", "demo", "-o", str(tmp_path)]) == 1
-    assert capsys.readouterr().err == f"codewheel: {tmp_path}/demo.yaml is there already; nothing is overwritten\n"
+    assert capsys.readouterr().err == f"codewheel: {tmp_path}/demo.yaml already exists and is not overwritten\n"
     assert sorted(item.name for item in tmp_path.iterdir()) == ["demo.yaml"]
     assert (tmp_path / "demo.yaml").read_text(encoding="utf-8") == "mine"
 
@@ -101,6 +101,6 @@ def test_names_that_cannot_be(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 def test_a_file_is_named_like_its_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "demo", "-o", str(tmp_path / "other.yaml")]) == 2
-    assert "a spec is named like its family" in capsys.readouterr().err
+    assert "the file of a spec has its family's name" in capsys.readouterr().err
     assert main(["new", "demo", "-o", str(tmp_path / "nowhere" / "demo.yaml")]) == 1
-    assert "cannot be written: No such file or directory" in capsys.readouterr().err
+    assert "No such file or directory" in capsys.readouterr().err

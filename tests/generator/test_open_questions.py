@@ -1,4 +1,4 @@
-"""What the manuals leave open is open, with its public evidence; facts once missing are there, each with its source."""
+"""Open questions of the manuals are open, with public evidence, and facts once missing are there with their source."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.model import Device, Erratum, Flag, SendStep, Sources, Ssi, cite
 
-#: By family and erratum: what its sources, or its reason, have to cite.
+#: Required citations in the sources or the reason, by family and erratum.
 OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
     ("am36", "biss_crc_start"): ("prot: p.7-8",),
     ("am36", "biss_documents"): ("BiSS C Protocol Description",),
@@ -49,7 +49,7 @@ OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
     ("sma21", "rs485_position_width"): ("4.10 p.18",),
 }  # fmt: skip
 
-#: Settled errata that cite the manual of another family, which their own manual would settle without it.
+#: Settled errata that cite the manual of another family, although their own manual is enough.
 SETTLED_BESIDE_A_SISTER = {
     ("am36", "cable_impedance"),
     ("am36", "enable_preset_polarity"),
@@ -89,7 +89,7 @@ def cited(sources: Sources) -> str:
 
 
 def test_ssi_cites_what_is_said_of_this_encoder_and_not_of_ssi_in_general(devices: Mapping[str, Device]) -> None:
-    """5.1 of all manuals says "binary or Gray" of SSI at large; alignment and code of the encoder stand in 5.2."""
+    """5.1 of all manuals says "binary or Gray" about SSI in general. Alignment and code of the encoder are in 5.2."""
     places = {"am36": "5.2", "amm5": "5.2 p.28", "asc85": "5.2 p.16", "sma21": "5.2 p.20"}
     for name, place in places.items():
         ssi = devices[name].over(Ssi)
@@ -135,7 +135,7 @@ def test_no_meaning_says_set_of_a_bit_that_is_0_then(devices: Mapping[str, Devic
                     assert not re.match(r"set\b", field.meaning.lower()), (device.name, field.name)
 
 
-#: Facts that stand in one place of a manual, by a word that names them and their source.
+#: Facts from a single place in a manual, by a word that names them and their source.
 FACTS = [
     ("am36", "personnel", "can injure or kill", "Safety p.8"),
     ("amm5", "personnel", "can injure or kill", "1.1 p.8"),
@@ -177,7 +177,7 @@ def test_the_registers_of_the_maker(devices: Mapping[str, Device]) -> None:
 
 
 def test_a_name_is_what_its_erratum_says(devices: Mapping[str, Device]) -> None:
-    """SMA21 58h: the slip SENO-COSENSO is in the erratum alone."""
+    """SMA21 58h: the misprint SENO-COSENSO is only in the erratum."""
     names = devices["sma21"].register("sine_cosine_resolution").names
     assert names["it"] == "Risoluzione SENO-COSENO"
     assert "SENO-COSENO" in erratum(devices["sma21"], "sine_cosine_name").used

@@ -1,4 +1,4 @@
-"""Order codes as they stand on labels. The codes are those of the AMM5 manual, cover and section 2."""
+"""Order codes as printed on labels. The codes are those of the AMM5 manual, cover and section 2."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_labels(amm5: Device, label: str, code: str, tail: str, special: bool) -
 def test_what_a_code_decides(amm5: Device) -> None:
     variant = find(amm5, "AMM5A23/65KSC1").variant
     assert variant.interface == "biss"
-    # No code decides what the manual leaves open: until the user does, it is the first answer.
+    # No code decides an open question of the manual. Until the user does, the first answer applies.
     open_ = {item.name for item in amm5.parameters if item.alternative}
     assert {name: variant.parameters[name] for name in open_} == {"eeprom_address_bit": 1, "mem_busy_bit": 0}
     assert {name: value for name, value in variant.parameters.items() if name not in open_} == {
@@ -56,14 +56,14 @@ def test_what_a_code_decides(amm5: Device) -> None:
 @pytest.mark.parametrize(
     ("label", "message"),
     [
-        ("AMM5A22/65KSC1", "has singleturn '22'; valid are 17, 21, 23"),
-        ("AMM5C21/65KSC1", "has mount 'C'; valid are A, B"),
-        ("AMM5A21/65SC1", "has turns '65'; valid are 1, 65K"),
-        ("AMM5A21/65K", "has no interface; valid are BG1, SC1, JP1"),
-        ("AMM5A21/65KSC2", "has interface 'SC2'; valid are BG1, SC1, JP1"),
-        ("AMM5", "is no order code of AMM5; the nearest are"),
+        ("AMM5A22/65KSC1", "has singleturn '22'; valid values: 17, 21, 23"),
+        ("AMM5C21/65KSC1", "has mount 'C'; valid values: A, B"),
+        ("AMM5A21/65SC1", "has turns '65'; valid values: 1, 65K"),
+        ("AMM5A21/65K", "has no interface; valid values: BG1, SC1, JP1"),
+        ("AMM5A21/65KSC2", "has interface 'SC2'; valid values: BG1, SC1, JP1"),
+        ("AMM5", "is not an order code of AMM5; the nearest are"),
         ("AMM5A21/65KSC1x", "has interface 'SC1X'"),
-        ("", "is no order code"),
+        ("", "is not an order code"),
     ],
 )
 def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, message: str) -> None:
@@ -76,18 +76,18 @@ def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, mes
 @pytest.mark.parametrize(
     ("family", "label", "message"),
     [
-        ("asc85", "ASC8529/SC1", "has resolution '29'; valid are 20, 21, 22, 23, 24, 25."),
-        ("am36", "AM36/4096-I7", "has no singleturn; valid are 16, 19."),
+        ("asc85", "ASC8529/SC1", "has resolution '29'; valid values: 20, 21, 22, 23, 24, 25."),
+        ("am36", "AM36/4096-I7", "has no singleturn; valid values: 16, 19."),
         (
             "am36",
             "AM3617/4096-GG",
-            "has singleturn '17' and output 'GG', which do not go together; the nearest codes are AM3616/4096-GG",
+            "has singleturn '17' and output 'GG', which cannot be combined; the nearest codes are AM3616/4096-GG",
         ),
-        ("sma21", "SMA21-G1-0050", "has no supply; valid are 1, 4."),
+        ("sma21", "SMA21-G1-0050", "has no supply; valid values: 1, 4."),
         (
             "sma21",
             "SMA21-JP4-0050",
-            "has output 'JP' and supply '4', which do not go together; the nearest codes are SMA21-JP1-0050",
+            "has output 'JP' and supply '4', which cannot be combined; the nearest codes are SMA21-JP1-0050",
         ),
     ],
 )
@@ -119,8 +119,8 @@ def test_labels_of_the_other_families(
     assert (match.variant.code, match.unlisted, match.written_as_in) == (code, unlisted, "")
 
 
-#: Labels as edition 1.1 of the AM36 manual writes them (p.21: AMx36xx/4096SCx-...),
-#: and the code of edition 1.0 that they stand for.
+#: Labels as written in edition 1.1 of the AM36 manual (p.21: AMx36xx/4096SCx-...),
+#: and the corresponding codes of edition 1.0.
 EDITION_1_1 = {
     "AM3616/4096SC1": "AM3616/4096-I7",
     "am3619/4096scx".replace("x", "2"): "AM3619/4096-I7",
@@ -152,18 +152,18 @@ def test_what_edition_1_1_does_not_write_is_refused(devices: Mapping[str, Device
     ("label", "code"), [("SMA21 -BG1-0050", "SMA21-BG1-0050"), (" SMA21 - SC4-0001 -R", "SMA21-SC4-0001")]
 )
 def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: str, code: str) -> None:
-    """The cover of the SMA21 manual prints SMA21 -BGx-..., all the rest of it SMA21-BGx-..."""
+    """The cover of the SMA21 manual prints SMA21 -BGx-..., the rest of it SMA21-BGx-..."""
     assert find(devices["sma21"], label).variant.code == code
 
 
 @pytest.mark.parametrize("label", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6])
 def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys: pytest.CaptureFixture[str]) -> None:
     begin = time.process_time()
-    with pytest.raises(UnknownOrderCode, match="no label has more than 100") as caught:
+    with pytest.raises(UnknownOrderCode, match="more than the 100 of any label") as caught:
         find(amm5, label)
     assert time.process_time() - begin < 0.5
     assert len(str(caught.value)) < 200
     assert main(["show", label]) == 2
     shown = capsys.readouterr().err
-    assert shown.startswith(f"codewheel: '{label[:20]}...' is no order code: it has {len(label)} characters")
+    assert shown.startswith(f"codewheel: '{label[:20]}...' is not an order code: it has {len(label)} characters")
     assert len(shown) < 200

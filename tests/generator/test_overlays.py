@@ -1,4 +1,4 @@
-"""Overlays: what is laid over a spec, and what is refused, in the exact words."""
+"""Overlays: their effects, and the exact messages about invalid ones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from codewheel.language.problems import Report
 from codewheel.loading.library import load_families, load_library, load_sound
 from codewheel.model import Device
 
-# Loads a whole library for each overlay, which no wording and no rule of check touches.
+# Loads a whole library for each overlay, independent of wording and rules of check.
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).parents[2] / "specs" / "lika"
@@ -22,7 +22,7 @@ OWN = '    why: Measured.\n    source: "6.4"\n'
 
 
 def laid(tmp_path: Path, *texts: str, shown: bool = False) -> tuple[Sequence[Device], list[str], Report]:
-    """AMM5 with overlays over it, and each problem as ``line:column: rule: message``."""
+    """Return AMM5 with overlays, and each problem as ``line:column: rule: message``."""
     paths = [SPECS / "amm5.yaml"]
     for number, text in enumerate(texts):
         paths.append(tmp_path / f"o{number}.yaml")
@@ -66,7 +66,7 @@ def test_items_are_added_and_removed(tmp_path: Path) -> None:
     assert device.timings[-1].at_most_us == 900_000
     assert device.register("manufacturer_id").note == "Never written."
     assert "serial_number" not in {item.name for item in device.registers}
-    # An erratum of the manual that spoke of what is gone speaks of it no more.
+    # An erratum no longer refers to removed parts.
     order = next(item for item in device.errata if item.name == "serial_number_order")
     assert order.affects == ()
     assert [item.used for item in device.errata if item.overlay][-2:] == ["left out", "left out"]

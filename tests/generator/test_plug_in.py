@@ -1,4 +1,4 @@
-"""Targets of others: they are like ours, and whatever they do wrong is one line."""
+"""Third-party targets work like built-in ones, and each of their errors is reported in one line."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def test_help_lists_all_targets_and_options(
     assert "rust a crate --option rust.edition=2018|2021: of the language (default: 2021)" in shown
     assert "--option rust.crate=VALUE: its name (default: acme)" in shown
     assert "broken the target 'broken' cannot be loaded: ImportError: no such module" in shown
-    listed = out[out.index("targets, of which") :].splitlines()
+    listed = out[out.index("targets (python") :].splitlines()
     assert max(map(len, (line for line in listed if "/" not in line))) <= 79
 
 
@@ -141,8 +141,8 @@ def test_help_lists_all_targets_and_options(
         ("docs.std=no", "the target 'docs' has no option 'std'; it has none"),
         ("c.std=no", "'c.std' is for a target that does not run; add --target c"),
         ("ruts.edition=2018", "there is no target 'ruts'; did you mean 'rust'?"),
-        ("edition=2018", "'edition=2018' is no setting; write it as in TARGET.OPTION=VALUE"),
-        ("rust.edition", "'rust.edition' is no setting; write it as in TARGET.OPTION=VALUE"),
+        ("edition=2018", "'edition=2018' is not a setting; write it like TARGET.OPTION=VALUE"),
+        ("rust.edition", "'rust.edition' is not a setting; write it like TARGET.OPTION=VALUE"),
     ],
 )
 def test_a_wrong_option_is_one_line(
@@ -169,7 +169,7 @@ def test_options_reach_it_and_the_command_that_mends(
 
 
 def of_amm5(library: Library) -> Iterable[TargetProblem]:
-    """A problem of one register, with a second place; nothing where there is no such family."""
+    """Yield a problem of one register, with a second place, or nothing without that family."""
     for device in library.devices:
         if device.name == "amm5":
             place = ("registers", "preset", "length")

@@ -1,4 +1,4 @@
-"""Templates of a user: no way out of the sandbox, no endless work, and the same text as without a sandbox."""
+"""A user's templates cannot leave the sandbox or run endlessly, and give the same text as without a sandbox."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_there_is_no_way_out(rendered: Render, tmp_path: Path, monkeypatch: pyte
     assert sorted(path.name for path in tmp_path.iterdir()) == ["ours", "own"]
 
 
-STEPS = "the template takes more than 20000 steps for one file; look for a loop that does not end"
+STEPS = "the template takes more than 20000 steps for one file; look for an endless loop"
 LONG = "the result of '*' is longer than 10000000"
 BITS = "has more than 100000 bits"
 LENGTH = "a length is above 10000"
@@ -143,7 +143,7 @@ def test_memory_has_bounds(rendered: Render, tmp_path: Path, text: str) -> None:
     import resource
 
     before = resource.getrlimit(resource.RLIMIT_AS)
-    assert refused(rendered, tmp_path, text) == "the template takes too much memory"
+    assert refused(rendered, tmp_path, text) == "the template uses too much memory"
     assert resource.getrlimit(resource.RLIMIT_AS) == before
 
 
@@ -182,16 +182,16 @@ def test_text_that_a_loop_repeats_has_bounds(rendered: Render, monkeypatch: pyte
 def test_a_link_out_of_the_folder_is_not_followed(rendered: Render, tmp_path: Path) -> None:
     (tmp_path / "secret").write_text("precious")
     (tmp_path / "own/link").symlink_to(tmp_path / "secret")
-    with pytest.raises(TemplateFault, match=r"own/link: this leads out of the folder of templates$"):
+    with pytest.raises(TemplateFault, match=r"own/link: this path is outside the folder of templates$"):
         rendered('{% include "link" %}')
-    with pytest.raises(TemplateFault, match=r"secret: this leads out of the folder of templates$"):
+    with pytest.raises(TemplateFault, match=r"secret: this path is outside the folder of templates$"):
         rendered('{% include "../secret" %}')
 
 
 def test_code_compiled_outside_the_sandbox_is_not_used_in_it(
     rendered: Render, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The file is the same, so that its name and its content would be found in a cache that both share."""
+    """The file is the same, so a cache shared by both would find its name and content."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     text = "{{ 2**40000 * 2**40000 * 2**40000 % 7 }}"
     (tmp_path / "own/x.jinja").write_text(text)

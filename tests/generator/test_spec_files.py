@@ -1,4 +1,4 @@
-"""What counts as a spec below a folder, and what is passed over."""
+"""Files in a folder that count as specs, and those that are skipped."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from codewheel.language.files import own_specs
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 
-# What other tools keep in YAML, each with the keys that their own documentation shows.
+# YAML files of other tools, each with keys from its own documentation.
 FOREIGN = {
     "compose.yaml": 'version: "3"\nservices:\n  device: {image: x}\n',
     "azure-pipelines.yml": "parameters:\n  - name: x\ntrigger: [main]\n",
@@ -22,7 +22,7 @@ FOREIGN = {
     "comment.yaml": "# device: x\n",
     "openapi.json.yaml": '{"openapi": "3.1.0", "paths": {}}',
 }
-# Specs, each spoilt in another way: every one has to be read, so that check says what is wrong.
+# Specs, each broken in another way. All must be read, so that check reports the problem.
 SPECS = {
     "plain.yaml": "codewheel: 1\ndevice: x\n",
     "no_version.yaml": "device: x\n",
@@ -103,7 +103,7 @@ def test_a_folder_can_be_checked_and_generated_again_and_again(
         ["check", "."],
     ):
         assert main(command) == 0, capsys.readouterr().err
-    assert "read 2 specs: demo.yaml, manufacturer.yaml; passed over: ci.yml" in capsys.readouterr().out
+    assert "read 2 specs: demo.yaml, manufacturer.yaml; skipped: ci.yml" in capsys.readouterr().out
 
 
 def test_own_specs_are_those_of_the_folder_itself(tmp_path: Path) -> None:

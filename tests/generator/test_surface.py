@@ -1,4 +1,4 @@
-"""What a user meets who mistypes, forgets a path, or asks for help."""
+"""Behaviour for users who mistype, forget a path, or ask for help."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from codewheel.commands.arguments import EXAMPLES
 from codewheel.commands.cli import main
 
 COMMANDS = list(EXAMPLES)
-READING = "codewheel: reading the specs of this folder: manufacturer.yaml, my_encoder.yaml"
+READING = "codewheel: using the specs in this folder: manufacturer.yaml, my_encoder.yaml"
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -95,9 +95,9 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
         (
             ["list", "irs.yaml"],
             "codewheel list",
-            "'irs.yaml' is one argument too many; a spec is given as: --specs irs.yaml",
+            "unexpected argument 'irs.yaml'; give a spec as --specs irs.yaml",
         ),
-        (["show", "x", "y"], "codewheel show", "'y' is one argument too many"),
+        (["show", "x", "y"], "codewheel show", "unexpected argument 'y'"),
         (["generate", "-o", ""], "codewheel generate", "argument -o: the path is empty; write . for this folder"),
         (["check", ""], "codewheel check", "argument SPECS: the path is empty; write . for this folder"),
         (["list", "--specs", ""], "codewheel list", "argument --specs: the path is empty; write . for this folder"),
@@ -139,7 +139,7 @@ def test_a_missing_file_is_wrong_usage(
     if arguments[0] == "diff":
         arguments = ["diff", "nowhere.yaml"]
     code, out, err = run(capsys, *arguments, "nowhere.yaml")
-    assert (code, out, err) == (2, "", "codewheel: there is no file or folder nowhere.yaml\n")
+    assert (code, out, err) == (2, "", "codewheel: no such file or folder: nowhere.yaml\n")
 
 
 def test_codes_are_near_only_where_something_is_near(capsys: pytest.CaptureFixture[str]) -> None:
@@ -147,7 +147,7 @@ def test_codes_are_near_only_where_something_is_near(capsys: pytest.CaptureFixtu
         assert run(capsys, "show", text) == (
             2,
             "",
-            f"codewheel: '{text}' is no known order code; codewheel list shows what they look like\n",
+            f"codewheel: '{text}' is not a known order code; codewheel list shows the known patterns\n",
         )
     assert "the nearest are AMM5A21/" in run(capsys, "show", "AMM5A21")[2]
 
@@ -157,8 +157,8 @@ def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path
         code, _, err = run(capsys, *command)
         assert code == 2
         assert err == (
-            "codewheel: 'MY_ENCODER' is a family, and an order code is needed, such as MY-ENCODER-13-SC; "
-            "codewheel show my_encoder tells of them\n"
+            "codewheel: 'MY_ENCODER' is a family; give an order code, such as MY-ENCODER-13-SC "
+            "(codewheel show my_encoder explains them)\n"
         )
 
 
@@ -196,7 +196,7 @@ def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(
     for command in (["check"], ["generate", "--target", "biss"]):
         code, out, _ = run(capsys, *command)
         assert code == 0
-        assert out.startswith("read the specs that ship with codewheel: am36, amm5, asc85, sma21\n")
+        assert out.startswith("read the specs shipped with codewheel: am36, amm5, asc85, sma21\n")
 
 
 def test_a_look_up_takes_the_specs_of_the_folder_and_says_so(capsys: pytest.CaptureFixture[str], own: Path) -> None:
@@ -235,7 +235,7 @@ def test_without_specs_in_the_folder_those_that_ship_are_read(
 def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     code, _, err = run(capsys, "show", "my_encoder.yaml")
     assert code == 2
-    assert err.endswith("codewheel: 'my_encoder.yaml' is no order code; a spec is given as: --specs my_encoder.yaml\n")
+    assert err.endswith("codewheel: 'my_encoder.yaml' is not an order code; give a spec as --specs my_encoder.yaml\n")
 
 
 def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.CaptureFixture[str], own: Path) -> None:
@@ -249,12 +249,12 @@ def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.Captur
         code, out, err = run(capsys, *command, "--specs", ".")
         assert code == 0
         assert out
-        assert "codewheel: left out, for " in err
-        assert ": bad.yaml; codewheel check tells them\n" in err
+        assert "codewheel: left out, with " in err
+        assert ": bad.yaml; run codewheel check\n" in err
     code, out, _ = run(capsys, "decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", ".", "--json")
     assert code == 0
     assert json.loads(out)["problems"] == []
-    # What is wanted may be in the broken file.
+    # The requested family may be in the broken file.
     code, out, err = run(capsys, "show", "bad", "--specs", ".")
     assert code == 1
     assert not out
@@ -287,7 +287,7 @@ def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Pa
     (own / "docs/README.md").write_text("my own text")
     code, _, err = run(capsys, "generate", "-o", ".")
     assert code == 1
-    assert err.startswith("codewheel: not written by codewheel and in its way; nothing has changed; ")
+    assert err.startswith("codewheel: in the way and not written by codewheel; nothing has changed; ")
     assert "\n  docs/README.md\n" in err
     assert (own / "docs/README.md").read_text() == "my own text"
     assert not (own / "python").exists()

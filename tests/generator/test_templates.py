@@ -1,4 +1,4 @@
-"""Templates of the user's: each of ours can be overridden, mistakes are told by file and line, misspelt names too."""
+"""A user's templates: each of ours can be overridden, and errors and misspelt names are reported with their place."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jinja2 import FileSystemBytecodeCache
 
 ROOT = Path(__file__).resolve().parents[2]
 INDEX = "docs/index.md.jinja"
-#: Where a template is for encoders over RS-485 alone: a spec with them.
+#: Specs for templates that are used for RS-485 encoders only.
 SPEC_OF = {"poller.c.jinja": str(ROOT / "specs" / "lika" / "sma21.yaml")}
 
 
@@ -47,7 +47,7 @@ def generate(capsys: pytest.CaptureFixture[str], *arguments: str, spec: str = "d
         ("{% for %}", "Expected an expression, got 'end of statement block'"),
         ('{% include "x" %}', "there is no template 'x'"),
         ('{% include "index.md.jinja" %}', "RecursionError: maximum recursion depth exceeded"),
-        ("\udcff\udcfe", "this is not UTF-8; save the template as UTF-8"),
+        ("\udcff\udcfe", "not UTF-8; save the template as UTF-8"),
     ],
 )
 @pytest.mark.parametrize("template", [INDEX, "c/device.h.jinja", "python/device.py.jinja", "biss/idbiss.xml.jinja"])
@@ -77,7 +77,7 @@ def test_a_template_of_ours_that_misses_a_part_of_theirs(place: Path, capsys: py
 def test_what_is_no_text(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "t" / INDEX).write_text(r'{{ "\ud800" }}')
     code, err = generate(capsys)
-    assert (code, err) == (1, f"codewheel: t/{INDEX}: the text holds U+D800, which is no character\n")
+    assert (code, err) == (1, f"codewheel: t/{INDEX}: the text contains U+D800, which is not a character\n")
 
 
 def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,7 +88,7 @@ def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.C
     assert generate(capsys) == (
         2,
         (
-            "codewheel: nothing is written, for templates without effect:\n"
+            "codewheel: nothing written: these templates have no effect:\n"
             "  no output uses t/c/devce.h.jinja; did you mean 'c/device.h.jinja'?\n"
             "  no output uses t/device.h.jinja; did you mean 'c/device.h.jinja'?\n"
             "  no output uses t/docs/x.jinja\n"
@@ -102,7 +102,7 @@ def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.C
 def test_a_folder_without_templates_is_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, err = generate(capsys)
     assert code == 2
-    assert "the folder t holds no template" in err
+    assert "the folder t has no templates" in err
 
 
 def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -154,7 +154,7 @@ def templates_of(name: str) -> module.Templates:
 def test_every_rendered_template_can_be_overridden(
     place: Path, capsys: pytest.CaptureFixture[str], target: str, template: str
 ) -> None:
-    """The user's includes the one that it stands for, and adds a line."""
+    """The user's template includes the one that it overrides, and adds a line."""
     maker = place / "manufacturer.yaml"
     maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
     spec = SPEC_OF.get(template, "demo.yaml")
@@ -166,7 +166,7 @@ def test_every_rendered_template_can_be_overridden(
     changed = {path for path, text in before.items() if path.read_text() != text}
     assert changed
     for path in changed:
-        # A header that all share makes a generation of its own, of which every header tells.
+        # A changed shared header has its own generation, which is in every header.
         old, new = (re.sub(r"0x[0-9A-F]{8}U", "", text).rstrip("\n") for text in (before[path], path.read_text()))
         assert new.splitlines()[: len(old.splitlines())] == old.splitlines()
         assert new.endswith("mine") or (new == old and template.removesuffix(".h.jinja") in SHARED_HEADERS)

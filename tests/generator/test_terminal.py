@@ -1,4 +1,4 @@
-"""Streams of every kind: other encodings, full ones, closed ones.
+"""Streams with other encodings, full streams, and closed ones.
 
 Never a traceback, and never an exit code that says done where it is not.
 """
@@ -81,7 +81,7 @@ def test_json_in_any_encoding(encoding: str) -> None:
 def test_messages_in_ascii() -> None:
     done = run("show", "n→n", PYTHONIOENCODING="ascii", PYTHONUTF8="1")
     assert done.returncode == 2
-    assert b"'n->n' is no known order code" in done.stderr
+    assert b"'n->n' is not a known order code" in done.stderr
 
 
 #: No file may grow, so that each write to one fails as on a full disk.
@@ -109,7 +109,7 @@ def test_closed_streams(tmp_path: Path) -> None:
     assert run("show", "nonsense", redirect="2>&-").returncode == 2
     assert run("list", redirect="<&- >&- 2>&-").returncode == 0
     done = run("decode", "AMM5A23/65KJP1", "-", redirect="<&-")
-    assert (done.returncode, done.stderr) == (2, b"codewheel: standard input is closed, so there is no frame to read\n")
+    assert (done.returncode, done.stderr) == (2, b"codewheel: cannot read frames: standard input is closed\n")
 
 
 @pytest.mark.slow
@@ -134,7 +134,7 @@ def test_a_folder_whose_name_is_no_text(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_reader_that_leaves_early_is_not_told_done() -> None:
-    # The first frame has a fault; the rest is more than a pipe takes.
+    # The first frame has an error, and the rest is more than a pipe can hold.
     frames = b"02 20 C7 D1 6A 5F\n" + b"02 20 C7 D1 6A 5E\n" * 3000
     with subprocess.Popen(
         [*COMMAND, *DECODE[:2], "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE

@@ -1,4 +1,4 @@
-"""Why a CRC fails: every usual mistake, planted in frames written out by hand, is listed, and mostly first."""
+"""Every usual mistake, planted in frames written by hand, is listed as an explanation, and mostly first."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def why(device: Device, code: str, text: str) -> Why | None:
 
 
 def seen(device: Device, plant: Plant) -> list[str] | None:
-    """``kind: text`` of every explanation of a planted frame; None where the frame fits all the same."""
+    """Return ``kind: text`` of every explanation of a planted frame, or None if the frame is valid by chance."""
     found = why(device, plant.code, plant.text)
     return (
         None if found is None else [f"{item.kind}: {item.text} {' '.join(item.codes)}" for item in found.explanations]
@@ -80,8 +80,8 @@ def test_sound_frames_need_no_explanation(devices: Mapping[str, Device]) -> None
         assert why(family(devices, encoder.code), encoder.code, "0b" + sound(encoder, source)) is None
 
 
-#: The part of the planted frames where the mistake comes first, at least;
-#: docs/why-a-crc-fails.md says how many there are in a longer run, and why not all.
+#: Least fraction of the planted frames whose mistake is listed first.
+#: docs/why-a-crc-fails.md has the numbers of a longer run, and the reasons.
 FIRST = {
     "read_late": 0.6,
     "first_bit_missing": 0.6,
@@ -103,7 +103,7 @@ def test_what_was_planted_is_listed_and_mostly_first(maker: Maker, devices: Mapp
             for plant in maker(encoder, source):
                 lines = seen(family(devices, encoder.code), plant)
                 if lines is None:
-                    continue  # 1 frame in 64 fits all the same
+                    continue  # 1 frame in 64 is valid by chance
                 assert any(map(is_planted(plant), lines)), (plant, lines)
                 asked += 1
                 first += is_planted(plant)(lines[0])
@@ -150,8 +150,7 @@ def test_mistakes_with_bytes(code: str, devices: Mapping[str, Device]) -> None:
 def test_the_command_line_lists_them(
     encoder: Encoder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every mistake once for each family, through the command as users run it, one frame a line;
-    the JSON has the shape that its schema says."""
+    """Run the command on every mistake once for each family, one frame per line, and validate its JSON."""
     source = random.Random(encoder.code)
     plants = [plant for maker in MISTAKES for plant in maker(encoder, source)]
     monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{plant.text}\n" for plant in plants)))
@@ -185,9 +184,9 @@ def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
                 assert [line for line in text.splitlines() if len(line) > 80] == []
                 assert (
                     found is None
-                    or "by coincidence in 1 of" in text
-                    or "less than 1 of" in text
-                    or "Nothing usual" in text
+                    or "matches by chance in 1 of" in text
+                    or "fewer than 1 of" in text
+                    or "No usual mistake" in text
                 )
 
 
@@ -211,7 +210,7 @@ def test_a_frame_worked_out_on_paper(decode: Run) -> None:
 
 
 def test_what_the_frame_would_read(decode: Run) -> None:
-    """The frame of above read one bit late, and its first bit was a 0: then the position is 1."""
+    """The frame above, started one clock late. Its first bit was a 0, so the position is 1."""
     frame = "0" * 16 + "1" + "11" + "110110"
     _, data = decode("AMM5A17/1SC1", f"0b{frame[1:]}0")
     best = next(item for item in data["why"]["explanations"] if item["kind"] == "first_bit_missing")
@@ -223,8 +222,8 @@ def test_what_the_frame_would_read(decode: Run) -> None:
 
 
 def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
-    """The frame of above, which ends four bits before that of AMM5A21/1SC1:
-    stop bit and SLI are 0, so anything else is no frame read on."""
+    """The frame above, which ends four bits before that of AMM5A21/1SC1.
+    Stop bit and SLI are 0, so other bits cannot follow a shorter frame."""
     frame = "0" * 16 + "1" + "11" + "110110"
     for behind, expected in (("0000", True), ("0100", False), ("0001", False)):
         found = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
@@ -241,20 +240,20 @@ def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
     assert best["kind"] == "other_answer"
     assert best["reads"] == {"position": 1}
     assert best["text"] == "33 bits, as with --choose zero_bit=left_out"
-    # The same with a clock more, as the manual has 34; and without its zeros,
-    # where 0x does not tell how many there are.
+    # The same with one more clock, since the manual has 34, and without leading zeros,
+    # whose number 0x does not show.
     for frame in ("0b" + "0" * 24 + "1" + "11" + "110110" + "0", "0x1f6"):
         assert ("other_answer", {"position": 1}) in [
             (item["kind"], item["reads"])
             for item in decode("ASC8525/SC1", frame, *as_printed)[1]["why"]["explanations"]
         ]
-    # And the other way round: the 0 bit is there, and has to be a 0.
+    # And vice versa: the 0 bit is there, and must be 0.
     for zero, expected in (("0", True), ("1", False)):
         data = "0" * 24 + "1" + zero + "11"
         frame = "0b" + data + crc(data)
         found = decode("ASC8525/SC1", frame, "--choose", "zero_bit=left_out")[1]["why"]["explanations"]
         assert (("other_answer", {"position": 1}) in [(item["kind"], item["reads"]) for item in found]) is expected
-    # Where nothing is open, nothing is tried: AM36's constant bits are those for error and warning.
+    # Without an open question there is nothing to try: AM36's constant bits are those for error and warning.
     frame = "0b" + "0" * 24 + "1" + "11" + "110110"
     assert all(
         item["kind"] != "other_answer"
@@ -263,7 +262,7 @@ def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
 
 
 def test_an_echo_of_the_request(decode: Run) -> None:
-    # The published reply, TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG, behind its request.
+    # The published reply, TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG, after its request.
     code, data = decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")
     (best,) = data["why"]["explanations"]
     assert code == 1
@@ -278,33 +277,31 @@ def test_a_line_that_does_not_move_comes_first(decode: Run) -> None:
         ("AMM5A23/65KJP1", "FF FF FF FF FF FF"),
     ):
         found = decode(code, frame)[1]["why"]["explanations"]
-        # Nothing else is worth a try.
+        # There is no other explanation.
         assert [item["kind"] for item in found] == ["line_stuck"]
 
 
 def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
-    """Position 0 is a position; but no CRC of SSI tells it from a line that does not move."""
+    """Position 0 is valid, but SSI has no CRC to distinguish it from a dead line."""
     for frame, level in (("0x0", 0), ("0b" + "1" * 39, 1)):
         code, data = decode("AMM5A23/65KBG1", frame)
         assert code == 0
         assert [item["kind"] for item in data["why"]["explanations"]] == ["line_stuck"]
         assert main(["decode", "AMM5A23/65KBG1", frame]) == 0
         out = " ".join(capsys.readouterr().out.split())
-        assert (
-            f"Every bit is {level}: a line that does not move looks the same, and without a CRC nothing tells." in out
-        )
+        assert f"Every bit is {level}. A dead line looks the same, and there is no CRC to tell." in out
     assert decode("AMM5A23/65KBG1", "0x1")[1]["why"] is None
 
 
 def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
-    """The frame 0xF4243D3 of AMM5's worked position 1,000,003, its last bit inverted; also of the reply in bytes."""
+    """The frame 0xF4243D3 of AMM5's example position 1,000,003 with its last bit inverted, and a reply in bytes."""
     code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
     assert (code, data["why"]["disturbed"]) == (1, [0])
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
     out = " ".join(capsys.readouterr().out.split())
-    first = "one bit was disturbed on the way: the CRC fits with bit 0 inverted"
+    first = "noise flipped one bit: the CRC matches with bit 0 inverted"
     assert 0 < out.index(first) < out.index("the polynomial is 0x25")
-    # x^8 + 1 tells in which of eight places, not in which byte: a parity bit, a constant and padding cannot be it.
+    # x^8 + 1 reveals the bit but not the byte. A parity bit, a constant and padding are excluded.
     reply = bytes.fromhex("02 00 15 CD 5B 81")
     data = decode("AMM5A23/65KJP1", (reply[:4] + bytes([reply[4] ^ 0x10]) + reply[5:]).hex())[1]
     assert data["why"]["disturbed"] == [4, 12, 20, 28, 36]
@@ -314,7 +311,7 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
 def test_published_frames_with_active_high_status(
     vectors: list[dict[str, Any]], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The source of these frames keeps error and warning turned round; as it prints them, the CRC does not fit."""
+    """The source prints these frames with error and warning inverted, so the CRC does not match."""
     rows = [row for row in vectors if row["protocol"] == "BiSS-C SCD"]
     assert len(rows) == 9
     for row in rows:
@@ -327,7 +324,7 @@ def test_published_frames_with_active_high_status(
 def test_the_published_word_with_a_wrong_crc(
     vectors: list[dict[str, Any]], capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    """The word that TI prints wrongly: CTS, ID and address, 1 000 1100000b, with CRC 9 where it has to be Bh.
+    """The word that TI misprints: CTS, ID and address, 1 000 1100000b, with CRC 9 instead of Bh.
     A frame of bits like any other.
 
     No mistake was planted, so whatever is listed is a coincidence; 11 bits and 4 of CRC, one try in 16 fits.
@@ -349,8 +346,8 @@ def test_the_published_word_with_a_wrong_crc(
     assert main(["decode", "T11SC", f"0b{word >> 17:015b}", "--specs", str(tmp_path), "--json"]) == 1
     data = json.loads(capsys.readouterr().out)
     assert data["crc"] == {"received": 9, "computed": 11, "ok": False}
-    # On paper: over the start bit too, 1 in front adds x^15 = 1 to the remainder;
-    # Bh xor 1 is Ah, not 9: not among them.
+    # On paper: including the start bit, a leading 1 adds x^15 = 1 to the remainder.
+    # Bh xor 1 is Ah, not 9, so this is not an explanation.
     assert not [item for item in data["why"]["explanations"] if item["kind"] == "crc_not_inverted"]
     assert crc("1" + "10001100000", 0x13) == f"{11 ^ 1:04b}"
     assert all("the start bit, or" not in item["text"] for item in data["why"]["explanations"])
@@ -358,8 +355,8 @@ def test_the_published_word_with_a_wrong_crc(
 
 
 def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: Run) -> None:
-    """The start value 0 hides zeros in front: AMM5A17/1SC1's frame, once a number, passes as one of AMM5A23/1SC1.
-    And an XOR hides places."""
+    """With start value 0, leading zeros are not detected: AMM5A17/1SC1's frame as a number passes as AMM5A23/1SC1's.
+    And an XOR does not detect swapped bytes."""
     narrow = Encoder("AMM5A17/1SC1", 0, 17)
     frame = sound(narrow, random.Random(5))
     assert decode("AMM5A23/1SC1", hex(int(frame, 2)))[0] == 0
@@ -369,7 +366,7 @@ def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: 
     assert swapped[1]["crc"]["ok"] is True
     assert swapped[1]["fields"] != sane[1]["fields"]
     assert any(
-        "changed places" in text for text in decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F")[1]["why"]["cannot_see"]
+        "swapped bytes" in text for text in decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F")[1]["why"]["cannot_see"]
     )
 
 
@@ -386,8 +383,7 @@ def outcomes(device: Device, code: str, frames: int) -> Iterator[Why]:
 @pytest.mark.slow
 @pytest.mark.parametrize("code", ["AMM5A21/65KSC1", "ASC8523/SC1", "SMA21-SC4-0001", "AM3616/4096-I7"])
 def test_the_stated_coincidence_is_what_noise_shows(code: str, devices: Mapping[str, Device]) -> None:
-    """As many frames of random bits have an explanation as the list says of itself;
-    within the spread of 600 frames, and what tries share."""
+    """The stated number of random frames has an explanation, within the spread of 600 frames and of related tries."""
     found = list(outcomes(family(devices, code), code, 600))
     single = [item for item in found if item.explanations and not item.explanations[0].twice]
     others = [item for item in found if item not in single]
@@ -446,7 +442,7 @@ def test_the_page_shows_what_the_command_prints(capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize("width", [1, 2, 3, 16])
 def test_a_crc_of_any_width(width: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A CRC of one or two bits says nothing, and what over one frame in eight fits is not listed; nothing breaks."""
+    """A CRC of one or two bits proves nothing, and mistakes that match more than one frame in eight are not listed."""
     text = (
         (SPECS / "bits22.yaml")
         .read_text(encoding="utf-8")
@@ -469,7 +465,7 @@ def test_a_crc_of_any_width(width: int, tmp_path: Path, capsys: pytest.CaptureFi
 
 
 def test_made_up_layouts_break_nothing() -> None:
-    """Every layout with a CRC that the made-up spec has, whatever its CRC: an explanation or none, never an error."""
+    """Every layout with a CRC in the made-up spec gets an explanation or none, but never an exception."""
     devices, report = load_library([SPECS])
     assert not report
     source = random.Random(9)

@@ -1,4 +1,4 @@
-"""The words for interfaces, steps and examples: schemas, builders and generated code have the same as the model."""
+"""Schemas, builders and generated code use the same words for interfaces, steps and examples as the model."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WORKED = {kind.kind for kind in get_args(Example)}
 
 
 def enums(schema: Any, name: str) -> list[set[str]]:
-    """The words that a schema allows for members of this name, wherever they stand; without the empty one."""
+    """Return the words that a schema allows for members of this name, without the empty one."""
     found = []
     for key, inner in schema.items() if isinstance(schema, dict) else ():
         if key == name and isinstance(inner, dict):
@@ -56,7 +56,7 @@ def test_every_step_and_example_is_built() -> None:
 
 
 def test_generated_code_has_every_interface() -> None:
-    """The numbers of the C enumeration are part of the interface: a new one comes last."""
+    """The numbers of the C enumeration are part of the interface, so a new one is added at the end."""
     python = (TEMPLATES / "python/_codec.py.jinja").read_text(encoding="utf-8")
     assert re.findall(r'^    [A-Z0-9]+ = "(\w+)"$', python, re.MULTILINE) == list(INTERFACES)
     c = (TEMPLATES / "c/encoder.h.jinja").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Writing: whole or not at all, and nothing outside the folder."""
+"""Output is written completely or not at all, and never outside the folder."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_check_changes_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", ["../x", "python/../../x", "{tmp_path}/x", "c/x", "python/a\nb", "python//x", "x"])
 def test_refuses_paths_outside_the_target(tmp_path: Path, path: str) -> None:
-    with pytest.raises(WriteError, match="is not one inside its folder 'python/'"):
+    with pytest.raises(WriteError, match="is not inside its folder 'python/'"):
         write(tmp_path / "out", {"python": {path.format(tmp_path=tmp_path): "x"}})
     assert not list(tmp_path.iterdir())
 
@@ -113,7 +113,7 @@ def test_a_full_disk_leaves_the_old_tree_whole(tmp_path: Path, monkeypatch: pyte
 
 
 class Killed(BaseException):
-    """Stands for a kill: what comes after is not run."""
+    """Simulates a kill: the code after it does not run."""
 
 
 @pytest.mark.parametrize("moment", ["_exchange", "_same", "_remove"])
@@ -171,7 +171,7 @@ def test_a_kill_between_two_renames_loses_nothing(tmp_path: Path, monkeypatch: p
 
 
 def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
-    """Also those that are named like a stage, and whose content is named like that of a stage."""
+    """This includes folders whose name and content look like those of a stage."""
     names = [".python-virtualenv", ".python-packages", ".python-abcd1234", ".python-abcd1234-old", ".codewheel-python"]
     names += [".codewheel-python-drafts-2024", ".codewheel-python-abcd1234", ".codewheel-python-packages"]
     names += [".codewheel-c-abcd1234"]
@@ -270,8 +270,8 @@ def test_files_of_the_users_in_the_way_are_named_and_nothing_is_written(tmp_path
     with pytest.raises(WriteError) as caught:
         write(tmp_path, targets)
     assert str(caught.value) == (
-        "not written by codewheel and in its way; nothing has changed; move it away, or overwrite files with --force:\n"
-        f"  {tmp_path}/python/pkg, where a folder belongs\n  {tmp_path}/python/.codewheel\n  {tmp_path}/c/x.h\n"
+        "in the way and not written by codewheel; nothing has changed; move it away, or overwrite files with --force:\n"
+        f"  {tmp_path}/python/pkg, in place of a folder\n  {tmp_path}/python/.codewheel\n  {tmp_path}/c/x.h\n"
         f"  {tmp_path}/docs/README.md"
     )
     assert tree(tmp_path) == before
@@ -286,7 +286,7 @@ def test_a_folder_in_the_way_is_named_and_never_overwritten(tmp_path: Path) -> N
         with pytest.raises(WriteError) as caught:
             write(tmp_path, {"python": FILES}, force=force)
         assert str(caught.value).endswith(
-            f"; nothing has changed; move it away:\n  {tmp_path}/python/a.py, a folder where a file belongs"
+            f"; nothing has changed; move it away:\n  {tmp_path}/python/a.py, a folder in place of a file"
         )
     assert [path.name for path in tmp_path.rglob("*")] == ["python", "a.py"]
 
@@ -302,14 +302,14 @@ def test_a_file_that_is_the_same_already_is_taken_over(tmp_path: Path) -> None:
 @pytest.mark.parametrize("force", [False, True])
 def test_a_file_with_the_name_of_a_target_is_kept(tmp_path: Path, force: bool) -> None:
     (tmp_path / "python").write_text("mine")
-    with pytest.raises(WriteError, match="python is a file, and a folder of this name is needed; nothing has changed"):
+    with pytest.raises(WriteError, match="python is a file, but must be a folder; nothing has changed"):
         write(tmp_path, {"c": {"c/x.h": "x"}, "python": FILES}, force=force)
     assert [path.name for path in tmp_path.iterdir()] == ["python"]
     assert (tmp_path / "python").read_text() == "mine"
 
 
 def no_exchange(*_: object, **__: object) -> None:
-    """Stands for a system on which two folders cannot change places in one step."""
+    """Simulates a system that cannot exchange two folders in one step."""
     raise OSError
 
 

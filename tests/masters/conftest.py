@@ -1,4 +1,4 @@
-"""The masters that ship with the tool and the encoders of Lika, and what the one is told about the other."""
+"""The shipped masters, the encoders of Lika, and their settings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def masters() -> dict[str, Master]:
 @pytest.fixture(scope="session")
 def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
     def made(label: str) -> Record:
-        """An order code, and behind a space what the user decides of ASC85's 0 bit, such as ``as_printed``."""
+        """Take an order code, and after a space the answer about ASC85's 0 bit, such as ``as_printed``."""
         code, _, decided = label.partition(" ")
         answers = {"zero_bit": decided} if decided else {}
         for device in devices.values():
@@ -47,7 +47,7 @@ def sheet_of(masters: dict[str, Master], record_of: Callable[[str], Record]) -> 
 
 @pytest.fixture(scope="session")
 def told(sheet_of: Callable[[str, str], Sheet]) -> Told:
-    """What a master is told about an order code, by the name of the setting."""
+    """Return a master's settings for an order code by name."""
 
     def values(master: str, code: str) -> dict[str, Any]:
         found = sheet_of(master, code)

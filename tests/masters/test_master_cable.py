@@ -1,4 +1,4 @@
-"""The clock by length of cable: section 5.3 of the manuals for SSI, AN15 of iC-Haus (revision A3, table 1) for BiSS."""
+"""Clock by cable length: section 5.3 of the manuals for SSI, AN15 of iC-Haus (revision A3, table 1) for BiSS."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_biss(capsys: pytest.CaptureFixture[str], code: str, metres: str, kilohe
 
 
 def test_a_list_of_clocks(capsys: pytest.CaptureFixture[str]) -> None:
-    """Below 400 kHz the terminal has 19, 250 kHz, alone; the unit of the other master 300 kHz, which is 2."""
+    """Below 400 kHz the terminal has only 19, 250 kHz. The other master has 300 kHz, which is 2."""
     settings = told(capsys, "AM3619/4096-GG", "beckhoff_el5042", "--cable", "30")["settings"]
     assert (settings["Clock Frequency, EL5042"]["value"], settings["Clock Frequency, EJ5042"]["value"]) == (19, 19)
     assert told(capsys, "AM3619/4096-GG", "omron_nx", "--cable", "30")["settings"]["Baud Rate"]["value"] == 2
@@ -59,11 +59,13 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
     assert ssi["record"]["cable_lengths"][0] == {"metres": 50, "hz": 400_000, "is_below": True}
     assert ssi["record"]["cable_errata"] == ["ssi_cable_400_m", "ssi_cable_50_m"]
     note = ssi["settings"]["Clock Frequency, EL5042"]["note"]
-    assert "no cable allows this clock: one shorter than 50 m needs a clock below 400 kHz, a longer one less." in note
+    assert (
+        "the encoder's manual: one shorter than 50 m needs a clock below 400 kHz, a longer one a lower clock." in note
+    )
     biss = told(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
     assert (
         biss["settings"]["Clock Frequency, EL5042"]["note"]
-        == "For a cable up to 10 m, by the table of AN15 of iC-Haus, revision A3, for RS-422."
+        == "For a cable up to 10 m, according to the table in AN15 of iC-Haus, revision A3, for RS-422."
     )
     assert len(biss["record"]["cable_lengths"]) == 7
     assert biss["record"]["cable_errata"] == []
@@ -75,14 +77,14 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
         (
             ["AM3619/4096-GG", "--cable", "300"],
             1,
-            "has shorter than 400 m: below 100 kHz; the encoder takes 100 kHz at least",
+            "has shorter than 400 m: below 100 kHz, but the encoder needs at least 100 kHz",
         ),
-        (["AM3619/4096-GG", "--cable", "400"], 1, "cable of 400 m: the table of the encoder's manual ends at 400 m"),
+        (["AM3619/4096-GG", "--cable", "400"], 1, "cable of 400 m: the table in the encoder's manual ends at 400 m"),
         (["AMM5A21/65KSC1", "--cable", "1001"], 1, "AN15 of iC-Haus, revision A3, for RS-422 ends at 1000 m"),
-        (["AMM5A21/65KSC1", "--cable", "long"], 2, "'long' is no length in metres, such as 30"),
-        (["AMM5A21/65KSC1", "--cable", "0"], 2, "'0' is no length in metres"),
-        (["AMM5A21/65KSC1", "--cable", "nan"], 2, "'nan' is no length in metres"),
-        (["AMM5A21/65KSC1", "--cable", "inf"], 2, "'inf' is no length in metres"),
+        (["AMM5A21/65KSC1", "--cable", "long"], 2, "'long' is not a length in metres, such as 30"),
+        (["AMM5A21/65KSC1", "--cable", "0"], 2, "'0' is not a length in metres"),
+        (["AMM5A21/65KSC1", "--cable", "nan"], 2, "'nan' is not a length in metres"),
+        (["AMM5A21/65KSC1", "--cable", "inf"], 2, "'inf' is not a length in metres"),
     ],
 )
 def test_what_cannot_be_said(

@@ -1,4 +1,4 @@
-"""The command and the pages, as their users see them."""
+"""The command and the pages from a user's view."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> No
     exit_code, out, err = run(capsys, "master", *code.split())
     assert (exit_code, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
-    assert "Nothing has been tried on hardware." in " ".join(out.split())
+    assert "Not yet tested on hardware." in " ".join(out.split())
 
 
 def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0
-    # Alone on its line, so that it can be copied; the mark stands apart.
+    # It is on its own line, so that it can be copied without the mark.
     assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in [
         line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()
     ]
@@ -66,7 +66,7 @@ def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "master", "ASC8525/SC1")
     assert (code, out) == (2, "")
-    assert err.startswith("codewheel: 'single_cycle_data' has no settings before you decide. Constant 0 bit between ")
+    assert err.startswith("codewheel: 'single_cycle_data' has no settings until you decide. Constant 0 bit between ")
     assert "add --choose zero_bit=as_printed (Sent, " in err
     assert " or --choose zero_bit=left_out (Not sent, " in err
     assert run(capsys, "master", "ASC8525/BG1", "--choose", "zero_bit=left_out")[0] == 2
@@ -96,14 +96,14 @@ def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
         (
             ["AMM5A23/65KJP1"],
             1,
-            "AMM5A23/65KJP1 has the interface RS-485; only SSI and BiSS C-mode have masters to set up",
+            "AMM5A23/65KJP1 has the interface RS-485; there are masters for SSI and BiSS C-mode only",
         ),
         (
             ["AMM5A23/65KSC1", "--master", "synaptikon"],
             2,
             "there is no master 'synaptikon'; did you mean 'synapticon'?",
         ),
-        (["AMM5A23"], 2, "is no known order code"),
+        (["AMM5A23"], 2, "is not a known order code"),
         (["AMM5A23/65KSC1", "--register", "0x56=0x10"], 2, "does not change how a frame is read"),
     ],
 )
@@ -172,7 +172,7 @@ def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library
 
 def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     page = pages["docs/sma21-masters.md"]
-    # The mark stands outside of what is copied.
+    # The mark is outside the text to copy.
     assert "`biss_chan_0=crc%6pnwarning%1bnerror%1bposition%24e` \\*" in page
     # Four lengths of 24 bits are one row, the fifth of 25 another.
     ic_mb = page.split("### iC-Haus")[1].split("###")[0]
@@ -185,7 +185,7 @@ def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A master's text that holds marks of Markdown and HTML opens nothing on the page."""
+    """Markdown and HTML in a master's text have no effect on the page."""
     from dataclasses import replace
 
     hostile = "a | b `c` <script>x</script> [d](e) *f* <!-- g --> ]]>"
@@ -212,7 +212,7 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.slow
 def test_a_device_without_masters(library: Library) -> None:
-    """A family with RS-485 alone has no page."""
+    """A family with only RS-485 has no page."""
     device: Device = next(item for item in library.devices if item.name == "amm5")
     assert masters_page.has_masters(device)
     from dataclasses import replace

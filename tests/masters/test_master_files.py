@@ -1,4 +1,4 @@
-"""Descriptions of masters: broken ones are refused in exact words, and adding a master needs no code.
+"""Descriptions of masters: broken ones are rejected with exact messages, and adding a master needs no code.
 
 Each file in ``broken`` says in its first lines what is wrong with it, as those of ``tests/check`` do.
 """
@@ -57,7 +57,7 @@ def test_a_sound_master_alone(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_every_rule_of_every_master_is_used_with_care(masters: dict[str, Master]) -> None:
-    """Nothing has been tried on hardware yet; whoever tries one says so in its file and here."""
+    """No master has been tested on hardware yet. Whoever tests one changes its file and this test."""
     for master in masters.values():
         rules = (*master.limits, *master.settings)
         assert "tried" not in {master.standing, *(item.get("standing") for item in rules)}, master.name
@@ -65,7 +65,7 @@ def test_every_rule_of_every_master_is_used_with_care(masters: dict[str, Master]
 
 
 def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
-    """A master is a file: neither the generator nor a template has its name."""
+    """A master is only a file: its name is neither in the generator nor in a template."""
     words = {
         word for master in masters.values() for word in re.findall(r"[A-Za-z][A-Za-z0-9-]{4,}", master.title)
     } | set(masters)

@@ -1,4 +1,4 @@
-"""Encoders that do not exist, each just within and just beyond a master's limit: the reason has the master's figure."""
+"""Imaginary encoders just within and just beyond each master's limits, whose figures are in the reasons."""
 
 from __future__ import annotations
 
@@ -134,12 +134,12 @@ def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf
     sound = record_of("AMM5A17/1SC1")
     slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
     assert [item.reason for item in slow.refusals] == [
-        f"Clock Frequency, {item}: none of its clocks lies between 50 kHz and 249.999 kHz, which the encoder takes."
+        f"Clock Frequency, {item}: no clock is between 50 kHz and 249.999 kHz, the limits of the encoder."
         for item in ("EL5042", "EJ5042")
     ]
     fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
     assert [item.reason for item in fast.refusals] == [
-        "It gives clocks of at most 1 MHz; the encoder takes 2 MHz to 10 MHz."
+        "It supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
     ]
 
 
@@ -159,7 +159,7 @@ def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> Non
     clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042")
     assert (clock.value, clock.text) == (
         None,
-        "unknown: not in the manual of the encoder: fastest clock that the encoder takes, in Hz",
+        "unknown: not in the encoder's manual: fastest clock that the encoder takes, in Hz",
     )
 
 
@@ -196,7 +196,7 @@ settings:
 
 
 def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
-    """A file of one's own stands beside ours or replaces one of the same name; an impossible value is a refusal."""
+    """A user's file is added to ours or replaces one with its name, and an impossible value is a refusal."""
     (tmp_path / "mine.yaml").write_text(OWN.format(name="mine", title="Mine"), encoding="utf-8")
     (tmp_path / "moteus.yaml").write_text(OWN.format(name="moteus", title="Other"), encoding="utf-8")
     found, report = load_masters([tmp_path])
@@ -206,9 +206,7 @@ def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
     assert by_name["moteus"].title == "Other"
     assert "ic_mb" in by_name
     refusals = sheet(by_name["mine"], record_of("AMM5A17/1SC1")).refusals
-    assert [item.reason for item in refusals] == [
-        "Less would be position_bits - 100, which is no number that can be set."
-    ]
+    assert [item.reason for item in refusals] == ["Less would be position_bits - 100, which cannot be set."]
 
 
 def test_a_spec_is_no_master(tmp_path: Path) -> None:
@@ -216,5 +214,5 @@ def test_a_spec_is_no_master(tmp_path: Path) -> None:
     path.write_text("codewheel: 1\nmanufacturer: x\ntitle: X\nsource: y\n", encoding="utf-8")
     _, report = load_masters([path])
     assert [item.message for item in report.problems] == [
-        "this is no description of a master, which names it with the key 'master'"
+        "this is not a description of a master: the key 'master' is missing"
     ]

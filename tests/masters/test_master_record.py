@@ -1,4 +1,4 @@
-"""The record: what masters ask of an order code, against the manuals, and what is refused or said as unknown."""
+"""The record of an order code for masters, compared with the manuals, and its refusals and unknown values."""
 
 from __future__ import annotations
 
@@ -87,20 +87,22 @@ def test_items(record_of: RecordOf, code: str, item: str, value: int | None) -> 
 
 
 def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
-    """AM36 sends error and warning as 1, always; a master that wants low active status bits can take it."""
+    """AM36 always sends error and warning as 1, which suits a master that expects active low status bits."""
     found = record_of("AM3616/4096-I7")
     assert [part.active for part in found.parts if part.role == "status"] == ["", ""]
     assert found.words["status_active"] == "low"
-    assert "error and warning: always 1, a bit that a master takes for a status bit that says nothing." in found.notes
+    assert "error and warning: always 1, which a master treats as an inactive status bit." in found.notes
 
 
 def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf) -> None:
     notes = record_of("AM3616/4096-I7").notes
-    assert any("(56h)" in note and "(57h)" in note and "widths" in note and "as delivered" in note for note in notes)
+    assert any(
+        "(56h)" in note and "(57h)" in note and "widths" in note and "factory defaults" in note for note in notes
+    )
     assert any("(49h)" in note and "code" in note for note in notes)
     whatever_cable = (
-        "The clocks shown are the fastest that encoder and master take, whatever the cable; "
-        "codewheel master --cable METRES chooses them for one."
+        "The clocks shown are the fastest that encoder and master support, regardless of the cable. "
+        "Use --cable METRES to choose them for a cable length."
     )
     assert record_of("AMM5A23/65KSC1").notes == (whatever_cable,)
     device = devices["am36"]
@@ -118,7 +120,7 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
 @pytest.mark.parametrize(
     ("registers", "turns", "bits"),
     [
-        ({0x57: 0x0D}, 8192, 13),  # 13 bits tell 2^13 revolutions apart, whatever 4E-4F held as delivered
+        ({0x57: 0x0D}, 8192, 13),  # 13 bits distinguish 2^13 revolutions, regardless of the default of 4E-4F
         ({0x57: 0x00}, 1, 0),
         ({0x57: 0x0A, 0x4E: 0x03, 0x4F: 0xE8}, 1000, 10),  # 3E8h = 1000 revolutions in 10 bits
     ],
@@ -126,7 +128,7 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
 def test_no_more_turns_than_bits(
     devices: Mapping[str, Device], masters: dict[str, Master], registers: dict[int, int], turns: int, bits: int
 ) -> None:
-    """Drives that are told the revolutions take the width of the frame from them."""
+    """Drives that are set to the revolutions derive the width of the frame from them."""
     device = devices["am36"]
     found = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False
@@ -146,7 +148,7 @@ def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[st
 
 
 def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
-    """Some masters can, others cannot: the reason is theirs."""
+    """Some masters can, others cannot, each for its own reason."""
     device = devices["am36"]
     gray = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
@@ -165,13 +167,13 @@ def test_rs485_has_no_master(record_of: RecordOf) -> None:
 
 
 def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
-    with pytest.raises(Undecided, match="'single_cycle_data' depends on zero_bit, which is for you to decide"):
+    with pytest.raises(Undecided, match="'single_cycle_data' depends on zero_bit, which you must choose"):
         record_of("ASC8525/SC1")
     assert record_of("ASC8525/SC1 left_out").notes[0].startswith("With zero_bit=left_out: Not sent, as ")
 
 
 def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
-    """A field of another kind, and one at another place, are no matter for the rules."""
+    """The rules do not cover a field of another kind or at another place."""
     device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
     interface = device.interface("biss")
@@ -183,13 +185,13 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
         return replace(device, interfaces=others)
 
     position, zero, error, warning, crc = layout.fields
-    with pytest.raises(NoRecord, match="'warning' is no position, status bit or CRC"):
+    with pytest.raises(NoRecord, match="'warning' is not a position, status bit or CRC"):
         record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
         record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
-    with pytest.raises(NoRecord, match="'warning' stands where no master expects it"):
+    with pytest.raises(NoRecord, match="no master expects 'warning' at its place"):
         record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant, answers=AS_PRINTED)
-    with pytest.raises(NoRecord, match="does not say what its position is"):
+    with pytest.raises(NoRecord, match="does not define its position"):
         record(replace(device, measurement=None), variant)
 
 
@@ -198,7 +200,7 @@ def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
     variant = find(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
         crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)
-        with pytest.raises(NoRecord, match="straight or inverted as a whole"):
+        with pytest.raises(NoRecord, match="either plain or fully inverted"):
             record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
     straight = tuple(replace(item, xorout=0) for item in device.crcs)
     assert record(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0

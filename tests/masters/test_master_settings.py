@@ -205,7 +205,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
         "Single-turn bits": single,
         "Position start bit": start,
     }
-    # Nothing of a CRC and of Gray code: the document has neither.
+    # There are no settings for CRC and Gray code, which are not in the document.
     assert told("novanta", code) == {**expected, "Protocol": 0, "Baud rate": 10_000, "Wait cycles": 0}
 
 
@@ -403,8 +403,8 @@ def test_example_of_siemens(told: Told) -> None:
 @pytest.mark.parametrize(
     ("master", "code", "reason"),
     [
-        ("galil_ssi", "SMA21-SC1-0002", "Only SSI is described for this master; SMA21-SC1-0002 sends BiSS C-mode."),
-        ("ic_mb", "SMA21-GG1-0010", "Only BiSS C-mode is described for this master; SMA21-GG1-0010 sends SSI."),
+        ("galil_ssi", "SMA21-SC1-0002", "This master is described for SSI only, but SMA21-SC1-0002 has BiSS C-mode."),
+        ("ic_mb", "SMA21-GG1-0010", "This master is described for BiSS C-mode only, but SMA21-GG1-0010 has SSI."),
         (
             "keb_f5",
             "ASC8525/SC1 as_printed",

@@ -183,7 +183,7 @@ def test_without_one_nothing_changes(folder: pathlib.Path, capsys: pytest.Captur
 
 
 TABLE = """\
-facts, and how often they were read; * has to be read twice
+facts by number of readings (* needs two)
                       twice  explained       once    derived
 position *               34          0          0          0
 crc *                    12          0          0          0
@@ -210,7 +210,7 @@ printed name              8          0          0          0
 history                   5          0          0          0
 twice                   125          0          2          1
 twice.yaml:117:23: read once: wait, registers.command.wait_at_least_ms
-1 fact to be read a second time
+1 fact to read a second time
 """
 
 
@@ -262,7 +262,7 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
 
 def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--coverage"]) == 0
-    assert "to be read a second time" not in capsys.readouterr().out
+    assert "to read a second time" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
-"""The interfaces, each in a module of its own: its names, its nature, and what a manual says of it.
+"""The interfaces, each in its own module with its names and the facts that a manual gives about it.
 
-They lie inside the model: a device is made of them, and they of layouts.
+They are part of the model: a device consists of interfaces, and these of layouts.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from .rs485 import Port, Rs485
 from .ssi import Alignment, CableLength, OutputCode, Ssi
 
 Interface = Ssi | Biss | Rs485
-#: What ``facts`` of an interface yields: an output that shows each of these shows every interface.
+#: Facts that ``facts`` of an interface yields. An output that can show each of these can show every interface.
 Fact = (
     Clock
     | CableLength

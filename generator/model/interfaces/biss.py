@@ -1,4 +1,4 @@
-"""BiSS C-mode: single cycle data, and registers that are reached one bit per frame."""
+"""BiSS C-mode: single cycle data, and registers that are accessed one bit per frame."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Network:
 
 @dataclass(frozen=True, slots=True)
 class PrintedTimeout:
-    """The time-out that the manual works out for one clock."""
+    """Time-out that the manual computes for one clock."""
 
     clock_hz: int
     timeout_ns: int
@@ -29,7 +29,7 @@ class PrintedTimeout:
 
 @dataclass(frozen=True, slots=True)
 class Timeout:
-    """The time-out after a frame; ``rule`` is ``follows_clock`` or ``fixed``."""
+    """Time-out after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
 
     rule: str
     half_clock_periods: int | None
@@ -41,7 +41,7 @@ class Timeout:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """The encoder profile that the manual names."""
+    """Encoder profile that the manual names."""
 
     text: str
     source: Sources
@@ -49,7 +49,7 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class DescriptionFile:
-    """The file by which a master knows the encoder."""
+    """File that describes the encoder to a master."""
 
     text: str
     source: Sources
@@ -57,7 +57,7 @@ class DescriptionFile:
 
 @dataclass(frozen=True, slots=True)
 class BankSelect:
-    """The register that selects the bank of the banked addresses."""
+    """Register that selects the bank of the banked addresses."""
 
     register: str
     source: Sources
@@ -65,7 +65,7 @@ class BankSelect:
 
 @dataclass(frozen=True, slots=True)
 class ControlField:
-    """A field of the control frame, of which the manual gives no whole layout."""
+    """A field of the control frame, whose complete layout the manual does not give."""
 
     name: str
     printed_name: str
@@ -99,7 +99,7 @@ class Biss(Common):
     control_data_note: str
 
     def facts(self) -> Iterator[Clock | Signals | Profile | DescriptionFile | BankSelect | Network | Timeout]:
-        """What has to be set or built, in order of importance."""
+        """Yield the facts for set-up, in order of importance."""
         yield self.clock
         if self.signals:
             yield Signals(self.signals, self.source)

@@ -1,4 +1,4 @@
-"""What every interface has, and the facts that several share."""
+"""Members of every interface, and facts that several share."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ..measurement import Measurement
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Common:
-    """An interface of a device; order codes, registers and procedures refer to it by ``name``."""
+    """An interface of a device. Order codes, registers and procedures refer to it by ``name``."""
 
     #: The key of the spec language, and of all outputs.
     name: ClassVar[str]
-    #: The title for a person, and how sentences call it.
+    #: Title for people, and its name in sentences.
     title: ClassVar[str]
     short: ClassVar[str]
-    #: How a frame is carried whose layout does not say it.
+    #: Whether frames are carried as bits or bytes unless their layout says otherwise.
     carried_as: ClassVar[str] = "bits"
     #: Whether layouts can be sent on several data channels.
     has_channels: ClassVar[bool] = False
-    #: Where the addresses of registers end, and those in a bank if the interface has banks.
+    #: Number of register addresses, and of those in a bank if the interface has banks.
     highest_address: ClassVar[int | None] = None
     highest_in_bank: ClassVar[int | None] = None
-    #: Flags that the interface itself defines: what each makes of the position while it is active.
+    #: Flags defined by the interface itself, with the verdict on the position while each is active.
     flags: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     layouts: tuple[Layout, ...]
@@ -40,7 +40,7 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """The range of the master's clock, both ends included."""
+    """Range of the master's clock, both ends included."""
 
     min_hz: int
     max_hz: int

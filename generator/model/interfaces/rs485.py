@@ -1,4 +1,4 @@
-"""RS-485 with requests and replies of the kind of Tamagawa's T-format."""
+"""RS-485 with requests and replies similar to Tamagawa's T-format."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class DataId:
-    """What a request asks for; ``control`` is its first byte, and that of the reply."""
+    """Data that a request can ask for. ``control`` is the first byte of request and reply."""
 
     name: str
     id: int
@@ -36,7 +36,7 @@ class DataId:
 
 @dataclass(frozen=True, slots=True)
 class MemoryAccess:
-    """What a reply says of an access to the memory, by its busy flag."""
+    """Meaning of the busy flag in a reply to a memory access."""
 
     access: str
     busy: int
@@ -58,5 +58,5 @@ class Rs485(Common):
     memory_access: tuple[MemoryAccess, ...]
 
     def facts(self) -> Iterator[Port]:
-        """What has to be set."""
+        """Yield the settings."""
         yield self.port

@@ -12,7 +12,7 @@ from .common import Clock, Common, Signals
 
 @dataclass(frozen=True, slots=True)
 class Alignment:
-    """Which end of the word comes with the first clock: ``msb_left`` or ``lsb_right``."""
+    """End of the word that is aligned with the clocks: ``msb_left`` or ``lsb_right``."""
 
     end: str
     source: Sources
@@ -20,7 +20,7 @@ class Alignment:
 
 @dataclass(frozen=True, slots=True)
 class OutputCode:
-    """The code of the position as printed: ``binary``, ``gray`` or ``by_order_code``."""
+    """Code of the position as printed: ``binary``, ``gray`` or ``by_order_code``."""
 
     code: str
     source: Sources
@@ -28,7 +28,7 @@ class OutputCode:
 
 @dataclass(frozen=True, slots=True)
 class CableLength:
-    """A cable shorter than so many metres takes a clock below so many hertz."""
+    """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
 
     shorter_than_m: int
     below_hz: int
@@ -48,7 +48,7 @@ class Ssi(Common):
     cable_lengths: tuple[CableLength, ...]
 
     def facts(self) -> Iterator[Clock | CableLength | Signals | Alignment | OutputCode]:
-        """What has to be set or built, in order of importance."""
+        """Yield the facts for set-up, in order of importance."""
         yield self.clock
         yield from self.cable_lengths
         if self.signals:
