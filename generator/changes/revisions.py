@@ -32,6 +32,8 @@ _FILE, _EXECUTABLE = "100644", "100755"
 _BESIDE = "manufacturer.yaml"
 #: A part of a path that git does not check out, or that leads elsewhere on some system.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
+#: A path of Windows. A revision of one letter has no such path either: paths of revisions begin at the top.
+_ON_A_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 #: A file name that is safe on every system. It is kept, since the family in a spec is named after its file.
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 #: git fetches nothing, not even what a partial clone left on the server. A version that does not know
@@ -71,7 +73,8 @@ class LaidOut:
 def named(text: str) -> Named | None:
     """The revision and path that ``text`` names; None where it is a path, or no revision."""
     revision, colon, path = text.partition(":")
-    return Named(revision, path) if colon and not os.path.lexists(text) else None
+    is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
+    return Named(revision, path) if colon and not is_path else None
 
 
 def lay_out(place: Named, folder: Path) -> LaidOut:

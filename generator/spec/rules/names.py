@@ -33,8 +33,8 @@ _INNER_LISTS = (
     ("leds", "states", "state", "a state"),
 )
 
-#: Names of families that an output needs for something else: what each says of it.
-_TAKEN = {
+#: Names that no family can have, and what has them already.
+TAKEN = {
     "encoder": "the C header that all families share",
     "biss": "the part of the Python package on BiSS",
     **dict.fromkeys(
@@ -42,6 +42,11 @@ _TAKEN = {
     ),
     "nearest": "a function of the Python package",
     "annotations": "a word of Python",
+    # Windows has no file of such a name, whatever its suffix.
+    **dict.fromkeys(
+        ("con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10))),
+        "a device of Windows",
+    ),
 }
 
 Named = tuple[Path, object]
@@ -56,11 +61,11 @@ def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             ("device",),
             f"the device is called {quoted(spec['device'])} and the file {quoted(stem)}; give both the same name",
         )
-    if spec.get("device") in _TAKEN:
+    if spec.get("device") in TAKEN:
         report.add(
             "device-name",
             ("device",),
-            f"{quoted(spec['device'])} is the name of {_TAKEN[spec['device']]}; give the family another",
+            f"{quoted(spec['device'])} is the name of {TAKEN[spec['device']]}; give the family another",
         )
 
 
