@@ -11,7 +11,7 @@ from . import known
 from .change import Change, Thing
 from .compare import members
 from .pairs import pairs
-from .reach import pattern
+from .reach import listed, pattern
 from .shown import arrow
 from .sides import Sides
 
@@ -81,11 +81,9 @@ def _codes(sides: Sides, rule: str, word: str, device: Device, found: list[Varia
     if not found:
         return
     codes = [item.code for item in found]
-    said = pattern(device, codes) or (codes[0] if len(codes) == 1 else "")
-    if not said:
-        said = ", ".join(codes[:3]) + (f" and {len(codes) - 3} more" if len(codes) > 3 else "")
-    label = f"order code{'s' if len(codes) > 1 else ''} {said}: {len(codes)} {word}"
-    thing = Thing("order_codes", label if len(codes) > 1 else f"order code {said} is {word}")
+    said = pattern(device, codes) or listed(codes)
+    label = f"order codes {said}: {len(codes)} {word}" if len(codes) > 1 else f"order code {said} is {word}"
+    thing = Thing("order_codes", label)
     gone = rule.endswith("gone")
     yield sides.change(rule, thing, "", codes if gone else None, None if gone else codes, codes)
 

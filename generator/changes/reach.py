@@ -24,7 +24,7 @@ def reach(device: Device, codes: Collection[str]) -> str:
         own = [item.code for item in every if item.interface == interface.name]
         if len(own) > 1 and set(own) == set(codes):
             return f"all {len(own)} {interface.short} order codes"
-    return pattern(device, codes) or _listed([item.code for item in every if item.code in codes])
+    return pattern(device, codes) or listed([item.code for item in every if item.code in codes])
 
 
 def pattern(device: Device, codes: Collection[str]) -> str:
@@ -55,6 +55,7 @@ def _part(used: tuple[str, ...], every: tuple[str, ...]) -> str:
     return _ALL if len(used) == len(every) else f"{{{','.join(used)}}}"
 
 
-def _listed(codes: Sequence[str]) -> str:
+def listed(codes: Sequence[str]) -> str:
+    """Name the first order codes and count the others."""
     more = len(codes) - _MOST_LISTED
     return ", ".join(codes[:_MOST_LISTED]) + (f" and {more} more" if more > 0 else "")

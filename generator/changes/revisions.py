@@ -32,7 +32,9 @@ _FILE, _EXECUTABLE = "100644", "100755"
 _BESIDE = "manufacturer.yaml"
 #: A part of a path that git does not check out, or that leads elsewhere on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
-#: A file name that is safe on every system. It is kept, since a spec's file has the name of its family.
+#: A path of Windows. A revision of one letter has no such path either: paths of revisions begin at the top.
+_ON_A_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
+#: A file name that is safe on every system. It is kept, since the family in a spec is named after its file.
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 #: git fetches nothing, not even what a partial clone left on the server. A version that does not know
 #: GIT_NO_LAZY_FETCH is not allowed to use any protocol.
@@ -71,7 +73,8 @@ class LaidOut:
 def named(text: str) -> Named | None:
     """Return the revision and path in ``text``, or None if it is an existing path or not a revision."""
     revision, colon, path = text.partition(":")
-    return Named(revision, path) if colon and not os.path.lexists(text) else None
+    is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
+    return Named(revision, path) if colon and not is_path else None
 
 
 def lay_out(place: Named, folder: Path) -> LaidOut:

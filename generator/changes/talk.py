@@ -180,13 +180,20 @@ def procedures(sides: Sides) -> Iterator[Change]:
             yield from _procedure(sides, place, pair.old, pair.new)
 
 
+def _argument(name: str, of: str, meant_as: str) -> str:
+    """Return an argument with the register that takes it."""
+    return f"{name} for {of}" + (f" as {meant_as}" if meant_as else "")
+
+
 def _procedure(sides: Sides, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
     bare = replace(place, c="", python="")
     yield from members(sides, bare, old, new)
     was = [(item.name, sides.to_new("register", item.of), item.meant_as) for item in old.arguments]
     now = [(item.name, item.of, item.meant_as) for item in new.arguments]
     if was != now:
-        said = f": arguments {shown([item[0] for item in was])} → {shown([item[0] for item in now])}"
+        has_other_names = [item[0] for item in was] != [item[0] for item in now]
+        texts = [[item[0] if has_other_names else _argument(*item) for item in each] for each in (was, now)]
+        said = f": arguments {shown(texts[0])} → {shown(texts[1])}"
         yield sides.change("procedure-arguments", replace(place, path=f"{place.path}.arguments"), said, was, now)
     elif [item.meaning for item in old.arguments] != [item.meaning for item in new.arguments]:
         yield sides.change("words", bare.inside("arguments", place.label), ": arguments", old.arguments, new.arguments)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ..language.problems import Report
 from ..language.read import read_document
+from ..language.rules.names import TAKEN
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
@@ -43,6 +44,8 @@ def write_spec(name: str, output: Path | None) -> list[Path]:
             f"'{name[:60]}' is not a valid family name; use lowercase letters, digits and underscores, such as"
             f" {_suggested(name)}"
         )
+    if name in TAKEN:
+        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; give the family another")
     path = output or Path(f"{name}.yaml")
     path = path / f"{name}.yaml" if path.is_dir() else path
     if path.name != f"{name}.yaml":

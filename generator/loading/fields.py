@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..language.problems import DocumentReport, Path
+from ..language.rules.shapes import RESERVED
 from ..model import (
     INTERFACES,
     Choice,
@@ -113,7 +114,7 @@ def zero_field(name: str, kind: Constant, low: Expression, width: Expression, si
     )
 
 
-def kind(raw: Raw, context: Context, interface: str) -> Kind:
+def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
     if "constant" in raw:
         return Constant(raw["constant"])
@@ -122,7 +123,8 @@ def kind(raw: Raw, context: Context, interface: str) -> Kind:
     if "active" in raw:
         return _flag(raw, context, interface)
     if "values" in raw:
-        return Choice(build_values(raw))
+        values = build_values(raw)
+        return Choice(values + (_reserved(values, width.constant) if "others" in raw else ()))
     if "values_of" in raw:
         return Choice(_data_ids(context.data_ids.get(interface, ())))
     if "crc" in raw:
@@ -151,6 +153,13 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
 def build_values(raw: Raw) -> tuple[Value, ...]:
     """Return the named values in ``raw['values']``, in the order of the spec."""
     return tuple(record(Value, value, name=name) for name, value in raw.get("values", {}).items())
+
+
+def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
+    """Name the values of a field that the spec does not list."""
+    meaning = "Reserved: the manual does not say what it means"
+    others = sorted(set(range(1 << width)) - {item.value for item in values})
+    return tuple(Value(f"{RESERVED}_{value}", value, "", {}, meaning, ()) for value in others)
 
 
 def _data_ids(data_ids: Sequence[DataId]) -> tuple[Value, ...]:

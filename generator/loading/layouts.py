@@ -280,7 +280,7 @@ def _fields(item: Item, site: Site) -> Iterable[Field]:
         yield record(
             Field,
             raw,
-            kind=kind(raw, site.context, site.interface),
+            kind=kind(raw, site.context, site.interface, width),
             low=part.low,
             width=width,
             widest=widest,

@@ -228,6 +228,13 @@ def test_a_file_with_a_colon_is_a_file(git: Git, tmp_path: Path) -> None:
     assert named("specs") is None
 
 
+@pytest.mark.parametrize("path", ["C:\\old\\demo.yaml", "c:/old"])
+def test_a_path_of_windows_is_a_path(capsys: pytest.CaptureFixture[str], path: str) -> None:
+    assert named(path) is None
+    code, _, err = diff(capsys, path, "specs")
+    assert (code, err) == (2, f"codewheel: there is no file or folder {path}\n")
+
+
 def test_links_in_history_lead_nowhere(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "link.yaml").symlink_to(tmp_path / "specs" / "demo.yaml")
     git("add", ".")

@@ -92,7 +92,7 @@ def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert (tmp_path / "demo.yaml").read_text(encoding="utf-8") == "mine"
 
 
-@pytest.mark.parametrize("name", ["My Encoder", "1x", "", "../x", "class", "manufacturer", "x" * 41])
+@pytest.mark.parametrize("name", ["My Encoder", "1x", "", "../x", "class", "manufacturer", "x" * 41, "lookup", "aux"])
 def test_names_that_cannot_be(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     assert main(["new", name, "-o", str(tmp_path)]) == 2
     assert capsys.readouterr().err.startswith("codewheel: '")

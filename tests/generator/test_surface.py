@@ -64,6 +64,16 @@ def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, comman
         assert (code, err.replace(f"{READING}\n", "")) == (0, ""), line
 
 
+def test_an_old_edition_below_the_folder_is_left_alone(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+    """The page for maintainers keeps the last edition there before it changes the spec."""
+    (own / "old").mkdir()
+    for name in ("my_encoder.yaml", "manufacturer.yaml"):
+        shutil.copy(own / name, own / "old")
+    code, out, err = run(capsys, "decode", "MY-ENCODER-17-SC", "0x3E8DA")
+    assert (code, err) == (0, f"{READING}\n")
+    assert out.startswith("MY-ENCODER-17-SC, BiSS C-mode")
+
+
 def test_the_examples_of_new_work(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

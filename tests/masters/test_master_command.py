@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -11,13 +13,17 @@ from typing import Any
 import jsonschema
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.sheet import shipped_masters
+from codewheel.masters.record import record
+from codewheel.masters.sheet import Sheet, shipped_masters
+from codewheel.masters.text import sheet_text
 from codewheel.model import Device
+from codewheel.reference.order_codes import find
 from codewheel.targets import Library
 from codewheel.targets.docs import masters_page
 from codewheel.targets.docs.files import generate
 
 ROOT = Path(__file__).parents[2]
+SheetOf = Callable[[str, str], Sheet]
 CODES = [
     "SMA21-SC1-0050",
     "SMA21-GG1-0010",
@@ -53,6 +59,27 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     ]
     assert "docs/src/man/man9/hostmot2.9.adoc" in out
     assert "AX8000" not in out
+
+
+def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet_of: SheetOf) -> None:
+    """A long name or value moves what follows it in its own line, and no other line."""
+    found = sheet_of("linuxcnc_hostmot2", "SMA21-SC1-0050")
+    one = replace(found.settings[0], at="place", note="", standing="documented", default=None)
+    long = [
+        replace(one, name="n" * 41, text="1"),
+        replace(one, name="m", text="v" * 19),
+        replace(one, name="m", text="1"),
+    ]
+    device = devices["sma21"]
+    match = find(device, "SMA21-SC1-0050")
+    made = replace(found, settings=tuple(long), writing=(), notes=())
+    lines = sheet_text(device, match, record(device, match.variant), [made]).splitlines()
+    begun = lines.index(next(line for line in lines if line.startswith("  nnn")))
+    assert lines[begun : begun + 3] == [
+        "  " + "n" * 41 + "  1" + " " * 17 + "  place",
+        "  m" + " " * 39 + "  " + "v" * 19 + "  place",
+        "  m" + " " * 39 + "  1" + " " * 17 + "  place",
+    ]
 
 
 def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:

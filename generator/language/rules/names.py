@@ -34,7 +34,7 @@ _INNER_LISTS = (
 )
 
 #: Family names reserved by an output, with the reason.
-_TAKEN = {
+TAKEN = {
     "encoder": "the C header that all families share",
     "biss": "the BiSS part of the Python package",
     **dict.fromkeys(
@@ -42,6 +42,11 @@ _TAKEN = {
     ),
     "nearest": "a function of the Python package",
     "annotations": "a Python attribute",
+    # Windows reserves these file names, whatever their suffix.
+    **dict.fromkeys(
+        ("con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10))),
+        "a Windows device",
+    ),
 }
 
 Named = tuple[Path, object]
@@ -56,11 +61,11 @@ def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             ("device",),
             f"the device is called {quoted(spec['device'])}, but the file {quoted(stem)}; use the same name",
         )
-    if spec.get("device") in _TAKEN:
+    if spec.get("device") in TAKEN:
         report.add(
             "device-name",
             ("device",),
-            f"{quoted(spec['device'])} is the name of {_TAKEN[spec['device']]}; rename the family",
+            f"{quoted(spec['device'])} is the name of {TAKEN[spec['device']]}; rename the family",
         )
 
 

@@ -15,6 +15,10 @@ from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping, measu
 _KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
 #: Keys that give the place of a field.
 PLACES = ("at", "top_bit", "low_bit")
+#: Begins the names of values that a manual reserves.
+RESERVED = "reserved"
+#: Each of the values gets a name in every output, so there cannot be many.
+_MOST_RESERVED_BITS = 4
 _OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two")
 #: Keys allowed next to ``use``.
@@ -53,6 +57,7 @@ def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 _check_use(fields, path, field, report)
             else:
                 _check_field(path, field, report)
+                _check_others(fields, path, field, report)
         _check_placing(fields, report)
         if fields.kind is Has.LAYOUT:
             _check_carriage(fields, raw, report)
@@ -101,6 +106,27 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
         report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
+
+
+def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
+    """Reserved values are among few, are not written by a master, and take no name from another value."""
+    if "others" not in field:
+        return
+    name, values, wrong = quoted(field["name"]), mapping(field, "values"), ""
+    width = constant_width(field)
+    if not values:
+        wrong = f"'others' belongs to listed values; {name} needs 'values' with it"
+    elif width is None or width > _MOST_RESERVED_BITS:
+        wrong = f"'others' names every value, so {name} can have {_MOST_RESERVED_BITS} bits at most, as a plain number"
+    elif fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
+        wrong = f"{name} is written by a master, which does not write reserved values; leave 'others' out"
+    taken = {f"{RESERVED}_{value}" for value in range(1 << _MOST_RESERVED_BITS)} & {
+        key for key, item in values.items() if key != f"{RESERVED}_{item.get('value')}"
+    }
+    if not wrong and taken:
+        wrong = f"{quoted(min(taken))} is what 'others' calls another value; give this one another name"
+    if wrong:
+        report.add("layout-keys", (*path, "others"), wrong, at_key=True)
 
 
 def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:

@@ -1,0 +1,43 @@
+"""Values that a manual reserves get names of their own, so the position of their frame counts."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import load_library
+from codewheel.model import Choice, Verdict
+from codewheel.reference import codec
+from codewheel.reference.findings import findings
+
+SPECS = Path(__file__).parents[1] / "specs"
+
+
+@pytest.mark.parametrize("is_reserved", [True, False])
+def test_a_reserved_value_is_named_and_the_position_counts(tmp_path: Path, is_reserved: bool) -> None:
+    for name in ("banks.yaml", "manufacturer.yaml"):
+        shutil.copy(SPECS / name, tmp_path)
+    file = tmp_path / "banks.yaml"
+    text = file.read_text(encoding="utf-8")
+    assert text.count(", others: reserved") == 1
+    file.write_text(text if is_reserved else text.replace(", others: reserved", ""), encoding="utf-8")
+    (device,), report = load_library([file, tmp_path / "manufacturer.yaml"])
+    assert not report.problems
+    variant = device.variants[0]
+    placed = device.interfaces[0].layouts[0].place(variant.parameters)
+    # Position 1000, no error, no warning, status 3; the CRC is that of the bits before it.
+    number = 0b00_0000_0011_1110_1000_11_11_000000
+    number |= codec.compute(device.crcs[0], placed, number)
+    found = codec.decode(device, placed, number)
+    status = next(item for item in found.fields if item.name == "status")
+    if is_reserved:
+        assert not found.problems
+        assert (status.value, status.meaning) == ("reserved_3", "Reserved: the manual does not say what it means")
+        assert findings(device, variant, found).verdict is Verdict.USABLE
+    else:
+        assert [item.message for item in found.problems] == ["status has no value 0x3"]
+    kind = next(item.field.kind for item in placed.fields if item.name == "status")
+    assert isinstance(kind, Choice)
+    listed = ["normal", "weak", "reserved_1", "reserved_3"] if is_reserved else ["normal", "weak"]
+    assert [value.name for value in kind.values] == listed
