@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import load_library
+from codewheel.loading.library import load_library
 from codewheel.model import Choice, Verdict
 from codewheel.reference import codec
 from codewheel.reference.findings import findings

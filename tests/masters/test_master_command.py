@@ -17,7 +17,7 @@ from codewheel.masters.record import record
 from codewheel.masters.sheet import Sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
-from codewheel.reference.order_codes import find
+from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 from codewheel.targets.docs import masters_page
 from codewheel.targets.docs.files import generate

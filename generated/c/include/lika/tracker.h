@@ -7,8 +7,8 @@
  *     static lika_tracker axis;
  *
  *     lika_tracker_start(&axis, &config, now_us);          before the first frame
- *     lika_tracker_add(&axis, frame.position, now_us);     each valid and usable frame
- *     lika_tracker_restart(&axis, now_us);                 after each preset, and to end LOST
+ *     lika_tracker_add(&axis, frame.position, now_us);     for each valid and usable frame
+ *     lika_tracker_restart(&axis, now_us);                 after each preset, and to leave LOST
  *
  * axis.position is the last accepted position in counts. It continues across the wrap, where the
  * encoder starts again at 0. It is valid only while axis.known is 1.
@@ -21,18 +21,18 @@
  * refused: watch axis.refused.
  *
  * Integers only, no division, no allocation. Times are in microseconds, from a 32-bit counter that
- * wraps around. A gap of 2^32 us or more, 71 minutes, cannot be told from a short one. Pass the
- * time at which the encoder took the position, which is the start of the frame: the jitter of an
- * interrupt at its end shows up in the speed. Times must not go backwards: an earlier time counts
- * as a gap of more than an hour.
+ * wraps around. A gap of 2^32 us or more (71 minutes) looks like a short one. Pass the time at
+ * which the encoder took the position, which is the start of the frame: timestamps taken at the end
+ * of the frame add jitter to the speed. Times must not go backwards: an earlier time counts as a
+ * gap of more than an hour.
  */
 #ifndef LIKA_TRACKER_H
 #define LIKA_TRACKER_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x324445BCU)
-#error "lika/tracker.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#error "lika/tracker.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
 #ifdef __cplusplus
@@ -40,47 +40,51 @@ extern "C" {
 #endif
 
 /**
- * Limits of an axis. They come from the machine, not from the encoder. Members that are left out
- * are 0; for max_speed this means that the axis never moves.
+ * Limits of an axis. They depend on the machine, not on the encoder. A member that you leave out of
+ * an initialiser is 0. For max_speed, 0 means that the axis never moves.
  */
 typedef struct lika_tracker_config {
-    /** counts after which the encoder starts again at 0, from _modulus(); 0: never */
+    /** counts after which the encoder starts again at 0, from _modulus(), or 0 */
     uint64_t modulus;
-    uint32_t max_speed; /**< highest speed in counts per second; UINT32_MAX: not known */
-    /** time after start and restart in which a 0 is not accepted as the first position */
-    uint32_t boot_us;
-    uint32_t lost_after_us; /**< LOST if no position was accepted for longer than this; 0: never */
-    uint32_t lost_after_refused; /**< LOST when this many in a row were refused; 0: never */
+    uint32_t max_speed; /**< highest speed in counts per second, or UINT32_MAX if unknown */
+    uint32_t boot_us; /**< time after start or restart in which a first position of 0 is refused */
+    uint32_t lost_after_us; /**< LOST if no position was accepted for longer than this (0: never) */
+    uint32_t lost_after_refused; /**< LOST when this many in a row were refused (0: never) */
 } lika_tracker_config;
 
 /** State of an axis. Read the members, but let only the functions write them. */
 typedef struct lika_tracker {
-    uint32_t known; /**< 1 if position is valid; 0 before the first position and while LOST */
+    uint32_t known; /**< 1 if position is valid, 0 before the first position and while LOST */
     uint32_t lost; /**< 1 while LOST, until _restart */
-    uint32_t at_us; /**< time of the last accepted position; before the first, time of the start */
+    uint32_t at_us; /**< time of the last accepted position, or of the start */
     uint32_t refused; /**< positions refused since the last accepted one */
     uint32_t elapsed_us; /**< time between the last two accepted positions */
-    uint32_t limit; /**< Private: counts within reach per 2^20 us */
-    uint32_t boot_us;
-    uint32_t lost_after_us; /**< 2^32 - 1: never */
-    uint32_t refused_at_most;
-    uint64_t modulus;
+    uint32_t limit; /**< private: counts within reach per 2^20 us */
+    uint32_t boot_us; /**< private: as in the configuration */
+    uint32_t lost_after_us; /**< private: 2^32 - 1: never */
+    uint32_t refused_at_most; /**< private: lost_after_refused - 1 */
+    uint64_t modulus; /**< private: as in the configuration */
     uint64_t raw; /**< last accepted position as the encoder sent it */
-    int64_t position; /**< the same, unwrapped; equal to raw for the first position */
+    int64_t position; /**< the same, unwrapped. Equal to raw for the first position */
     int64_t moved; /**< counts between the last two accepted positions */
 } lika_tracker;
 
 /**
- * The reach grows with the time since the last accepted position, but no further after 2^19 us. An
- * axis that moves on unseen for longer can end up out of reach.
+ * Longest time that widens the reach. The reach grows with the time since the last accepted
+ * position, but no further after 2^19 us. An axis that moves unseen for longer can end up out of
+ * reach.
  */
 #define LIKA_TRACKER_REACH_US 524288U
 
 /**
- * Starts anew: the next position is the first one, and boot_us begins. Call it after a preset, or
- * anything else that moves the encoder's zero, once the encoder has applied it, even if only in
- * part. Discard the frame that was in progress, and let no interrupt add one during the call. It is
- * also the only way out of LOST. After a preset to 0 an axis at rest is known only after boot_us.
+ * Restart the axis: the next position is the first one again, and boot_us begins. Call it after a
+ * preset, or anything else that moves the encoder's zero, once the encoder has applied it, even if
+ * only in part. Discard the frame that was in progress, and let no interrupt add one during the
+ * call. It is also the only way out of LOST. After a preset to 0, an axis at rest is known only
+ * after boot_us.
+ *
+ * @param tracker  the axis
+ * @param now_us  present time
  */
 static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
 {
@@ -93,12 +97,17 @@ static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
 }
 
 /**
- * Call it before the first frame, and after a change of resolution or of a limit. The modulus need
- * not be a power of two. The reach is 1.3 percent more than max_speed allows, with the time rounded
- * up to 16 us. An encoder may send 0 while it starts up: set boot_us to cover that, or to 0 if a
- * flag in the frame reports it. Once the axis can move half of the modulus within the time since
- * the last accepted position, any position is within reach, and turns can be missed. To be LOST
- * before that, set lost_after_us below 500,000 * modulus / max_speed.
+ * Set the limits of an axis and restart it. Call it before the first frame, and after a change of
+ * resolution or of a limit. The modulus need not be a power of two. The reach is 1.3 percent more
+ * than max_speed allows, with the time rounded up to 16 us. An encoder may send 0 while it starts
+ * up: set boot_us to cover that, or to 0 if a flag in the frame reports it. Once the axis can move
+ * half of the modulus within the time since the last accepted position, any position is within
+ * reach, and turns can be missed. To be LOST before that, set lost_after_us below
+ * 500,000 * modulus / max_speed.
+ *
+ * @param tracker  the axis
+ * @param config  its limits, which are copied
+ * @param now_us  present time
  */
 static inline void lika_tracker_start(
     lika_tracker *tracker, const lika_tracker_config *config, uint32_t now_us)
@@ -117,8 +126,9 @@ static inline void lika_tracker_start(
 }
 
 /**
- * A difference of two positions the shorter way round, half way as backwards; less than 0 is two's
- * complement. Adding and subtracting the modulus once is enough for any, and needs no division.
+ * Return a difference of two positions the shorter way around, half of the modulus as backwards.
+ * Negative differences are in two's complement. Adding or subtracting the modulus once is enough,
+ * so no division is needed.
  */
 static inline uint64_t lika_tracker_shorter(uint64_t difference, uint64_t modulus)
 {
@@ -131,7 +141,7 @@ static inline uint64_t lika_tracker_shorter(uint64_t difference, uint64_t modulu
     return (((forward + backward) >> 63U) == 0U) ? backward : forward;
 }
 
-/** How many counts are within reach after this time: below 2^31. */
+/** Return how many counts are within reach after this time, below 2^31. */
 static inline uint32_t lika_tracker_reach(uint32_t limit, uint32_t elapsed_us)
 {
     /* limit * units / 2^16 without a 64-bit product, which small processors do not have. */
@@ -142,7 +152,7 @@ static inline uint32_t lika_tracker_reach(uint32_t limit, uint32_t elapsed_us)
     return ((limit >> 16U) * units) + (((limit & 0xFFFFU) * units) >> 16U);
 }
 
-/** The axis is lost from now on. */
+/** Mark the axis as lost and return LOST. */
 LIKA_NODISCARD
 static inline lika_result lika_tracker_lose(lika_tracker *tracker)
 {
@@ -152,12 +162,17 @@ static inline lika_result lika_tracker_lose(lika_tracker *tracker)
 }
 
 /**
- * Adds a position. The first is accepted as it is: if its CRC is short or it has none, compare two
- * beforehand (lika_ssi_repeats).
- *   LIKA_OK   accepted, the members are updated
- *   RANGE     refused: out of reach, or a 0 during boot_us. Only refused changes
- *   LOST      refused, and so is everything else until _restart. known and lost say so, refused
- *             counts on, and the other members keep the last accepted position
+ * Add a position. The first one is accepted without a check: if its CRC is short or missing,
+ * compare two readings beforehand (lika_ssi_repeats).
+ *
+ * @param tracker  the axis
+ * @param position  position of a valid and usable frame, in counts
+ * @param now_us  start of that frame
+ * @return
+ *   OK     accepted, the members are updated.
+ *   RANGE  refused: out of reach, or a 0 during boot_us. Only the member refused changes.
+ *   LOST   refused, like every further position until _restart. The members known and lost show
+ *          it, refused keeps counting, and the others keep the last accepted position.
  */
 static inline lika_result lika_tracker_add(
     lika_tracker *tracker, uint64_t position, uint32_t now_us)
@@ -180,7 +195,7 @@ static inline lika_result lika_tracker_add(
     } else if (elapsed_us > tracker->lost_after_us) {
         return lika_tracker_lose(tracker);
     } else {
-        /* The position is compared with the one before. */
+        /* Compare the position with the one before. */
     }
     moved = lika_tracker_shorter(position - tracker->raw, tracker->modulus);
     reach = lika_tracker_reach(tracker->limit, elapsed_us);
@@ -199,9 +214,13 @@ static inline lika_result lika_tracker_add(
 }
 
 /**
- * Counts per second, rounded towards 0, from counts and the microseconds that they took; 0 if no
- * time has passed. Exact up to 9.2e12 counts. Divides bit by bit, which takes some microseconds on
- * a small processor: call it where you need the speed, not with every frame.
+ * Return a speed in counts per second, rounded toward 0. It is exact up to 9.2e12 counts. The
+ * function divides bit by bit, which takes some microseconds on a small processor: call it where
+ * you need the speed, not with every frame.
+ *
+ * @param counts  counts that the axis moved
+ * @param elapsed_us  time that this took
+ * @return counts per second, or 0 if elapsed_us is 0
  */
 static inline int64_t lika_counts_per_second(int64_t counts, uint32_t elapsed_us)
 {
@@ -227,9 +246,9 @@ static inline int64_t lika_counts_per_second(int64_t counts, uint32_t elapsed_us
 }
 
 /**
- * Speed between the last two accepted positions, in counts per second. With frames close together a
- * single count makes a large difference. For a steadier speed keep an earlier position and at_us,
- * and pass the differences to lika_counts_per_second().
+ * Return the speed between the last two accepted positions, in counts per second. With frames close
+ * together, a single count makes a large difference. For a steadier speed, keep an earlier position
+ * and at_us, and pass the differences to lika_counts_per_second().
  */
 static inline int64_t lika_tracker_speed(const lika_tracker *tracker)
 {

@@ -1,5 +1,5 @@
-# Whether version 0.1.0 is what find_package(lika-encoders) asks for: that one, or an older one after which
-# nothing has broken. A new first number breaks; before 1.0.0 a new second one does.
+# Accept a request of find_package(lika-encoders) for version 0.1.0, or for an older compatible one. A new
+# major number breaks compatibility; before 1.0.0 a new minor number does.
 set(PACKAGE_VERSION "0.1.0")
 string(REGEX MATCH "^(0\\.[0-9]+|[1-9][0-9]*)" own "${PACKAGE_VERSION}")
 string(REGEX MATCH "^(0\\.[0-9]+|[1-9][0-9]*|0$)" asked "${PACKAGE_FIND_VERSION}")

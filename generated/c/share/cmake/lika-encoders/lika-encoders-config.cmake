@@ -1,4 +1,4 @@
-# Headers for encoders by Lika Electronic: found by find_package(lika-encoders), in the folder as it is handed over and as it is installed.
+# Headers for encoders by Lika Electronic: for find_package(lika-encoders), both in the original folder and after installation.
 get_filename_component(_lika_encoders_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 if(NOT TARGET lika::encoders)
   add_library(lika::encoders INTERFACE IMPORTED)
