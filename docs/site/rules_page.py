@@ -1,4 +1,4 @@
-"""The page of rules: each rule of ``check`` with a spec of the tests that breaks it, each of ``diff`` with its reason.
+"""The page of rules: the rules of ``check`` with a spec that breaks each, and the rules of ``diff`` with their reasons.
 
 ``make rules-page`` writes the page, and the examples for ``codewheel explain`` as JSON.
 """
@@ -21,15 +21,15 @@ _EXPECTED = re.compile(r"^# expect: (\d+):(\d+): ([\w-]+): (.*)$", re.MULTILINE)
 _WIDEST = 110
 
 _INTRODUCTION = """\
-<!-- Made from the broken specs of the tests by: make rules-page -->
+<!-- Generated from the broken specs of the tests by: make rules-page -->
 
 # Rules
 
-`codewheel check` names the rule with each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. Each stands here with the
-shortest spec of the tests that breaks it, at the faulty line, and the message, which says what to write instead. The
-tests hold every message to the letter.
+`codewheel check` reports each problem with its rule: `FILE:LINE:COLUMN: RULE: MESSAGE`. This page lists every rule with
+its message, which says what to write instead, and the faulty line of the shortest test spec that breaks it. The tests
+check every message word for word.
 
-How `diff` judges a change is [below](#rules-of-diff)."""
+The rules of `diff` are [below](#rules-of-diff)."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Example:
 
 
 def examples() -> dict[str, Example]:
-    """For each rule the spec with the fewest problems, and of these the shortest."""
+    """Return for each rule the spec with the fewest problems, and of these the shortest one."""
     found: dict[str, list[Example]] = {}
     for spec in sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.yaml")):
         told = _EXPECTED.findall(spec.read_text(encoding="utf-8"))
