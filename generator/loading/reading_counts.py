@@ -25,9 +25,8 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
             return TimesRead(**found)
     except (OSError, ValueError, TypeError):
         pass
-    report.add_at(
-        str(place), 1, 1, RULE, "the file is not as written; write it again: codewheel check --coverage --write"
-    )
+    wrong = "the file is not as written; write it again: codewheel check --coverage --write"
+    report.add_at(str(place), 1, 1, RULE, wrong)
     return None
 
 

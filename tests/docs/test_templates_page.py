@@ -76,7 +76,7 @@ def test_every_gap_is_told(tmp_path: Path) -> None:
         "Values.bare has no line",
         "no template uses the value 'bare'",
         "no template uses b.jinja",
-        "b.jinja does not begin with a comment on it",
+        "b.jinja does not begin with a comment that describes it",
         "'g' has no docstring",
         "'f' has no docstring",
     ]

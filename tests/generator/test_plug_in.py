@@ -48,17 +48,17 @@ def mine(files: Callable[..., Any]) -> Target:
     [
         (Entry(mine(fails)), "the target 'mine' fails: KeyError: 'a\\nb' ("),
         (Entry(None, fails=True), "the target 'mine' cannot be loaded: ImportError: no such module ("),
-        (Entry(None), "the target 'mine' has to be a codewheel.targets.Target; this is nothing"),
-        (Entry(fails), "the target 'mine' has to be a codewheel.targets.Target; this is function"),
-        (Entry(RUST), "the target 'mine' calls itself 'rust'; both names have to be one"),
-        (Entry(mine(lambda *_: None)), "the target 'mine' has to give text by path; this is nothing"),
-        (Entry(mine(lambda *_: b"x")), "the target 'mine' has to give text by path; this is bytes"),
-        (Entry(mine(lambda *_: ["mine/x"])), "the target 'mine' has to give text by path; this is list"),
-        (Entry(mine(lambda *_: {"mine/x": b"x"})), "the target 'mine' has to give text by path; 'mine/x' is bytes"),
-        (Entry(mine(lambda *_: {1: "x"})), "the target 'mine' has to give text by path; 1 is no path"),
+        (Entry(None), "the target 'mine' must be a codewheel.targets.Target; this is nothing"),
+        (Entry(fails), "the target 'mine' must be a codewheel.targets.Target; this is function"),
+        (Entry(RUST), "the target 'mine' calls itself 'rust'; both names must be the same"),
+        (Entry(mine(lambda *_: None)), "the target 'mine' must return text by path; this is nothing"),
+        (Entry(mine(lambda *_: b"x")), "the target 'mine' must return text by path; this is bytes"),
+        (Entry(mine(lambda *_: ["mine/x"])), "the target 'mine' must return text by path; this is list"),
+        (Entry(mine(lambda *_: {"mine/x": b"x"})), "the target 'mine' must return text by path; 'mine/x' is bytes"),
+        (Entry(mine(lambda *_: {1: "x"})), "the target 'mine' must return text by path; 1 is not a path"),
         (
             Entry(mine(lambda *_: {"mine/x": "\ud800"})),
-            "the target 'mine' has to give text by path; 'mine/x' holds U+D800, which is no character",
+            "the target 'mine' must return text by path; 'mine/x' contains U+D800, which is not a character",
         ),
         (
             Entry(Target("mine", "mine", lambda *_: {}, problems=fails)),
@@ -66,7 +66,7 @@ def mine(files: Callable[..., Any]) -> Target:
         ),
         (
             Entry(Target("mine", "mine", lambda *_: {}, problems=lambda _: ["x"])),  # type: ignore[list-item]
-            "the target 'mine' has to give problems as TargetProblem; this is str",
+            "the target 'mine' must return problems as TargetProblem; this is str",
         ),
     ],
 )
@@ -213,9 +213,9 @@ def test_it_is_not_asked_of_a_family_with_problems(
 @pytest.mark.parametrize("name", ["", "Rust", "a.b", "a/b", "-x", "a=b", "\ud800"])
 def test_a_name_that_cannot_be_one(name: str) -> None:
     files: Callable[[Library, Options], Mapping[str, str]] = lambda library, options: {}  # noqa: E731
-    with pytest.raises(ValueError, match="is no name of a target or option"):
+    with pytest.raises(ValueError, match="cannot name a target or option"):
         Target(name, "", files)
-    with pytest.raises(ValueError, match="is no name of a target or option"):
+    with pytest.raises(ValueError, match="cannot name a target or option"):
         Target("x", "", files, options=(Option(name, "", ""),))
 
 
