@@ -196,7 +196,7 @@ def _stuck(number: int, bits: int, has_crc: bool) -> Why | None:
         cause = "a broken wire" if level else "a short circuit"
         text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and the clock"
     else:
-        text = f"every bit is {level}. A dead line looks the same, and there is no CRC to tell"
+        text = f"every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it"
     one_in = 1 << min(bits - 1, 62)
     found = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
     return Why((found,), 1, 1 / one_in, ())

@@ -289,7 +289,7 @@ def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.Capt
         assert [item["kind"] for item in data["why"]["explanations"]] == ["line_stuck"]
         assert main(["decode", "AMM5A23/65KBG1", frame]) == 0
         out = " ".join(capsys.readouterr().out.split())
-        assert f"Every bit is {level}. A dead line looks the same, and there is no CRC to tell." in out
+        assert f"Every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it." in out
     assert decode("AMM5A23/65KBG1", "0x1")[1]["why"] is None
 
 
@@ -299,7 +299,7 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
     assert (code, data["why"]["disturbed"]) == (1, [0])
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
     out = " ".join(capsys.readouterr().out.split())
-    first = "noise flipped one bit: the CRC matches with bit 0 inverted"
+    first = "one bit was disturbed on the line: the CRC matches with bit 0 inverted"
     assert 0 < out.index(first) < out.index("the polynomial is 0x25")
     # x^8 + 1 reveals the bit but not the byte. A parity bit, a constant and padding are excluded.
     reply = bytes.fromhex("02 00 15 CD 5B 81")
