@@ -134,7 +134,7 @@ def alternative_lines(device: Device) -> list[str]:
         lines.append(wrapped(BY_NAME.sentence(question(item)), WIDTH, "      ", f"  {item.name}: "))
         lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
         example = f"--choose {item.name}={item.answers[0].name}"
-        lines.append(wrapped(f"give decode the answer with {example}", WIDTH, "      ", "    "))
+        lines.append(wrapped(f"Give decode the answer with {example}", WIDTH, "      ", "    "))
     return ["", "Open in the manual, for you to choose", *lines] if lines else []
 
 

@@ -82,7 +82,7 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
 
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown(capsys, "SMA21-SC4-0050")
-    assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575; 52,428.800 mm in all" in sma21
+    assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575, 52,428.800 mm in total" in sma21
     assert "configuration.select_preset_offset holds 0 (preset), it holds preset, 0 to 1,048,575:" in sma21
     assert "Time-out follows the clock, at most 16 µs" in sma21
     ssi = shown(capsys, "AMC3616/4096-GG")
@@ -276,13 +276,13 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())
         assert (
-            "For you to decide, since the manual leaves it open eeprom_address: Position of the address in the byte "
+            "Open in the manual, for you to choose eeprom_address: Position of the address in the byte "
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
-        assert "decode takes the answer as: --choose eeprom_address=as_printed" in out
+        assert "Give decode the answer with --choose eeprom_address=as_printed" in out
         assert "The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format." in out
-    assert "The picture has as_printed." in out
-    assert "For you to decide" not in run(capsys, "show", "AMM5A17/1SC1")[1]
+    assert "The picture shows as_printed." in out
+    assert "for you to choose" not in run(capsys, "show", "AMM5A17/1SC1")[1]
     assert data(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []
     found = data(capsys, "show", "AMM5A23/65KJP1", "--json")[1]
     assert [item["name"] for item in found["alternatives"][0]["answers"]] == ["as_printed", "as_t_format"]
