@@ -9,10 +9,10 @@ from . import codec
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
-    """The value of a register from its bytes in ascending order of address.
+    """Decode the value of a register from its bytes in ascending order of address.
 
     Raises:
-        RegisterError: There is no such register over this interface, or it has another length.
+        RegisterError: This interface has no such register, or it has another length.
     """
     registers = {item.name: item for item in device.registers if item.interface == variant.interface}
     register = registers.get(name.lower())
@@ -28,8 +28,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
 
 
 def _not_known(device: Device, item: Erratum, name: str) -> str:
-    """Why nobody knows what a register is in this edition or with this overlay; empty where that is not said."""
+    """Return the reason why a register is unknown in this edition or with this overlay, or an empty text."""
     where = f"in edition {device.edition} of the manual" if item.edition else f"by the overlay {item.overlay}"
     if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
         return ""
-    return f"what '{name}' is {where}, is not known: {item.why} [{cite(item.source)}]"
+    return f"'{name}' is not known {where}: {item.why} [{cite(item.source)}]"
