@@ -110,6 +110,21 @@ def test_a_blinking_error_led_is_explained_both_ways(pages: Files) -> None:
         assert f"({folder}{steps}" in error
 
 
+@pytest.mark.parametrize(
+    ("start", "steps"),
+    [
+        ("| [Battery alarm](", "without_error"),
+        ("| [MT error](", "with_error"),
+        ("| LED 1 (ERROR) | red with a depleted battery |", "with_error"),
+        ("| LED 2 (WARNING) | red with a low battery |", "without_error"),
+    ],
+)
+def test_what_a_battery_reports_leads_to_the_steps(pages: Files, start: str, steps: str) -> None:
+    """AMM5, section 9: 4.3.2 for LED 1 and MT error, 4.3.1 for LED 2 and Battery alarm."""
+    (row,) = [line for line in pages["docs/alarms-and-leds.md"].splitlines() if line.startswith(start)]
+    assert f"(amm5/hardware.md#by-hand-battery_replacement_{steps})" in row
+
+
 def test_a_singleturn_page_tells_nobody_to_replace_a_battery(pages: Files) -> None:
     """AMM5, 4.3: batteries are for .../65K... alone; what is open is told by an erratum."""
     for interface in ("BG1", "JP1", "SC1"):

@@ -171,6 +171,29 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
         assert (row[5] != "") == (name not in ("no field decides", "none of these"))
 
 
+@pytest.mark.parametrize(
+    ("family", "name", "remedy"),
+    [
+        ("amm5", "status_other_error", "Request data ID 3: its ALMC shows which error it is"),
+        # 7.5 p.46: the request is not executed while the memory is busy.
+        ("amm5", "eeprom_write_reply_mem_busy", "Send the request again"),
+        ("amm5", "eeprom_read_reply_mem_busy", "Send the request again"),
+        # 6.2.1 p.20: both bits refer to register 69h.
+        ("asc85", "error", "Read the error register (69h). It shows the active errors."),
+        ("asc85", "warning", "Read the error register (69h). It shows the active errors."),
+        # 7.3.2 p.38: "E' necessario un reset, bisogna trasmettere un ID di reset errore per 10 volte".
+        ("sma21", "status_error", "Reset the errors with data ID B"),
+    ],
+)
+def test_a_remedy_of_the_manual_is_named(library: Library, page: str, family: str, name: str, remedy: str) -> None:
+    found = [
+        row[2]
+        for device, row in by_family(library, page, "What each report means")
+        if device.name == family and plain(row[0]).strip("`") == name
+    ]
+    assert found == [remedy]
+
+
 def test_every_report_is_there_and_each_frame_says_which(library: Library, page: str) -> None:
     listed: dict[str, list[str]] = {}
     for device, row in by_family(library, page, "Meaning of each report"):
