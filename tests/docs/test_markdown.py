@@ -49,7 +49,7 @@ def test_a_wrapped_line_begins_no_list_either() -> None:
 def test_sources() -> None:
     assert (
         cited(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8"))
-        == "§6.4 p.35; it: §6.4 p.36; Cover; prot: p.7-8"
+        == "§6.4 p.35, Cover, it: §6.4 p.36, prot: p.7-8"
     )
 
 
