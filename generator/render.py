@@ -126,7 +126,7 @@ class Templates:
             anything, and filters make it harmless in the output's language. The page shows their docstrings' first
             lines.
         functions: Functions by name, which every template can call. The page shows them in the same way.
-        autoescape: Whether values are escaped for XML.
+        autoescape: True if values are escaped for XML.
         tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` names
             them. The page shows the first lines of their docstrings.
     """

@@ -179,7 +179,7 @@ def _clear(folder: Path, targets: Iterable[str]) -> None:
 
 
 def _is_a_stage(folder: Path) -> bool:
-    """Return whether a folder is a stage, by its mark. A run killed before completing the mark left nothing else."""
+    """Return whether a folder is a stage, by its mark. A run killed before completing the mark left only that."""
     mark = _read(folder / _MARK)
     if mark == _MARK_TEXT.encode():
         return True

@@ -16,7 +16,7 @@ _LETTERS = {
 }
 
 _GONE = "Its names are gone from C and Python, and its element from the XML. Code that uses them no longer builds."
-_NEW = "Nothing else changes."
+_NEW = "All other names stay the same."
 _RENAMED = "Names in C, Python and XML follow the spec, so code must use the new name. It works as before."
 _WIRE = "The same names mean something else on the line, so code still builds but behaves differently."
 _LESS = "Less is allowed: values, clocks or pauses that worked are rejected or too short."

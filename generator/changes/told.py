@@ -40,7 +40,7 @@ def outputs(change: Change, code: str = "{}") -> str:
         if impact is Impact.NONE or (impact is Impact.DOCUMENTATION and change.impact is not impact):
             continue
         called = [_output(change, name, code) for name in OUTPUTS if name in change.reached(impact)]
-        # Every change affects the pages. They are named only if nothing else is.
+        # Every change affects the pages. They are named only if no other output is.
         texts.append(", ".join(called) + ("" if impact is change.impact else f" ({impact.word})"))
     return "; ".join(texts)
 

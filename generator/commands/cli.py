@@ -1,7 +1,7 @@
 """The command line: arguments in, text and exit code out.
 
-Exit codes: 0 done; 1 problems in the input, a difference, a frame with an error, or a register value that does not
-match this encoder; 2 wrong usage, unknown order code, or text that is not a frame or needs --choose; 3 a valid frame
+Exit codes: 0 done. 1 problems in the input, a difference, a frame with an error, or a register value that does not
+match this encoder. 2 wrong usage, unknown order code, or text that is not a frame or needs --choose. 3 a valid frame
 whose position is not usable. With several frames, the worst decides: 2, then 1, then 3.
 """
 
@@ -101,14 +101,14 @@ def _add_generate(commands: _Commands) -> None:
         help="output folder (default: generated)",
     )
     parser.add_argument(
-        "--target", action="append", metavar="NAME", help="write only this output (see below); may be repeated"
+        "--target", action="append", metavar="NAME", help="write only this output (see below, may be repeated)"
     )
     parser.add_argument(
         "--option",
         action="append",
         default=[],
         metavar="TARGET.OPTION=VALUE",
-        help="set an option of a target (see below); may be repeated",
+        help="set an option of a target (see below, may be repeated)",
     )
     parser.add_argument(
         "--check", action="store_true", help="write nothing, and exit 1 if an output does not match the specs"
@@ -119,7 +119,7 @@ def _add_generate(commands: _Commands) -> None:
         action="append",
         default=[],
         metavar="FAMILY=EDITION",
-        help="also generate another edition of a family, given by revision or date; may be repeated",
+        help="also generate another edition of a family, given by revision or date (may be repeated)",
     )
     parser.add_argument(
         "--unchecked", action="store_true", help="write even if second readings disagree or coverage is out of date"
@@ -153,7 +153,7 @@ def _add_check(commands: _Commands) -> None:
         "--target",
         action="append",
         metavar="NAME",
-        help="check that this output can express the specs (see below); may be repeated",
+        help="check that this output can express the specs (see below, may be repeated)",
     )
     parser.add_argument("--json", action="store_true", help="print the problems as JSON")
     parser.add_argument(
@@ -195,8 +195,8 @@ def _add_show(commands: _Commands) -> None:
 _ABOUT_FRAMES = (
     "FRAME is hex bytes for RS-485. For SSI and BiSS it is one number, first bit sent = most significant: 0b... with "
     "every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 "
-    "done; 1 a frame with an error, or a register value that does not match this encoder; 2 wrong usage, text that is "
-    "not a frame, or a frame that needs --choose; 3 a valid frame whose position is not usable. With several frames, "
+    "done. 1 a frame with an error, or a register value that does not match this encoder. 2 wrong usage, text that is "
+    "not a frame, or a frame that needs --choose. 3 a valid frame whose position is not usable. With several frames, "
     "the worst decides: 2, 1, 3."
 )
 
@@ -205,12 +205,12 @@ def _add_decode(commands: _Commands) -> None:
     parser = commands.add_parser(
         "decode",
         help="decode a frame",
-        description="Name every bit of a frame, check its CRC, and list what the encoder reports.",
+        description="Name every bit of a frame, check its CRC, and list the reports of the encoder.",
         epilog=_ABOUT_FRAMES,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
-        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments; - reads one frame per line"
+        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments (- reads one frame per line)"
     )
     parser.add_argument(
         "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
@@ -239,7 +239,7 @@ def _add_master(commands: _Commands) -> None:
     parser.add_argument(
         "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
     )
-    parser.add_argument("--master", metavar="NAME", help="only this master; exit 1 if it cannot use the encoder")
+    parser.add_argument("--master", metavar="NAME", help="only this master (exit 1 if it cannot use the encoder)")
     parser.add_argument(
         "--masters",
         action="append",
@@ -287,7 +287,7 @@ def _add_register_option(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ADDRESS=BYTE",
-        help="value of a register, such as 0x56=0x10; may be repeated (default: the factory defaults)",
+        help="value of a register, such as 0x56=0x10 (may be repeated, default: the factory defaults)",
     )
 
 

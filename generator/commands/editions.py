@@ -108,7 +108,7 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
 def check_all(families: Iterable[Family], report: Report) -> None:
     """Report the problems in all editions of the families."""
     for family in families:
-        # With an overlay, a family may lack what an edition changes. That is reported when the edition is requested.
+        # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.
         if family.device.base or family.plain is not None or report.faults(family.document):
             continue
         for item in family.device.editions:

@@ -15,7 +15,7 @@ _LONGEST_TEXT = 4096
 
 
 class FrameTextError(ValueError):
-    """The text is not a frame. The message says what one looks like."""
+    """The text is not a frame. The message shows the accepted forms."""
 
 
 def checked(text: str) -> str:
@@ -62,7 +62,7 @@ def frame_number(placed: PlacedLayout, text: str) -> BitText:
     """Return one number given as ``0b`` with every digit, or as ``0x`` or hex bytes, which imply leading zeros.
 
     Raises:
-        FrameTextError: The text is none of these.
+        FrameTextError: The text has another form.
     """
     compact = re.sub(r"[\s_]", "", text)
     if re.fullmatch(r"0[bB][01]+", compact):

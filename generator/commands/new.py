@@ -81,7 +81,7 @@ def _suggested(name: str) -> str:
 def _manufacturer(path: Path) -> str:
     document = read_document(path, Report()) if path.is_file() else None
     found = document.data.get("manufacturer") if document is not None else None
-    return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else "maker"
+    return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else "example"
 
 
 def _schema(kind: str) -> Path:
@@ -117,7 +117,7 @@ def device_text(name: str, manufacturer: str, schema: str) -> str:
 _MANUFACTURER = """\
 # yaml-language-server: $schema=@SCHEMA@
 codewheel: 1
-manufacturer: maker                       # a short name, repeated in the devices' files
+manufacturer: example                     # a short name, repeated in the devices' files
 title: Name of the manufacturer
 # biss_id: 0x0000                         # BiSS manufacturer ID, registers 7Eh and 7Fh, part of idbissXXXX.xml's name
 source: Cover
@@ -278,8 +278,8 @@ examples:
 # errata:
 #   - name: preset_length
 #     source: "6.3"
-#     printed: What the manual prints.
-#     used: What the spec says instead.
+#     printed: The manual's own words.
+#     used: The correction in the spec.
 #     why: The manual's own evidence, or arithmetic.
 #     status: settled                     # open if only hardware or the manufacturer could decide
 #     severity: wrong_data                # or wrong_limit, omission, wording: the effect on someone who copies it

@@ -1,4 +1,4 @@
-"""Find the targets that the user named, with their options, and report what they cannot express."""
+"""Find the targets that the user named, with their options, and report the parts that they cannot express."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def load_for(
 
 
 def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Report) -> None:
-    """Report what these targets cannot express of families whose specs have no other problems.
+    """Report the parts that these targets cannot express of families whose specs have no other problems.
 
     Raises:
         Stop: A target fails. The exit code is 1.

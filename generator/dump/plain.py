@@ -93,7 +93,7 @@ def variant_dump(device: Device, match: Match) -> Item:
 
 @dataclass(frozen=True)
 class _Dump:
-    """Conversion of a device to plain data; with a variant, expressions become numbers."""
+    """Conversion of a device to plain data. With a variant, expressions become numbers."""
 
     device: Device
     variant: Variant | None
@@ -168,7 +168,7 @@ class _Dump:
         }
 
     def plain(self, value: Any, inherited: Sources) -> Any:
-        """Return any part of the model as plain data; a part without a source has that of its parent."""
+        """Return any part of the model as plain data. A part without a source has that of its parent."""
         if isinstance(value, Expression):
             return self._number(value)
         if isinstance(value, bytes):

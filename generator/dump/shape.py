@@ -18,7 +18,7 @@ def show_schema() -> Shape:
 
 
 class Kind(Enum):
-    """Way of writing a member; LIST is an attribute too, KEYED are objects by one of their members."""
+    """Way of writing a member. LIST is also an attribute, KEYED are objects by one of their members."""
 
     ATTRIBUTE = auto()
     LIST = auto()
@@ -57,7 +57,7 @@ class Member:
 
 
 def filled(item: Mapping[str, Any], type_name: str) -> dict[str, Any]:
-    """Return an object with every member of its type in schema order; missing members are empty."""
+    """Return an object with every member of its type in schema order. Missing members are empty."""
     shape = show_schema()["$defs"][type_name]
     made = {member.name: item.get(member.name, member.empty) for member in members(shape)}
     return made | {name: item[name] for name in ("source", "sources") if name in item}

@@ -68,7 +68,7 @@ def _sources(item: Mapping[str, Any]) -> tuple[tuple[tuple[str, Any], ...], ...]
 def _write(
     element: Any, item: Mapping[str, Any], shape: Shape, inherited: tuple[Any, ...], codes: frozenset[str]
 ) -> None:
-    """Write the members of an object; ``codes`` are the parameters that are written in hexadecimal."""
+    """Write the members of an object. ``codes`` are the parameters that are written in hexadecimal."""
     own = inherited
     if "source" in shape["properties"]:
         own = _sources(item)

@@ -146,7 +146,7 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
     required = shape.get("required", ())
     for name, inner in shape.get("properties", {}).items():
         limits = _limits(inner)
-        value = _kind(inner) + (f"; {limits}" if limits else "")
+        value = _kind(inner) + (f", {limits}" if limits else "")
         meaning = inner.get("description") or definitions.get(_referred(inner), {}).get("description", "")
         yield code(prefix + name), "required" if name in required else "", value, text(meaning)
         items = inner.get("items", {})

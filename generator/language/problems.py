@@ -16,7 +16,7 @@ from typing import Any
 from .document import Document
 from .document import Path as Path
 
-#: Keys for prose, on which nothing else in a spec depends.
+#: Keys for prose, on which no other part of a spec depends.
 WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "names", "why"))
 _LONGEST_QUOTE = 60
 _LONGEST_PATH = 200

@@ -1,4 +1,4 @@
-"""Syntax errors of YAML, explained for someone who transcribes a manual, at the place to correct.
+"""Syntax errors of YAML, explained for someone who transcribes a manual, with the position to correct.
 
 PyYAML reports where its parser stopped. An open quote or bracket is higher up, often by many lines.
 """

@@ -140,7 +140,7 @@ def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
 
 
 def _flag(raw: Raw, context: Context, interface: str) -> Flag:
-    # The interface may define what the spec does not say about a flag.
+    # The interface may define properties of a flag that the spec leaves open.
     return record(
         Flag,
         raw,

@@ -101,7 +101,7 @@ def record(
     Args:
         device: The family.
         variant: The order code, with the parameters that registers hold.
-        as_delivered: Whether those are the factory defaults.
+        as_delivered: True if those are the factory defaults.
         cable_m: Cable length in metres for which to choose the highest clock. By default, the interface's limit holds.
         answers: The user's answers to questions that the manual leaves open, by the names of the alternatives.
 

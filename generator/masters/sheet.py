@@ -61,7 +61,7 @@ class Setting:
 
     @property
     def is_default(self) -> bool:
-        """Whether the value is the master's factory default."""
+        """True if the value is the master's factory default."""
         return self.default is not None and self.default == self.value
 
 
@@ -108,7 +108,7 @@ def _not_in_manual(number: str) -> _Unknown:
 
 
 class _Refused(Exception):
-    """The master does not support what the encoder needs."""
+    """The master does not support a feature that the encoder needs."""
 
 
 def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:

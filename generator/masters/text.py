@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -65,9 +66,9 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
 def _cables(record: Record) -> str:
     """Return the table, the requested cable length, and the errata."""
     table = record.cables
-    chosen = f"clocks chosen for a cable of {record.cable_m} m; " if record.cable_m is not None else ""
-    errata = f"; errata {', '.join(table.errata)}" if table.errata else ""
-    return f"{chosen}{'; '.join(row.text for row in table.rows)} (table in {table.origin}{errata})"
+    chosen = f". Clocks chosen for a cable of {record.cable_m} m" if record.cable_m is not None else ""
+    errata = f", errata {', '.join(table.errata)}" if table.errata else ""
+    return f"{', '.join(row.text for row in table.rows)} (table in {table.origin}{errata}){chosen}"
 
 
 def _supply(record: Record) -> str:
@@ -106,7 +107,7 @@ def _crc(record: Record) -> str:
 
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
-    """Return the meaning of the marks, and what has been tested on hardware."""
+    """Return the meaning of the marks, and the settings tested on hardware."""
     used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
     used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
@@ -127,9 +128,14 @@ def mark(rule: Setting | Refusal | Writing) -> str:
     return _MARKS[rule.standing]
 
 
+def cited(source: str) -> str:
+    """Return keys of documents separated by commas, those without a place first."""
+    return ", ".join(sorted(re.split(r";\s*", source.strip()), key=lambda piece: ":" in piece))
+
+
 def condition(rule: Writing) -> str:
     """Return a condition for writing as a sentence with its mark and source."""
-    return f"{rule.text}{mark(rule)} [{rule.source}]"
+    return f"{rule.text}{mark(rule)} [{cited(rule.source)}]"
 
 
 def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
@@ -165,7 +171,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
     for item in refusing:
         lines.append(wrapped(f"{item.master.title} ({item.master.name})", WIDTH, "    ", "  "))
         lines += [
-            wrapped(f"{reason.reason}{mark(reason)} [{reason.source}]", WIDTH, "      ", "    ")
+            wrapped(f"{reason.reason}{mark(reason)} [{cited(reason.source)}]", WIDTH, "      ", "    ")
             for reason in item.refusals
         ]
     silent = [item.master.title for item in sheets if not item.speaks]

@@ -40,7 +40,7 @@ class Term:
 
     @property
     def is_power(self) -> bool:
-        """Whether a power of two is among the factors."""
+        """True if a power of two is among the factors."""
         return any(factor.power for factor in self.factors)
 
     @property

@@ -30,8 +30,13 @@ Sources = tuple[Source, ...]
 
 
 def cite(sources: Sources) -> str:
-    """Return the sources as one short text, such as ``6.4 p.35; it: 6.4 p.36``."""
-    return "; ".join(str(source) for source in sources)
+    """Return the sources as one short text, such as ``6.4 p.35, it: 6.4 p.36``."""
+    return ", ".join(map(str, own_first(sources)))
+
+
+def own_first(sources: Sources) -> Sources:
+    """Return the sources with those in the manual itself first, so that each stays apart from the named documents."""
+    return tuple(sorted(sources, key=lambda source: source.document != ""))
 
 
 @dataclass(frozen=True, slots=True)

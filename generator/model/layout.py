@@ -39,12 +39,12 @@ class Crc:
 
     @property
     def is_xor(self) -> bool:
-        """Return whether the CRC of whole bytes is their XOR."""
+        """True if the CRC of whole bytes is their XOR."""
         return self.width == 8 and self.poly == 1 and self.init == 0 and self.refin == self.refout
 
     @property
     def polynomial(self) -> str:
-        """Return the generator polynomial as ``x^6 + x + 1``."""
+        """Generator polynomial, such as ``x^6 + x + 1``."""
         powers = [self.width, *(power for power in range(self.width - 1, -1, -1) if self.poly >> power & 1)]
         return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
 
@@ -91,7 +91,7 @@ class Field:
 
     @property
     def unexplained(self) -> Field:
-        """The flag for order codes for which the manual does not explain it."""
+        """Flag for order codes for which the manual does not explain it."""
         assert isinstance(self.kind, Flag)
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
@@ -102,7 +102,7 @@ class Field:
 
     @property
     def is_fixed(self) -> bool:
-        """Whether the field is at the same bits for every order code."""
+        """True if the field is at the same bits for every order code."""
         return self.low.is_constant and self.width.is_constant
 
     @property
@@ -112,7 +112,7 @@ class Field:
 
     @property
     def carries_data(self) -> bool:
-        """Whether the field matters to users of a decoded frame: it is neither fixed nor derived from other fields."""
+        """True if the field matters to users of a decoded frame: it is neither fixed nor derived from other fields."""
         return not isinstance(self.kind, (Constant, Unused, CrcValue, Parity))
 
     def documented(self, parameters: Mapping[str, int]) -> int | str | None:
@@ -121,7 +121,7 @@ class Field:
 
     @property
     def number(self) -> Number:
-        """The field's kind if it is a number, else a plain number."""
+        """Kind of the field if it is a number, else a plain number."""
         return self.kind if isinstance(self.kind, Number) else Number()
 
     @property
@@ -141,7 +141,7 @@ class Field:
 
     @property
     def fills_gap(self) -> bool:
-        """Whether it consists of zeros between two fields of the spec, or next to one."""
+        """True if it consists of zeros between two fields of the spec, or next to one."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
 
@@ -306,10 +306,10 @@ class PlacedLayout:
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:
-    """The bytes of a frame or register as one number."""
+    """Return the bytes of a frame or register as one number."""
     return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
 
 
 def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
-    """One number as the bytes of a frame or register."""
+    """Return a number as the bytes of a frame or register."""
     return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")

@@ -66,7 +66,7 @@ class WaitStep(_Step):
 class SendStep(_Step):
     """Send the bytes ``request``, which ask for ``data_id``, ``times`` times, ``microseconds`` apart.
 
-    ``in_succession`` is true if nothing else may be sent between them.
+    ``in_succession`` is true if no other request may be sent between them.
     """
 
     do: ClassVar[str] = "send"

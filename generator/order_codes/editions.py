@@ -9,20 +9,20 @@ from .labels import Match
 
 
 def edition_before(device: Device, revision: str) -> str:
-    """The revision before this one."""
+    """Return the revision before this one."""
     names = [item.revision for item in device.editions]
     return names[names.index(revision) - 1]
 
 
 def told_by_label(device: Device, match: Match) -> str:
-    """The edition in which labels are written like this one; empty where the label tells none."""
+    """Return the edition in which labels are written like this one, or an empty text if the label does not show it."""
     patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
     found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
     return next(found, "")
 
 
 def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
-    """The tests of a register, each with the revision from which on the register reads so."""
+    """Yield the tests of a register, each with the first revision in which the register has the tested value."""
     for edition in device.editions:
         for test in edition.tests:
             if test.register == register:

@@ -1,4 +1,4 @@
-"""A device for some of its order codes: facts that hold ``only`` for others are left out or unexplained."""
+"""Reduce a device to some of its order codes: facts that hold ``only`` for others are left out or unexplained."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A device reduced to some of its interfaces or order codes, without parts that belong only to the others."""
+"""Reduce a device to some of its interfaces or order codes, without parts that belong only to the others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A device for one order code, with numbers in place of quantities that depend on it."""
+"""Reduce a device to one order code, with numbers in place of quantities that depend on it."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class Bits:
 
     @property
     def are_fixed(self) -> bool:
-        """Whether they are at the same position for every order code."""
+        """True if they are at the same position for every order code."""
         return self.low.is_constant and self.width.is_constant
 
 
@@ -62,7 +62,7 @@ class ZerosAbove:
 
     @property
     def may_reach(self) -> bool:
-        """Whether there are bits above the field in the bytes that it reaches."""
+        """True if there are bits above the field in the bytes that it reaches."""
         reached = self.field.container - 8 * len(self.beyond)
         return reached > (self.field.widest if self.bits.width.is_constant else 0)
 
@@ -170,7 +170,7 @@ class Whole:
 
     @property
     def depends(self) -> bool:
-        """Whether the start of any field depends on the order code."""
+        """True if the start of any field depends on the order code."""
         return not all(low.is_constant for _, low in self.from_low)
 
 
@@ -228,7 +228,7 @@ class Term:
 
     @property
     def depends(self) -> bool:
-        """Whether its position, or for a signed field its width, depends on the order code."""
+        """True if its position, or for a signed field its width, depends on the order code."""
         return not self.field.low.is_constant or (self.field.number.signed and not self.field.width.is_constant)
 
 
@@ -256,7 +256,7 @@ class Codec:
 
     @property
     def keeps_others(self) -> bool:
-        """Whether bits without a field are kept: those of a register that the manual does not define."""
+        """True if bits without a field are kept: those of a register that the manual does not define."""
         return self.layout.gaps == "unspecified" and not self.layout.sender
 
     @property
@@ -265,7 +265,7 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """Whether any position or width depends on the order code."""
+        """True if any position or width depends on the order code."""
         chosen = {name for item in self.alternatives for name in item.answers[0].sets}
         places = (place for item in self.layout.fields for place in (item.low, item.width))
         return self.gray is not None or any(

@@ -1,4 +1,4 @@
-"""CRC functions that a family needs: over bits or bytes, and in which form."""
+"""Plan the CRC functions of a family: over bits or bytes, and in which form."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _WORD, _WIDEST_FOLD = 64, 32
 
 
 class Form(Enum):
-    """How code computes a CRC.
+    """Way in which code computes a CRC.
 
-    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first; XOR for x^8 + 1 over whole
-    bytes, which is their XOR; TABLE for every other.
+    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first. XOR is for x^8 + 1 over
+    whole bytes, which is their XOR. TABLE is for all others.
     """
 
     FOLD = "fold"
@@ -35,7 +35,7 @@ class Carrier(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CrcFunction:
-    """One function for ``crc``.
+    """Function for ``crc``.
 
     ``alone`` is true if the CRC needs no other function, ``in_words`` if it ends frames that are one number.
     """
@@ -48,7 +48,7 @@ class CrcFunction:
 
     @property
     def steps(self) -> tuple[FoldStep, ...]:
-        """What brings any word of 64 bits down to its remainder; empty unless the CRC folds."""
+        """Steps that reduce any word of 64 bits to its remainder, none unless the CRC folds."""
         return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is Form.FOLD else ()
 
 
@@ -81,7 +81,7 @@ def function_of(device: Device, layout: Layout) -> CrcFunction | None:
 
 
 def folds(crc: Crc) -> bool:
-    """Return whether a word with this CRC can be brought down to its remainder without a table."""
+    """Return whether a word with this CRC can be reduced to its remainder without a table."""
     few = crc.poly & 1 and crc.poly.bit_count() <= 2
     return bool(few) and crc.init == 0 and not crc.refin and not crc.refout and not crc.is_xor
 
@@ -98,7 +98,7 @@ def divides(crc: Crc, layout: Layout) -> bool:
 
 
 def form_of(crc: Crc, carrier: Carrier) -> Form:
-    """Return the form in which code computes a CRC over what carries it."""
+    """Return the form in which code computes a CRC over this carrier."""
     if carrier is Carrier.BITS:
         return Form.FOLD if folds(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
     return Form.XOR if crc.is_xor else Form.TABLE

@@ -9,7 +9,7 @@ from itertools import product
 from ..model import Answer, Device, Interface, Layout, Rs485, Ssi, Variant, choices
 
 #: Before the start bit of a BiSS frame, the line is idle for two clocks, followed by acknowledge and line delay. No
-#: manual says how long an encoder takes. This is room in bits, 4 us at 10 MHz.
+#: manual says how long an encoder takes. This is an allowance in bits, 4 us at 10 MHz.
 BISS_REST, BISS_ACKNOWLEDGE = 2, 40
 #: Start and CDS before the data, and the stop bit after them.
 BISS_AROUND = 3

@@ -15,7 +15,7 @@ from .limits import Limits
 
 @dataclass(frozen=True, slots=True)
 class NotOneOf:
-    """The value is none of these."""
+    """The value is not one of these."""
 
     field: Field
     values: tuple[int, ...]
@@ -38,7 +38,7 @@ class NotZeroFor:
 
 @dataclass(frozen=True, slots=True)
 class NoPowerOfTwo:
-    """The number is not a power of two. Whether it fits is another check."""
+    """The number is not a power of two. Its range is a separate check."""
 
     field: Field
 

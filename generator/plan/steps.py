@@ -1,4 +1,4 @@
-"""Plans for procedures: the bytes that their steps access, the checks of their arguments, and what they read."""
+"""Plans for procedures: the bytes that their steps access, the checks of their arguments, and the values read."""
 
 from __future__ import annotations
 

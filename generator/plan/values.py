@@ -1,4 +1,4 @@
-"""Decide what the bits of a field mean, as operations in no language, each with its inverse.
+"""Choose language-independent operations for the meaning of a field's bits, each with its inverse.
 
 This is the one place between the model and the outputs that looks at kinds. An output matches over these operations,
 exhaustively, so that mypy names every output that does not know a new one.
@@ -35,7 +35,7 @@ class ZeroMeans:
 
 @dataclass(frozen=True, slots=True)
 class Active:
-    """A truth value: whether the bit is 1, or with ``low`` whether it is 0. The inverse writes the bit."""
+    """Truth value that is true if the bit is 1, or with ``low`` if it is 0. The inverse writes the bit."""
 
     low: bool
 
@@ -63,7 +63,7 @@ Meaning = Raw | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Charac
 
 
 def meaning_of(field: Field) -> Meaning:
-    """Return what the bits of a field mean.
+    """Return the meaning of the bits of a field.
 
     Constants, unused bits, CRCs and parity bits have no value of their own: their bits are a number.
     """

@@ -72,7 +72,7 @@ def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]
 
 
 def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
-    """Return what the bits of a field belong to."""
+    """Return the owner of the bits of a field."""
     match kind:
         case Number(signed=True):
             return "a signed number" + _gray(item, placed)

@@ -1,4 +1,4 @@
-"""Cyclic redundancy checks, bit by bit as the definition says.
+"""Compute cyclic redundancy checks bit by bit, as in the definition.
 
 Parameters have their usual names: width, poly (without its top bit), init, refin, refout, xorout.
 """

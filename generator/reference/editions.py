@@ -1,4 +1,4 @@
-"""Find the edition of the manual that an encoder belongs to by what its registers hold."""
+"""Find the edition of the manual that an encoder belongs to by the contents of its registers."""
 
 from __future__ import annotations
 

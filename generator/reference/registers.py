@@ -9,7 +9,7 @@ from . import codec
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
-    """Decode the value of a register from its bytes in ascending order of address.
+    """Return the value of a register from its bytes in ascending order of address.
 
     Raises:
         RegisterError: This interface has no such register, or it has another length.
@@ -28,8 +28,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
 
 
 def _not_known(device: Device, item: Erratum, name: str) -> str:
-    """Return the reason why a register is unknown in this edition or with this overlay, or an empty text."""
-    where = f"in edition {device.edition} of the manual" if item.edition else f"by the overlay {item.overlay}"
+    """Return the message that this edition or overlay does not define a register, or an empty text if it does."""
+    where = f"in edition {device.edition} of the manual" if item.edition else f"according to the overlay {item.overlay}"
     if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
         return ""
-    return f"'{name}' is not known {where}: {item.why} [{cite(item.source)}]"
+    return f"'{name}' is unknown {where}: {item.why} [{cite(item.source)}]"

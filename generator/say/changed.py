@@ -71,7 +71,7 @@ def in_words(paths: str) -> str:
 
 
 def change_in_words(printed: str) -> str:
-    """Return a part and its value, such as ``bank.default: 50``, in words; return text without a path unchanged."""
+    """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
     paths, colon, value = printed.partition(": ")
     paths = _INDEX.sub(lambda found: f".{int(found[1]) + 1}", paths)
     if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
@@ -80,7 +80,7 @@ def change_in_words(printed: str) -> str:
 
 
 def _of(steps: Sequence[str]) -> str:
-    """Return one path in words, from the outermost step inwards; a step without words is kept."""
+    """Return one path in words, from the outermost step inwards. A step without words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     said, index = "", 0

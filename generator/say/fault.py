@@ -1,10 +1,10 @@
-"""Messages for an invalid frame and for a value that cannot be encoded; callers format the numbers."""
+"""Messages for an invalid frame and for a value that cannot be encoded. Callers format the numbers."""
 
 from __future__ import annotations
 
 
 def length(frame: str, needed: str, found: str) -> str:
-    """Return the message for a wrong length; ``needed`` includes its unit: ``45 bits``."""
+    """Return the message for a wrong length. ``needed`` includes its unit, such as ``45 bits``."""
     return f"'{frame}' has {needed}, got {found}"
 
 
@@ -35,7 +35,7 @@ def of_other_frame(name: str, found: str) -> str:
 
 
 def too_few_bytes(found: str) -> str:
-    """Return the message for a frame too short to identify; ``found`` includes its unit."""
+    """Return the message for a frame too short to identify. ``found`` includes its unit."""
     return f"{found}: too short to identify the frame"
 
 

@@ -11,7 +11,7 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u206
 
 
 def one_line(text: object) -> str:
-    """Return a piece of one line; control characters, line ends and direction marks become spaces."""
+    """Return a piece of one line. Control characters, line ends and direction marks become spaces."""
     made = str(text)
     return made if made.isprintable() else _CONTROL.sub(" ", made)
 
@@ -35,7 +35,7 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
 
 
 def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
-    """Return two columns; the second is wrapped within its own width."""
+    """Return two columns. The second is wrapped within its own width."""
     listed = list(rows)
     width = min(max((len(name) for name, _ in listed), default=0), 40)
     start = " " * (indent + width + 2)

@@ -8,12 +8,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-from ..model import Sources
+from ..model import Sources, cite
 from .lines import one_line, plain
 from .text import Ref, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
-#: An underscore at the edge of a word starts emphasis; inside a word it does not.
+#: An underscore at the edge of a word starts emphasis, but inside a word it does not.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
 _WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
@@ -47,13 +47,13 @@ def paragraph(value: str) -> str:
 
 
 def cited(sources: Sources) -> str:
-    """Return the sources as ``§6.4 p.35; it: §6.4 p.36``."""
+    """Return the sources as ``§6.4 p.35, it: §6.4 p.36``."""
     numbered = (replace(it, section=f"§{it.section}") if it.section[:1].isdigit() else it for it in sources)
-    return "; ".join(text(str(item)) for item in numbered)
+    return text(cite(tuple(numbered)))
 
 
 def link(label: str, target: str) -> str:
-    """Return a link; ``label`` is already Markdown."""
+    """Return a link whose ``label`` is already Markdown."""
     return f"[{label}]({target})"
 
 
@@ -78,7 +78,7 @@ def joined(parts: Iterable[str], between: str = "<br>") -> str:
 
 
 def reference(ref: Ref) -> str:
-    """Return a name that links to its description; steps by hand are on the hardware page."""
+    """Return a name that links to its description. Steps by hand are on the hardware page."""
     if ref.kind == "by-hand":
         return link(text(ref.title), f"hardware.md#{ref.anchor}")
     return link(code(ref.name), f"#{ref.anchor}")

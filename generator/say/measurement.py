@@ -1,4 +1,4 @@
-"""Statement about what a position counts."""
+"""Statement about the unit and range of a position."""
 
 from __future__ import annotations
 

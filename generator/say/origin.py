@@ -12,7 +12,7 @@ from .words import sentence
 
 
 def origin(device: Device) -> Iterator[Said]:
-    """Yield how the family differs from its manual; empty if it does not."""
+    """Yield how the family differs from its manual, if at all."""
     special = next((item.special for item in device.overlays if item.special), "")
     if special:
         yield said(

@@ -34,5 +34,5 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
 
 
 def value(item: Parameter, count: int) -> str:
-    """Return its value for an order code; codes such as IDs are in the hexadecimal notation of manuals."""
+    """Return its value for an order code. Codes such as IDs are in the hexadecimal notation of manuals."""
     return hexadecimal(count) if item.hexadecimal else number(count)

@@ -1,4 +1,4 @@
-"""Texts of what an encoder reports with a flag, for a terminal, a table in C, and objects in Python."""
+"""Texts of the reports of a flag, for a terminal, a table in C, and objects in Python."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ class Target:
         summary: One line for ``--help``.
         files: Function that returns the text of each file by path. Paths begin with the name and a slash. It receives
             all options. A ``TargetError`` ends the run with its message, any other exception with its origin, too.
-        problems: Function that returns what the target cannot express. It is called before ``files``, and by
+        problems: Function that returns the parts that the target cannot express. It is called before ``files``, and by
             ``check --target``, only with devices whose specs have no other problems.
         options: Settings of the target.
         templates: Templates of the target, for ``--templates`` and the page of templates.

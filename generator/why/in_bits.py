@@ -284,7 +284,7 @@ def _is_set_when_idle(kind: Kind) -> bool:
 
 
 def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Yield the frame with each other answer to what the manual leaves open, complete or read one bit too long."""
+    """Yield the frame with each other answer to the open questions of the manual, complete or read one bit too long."""
     for answers, sets in choices(device.alternatives_of(placed.layout)):
         other = placed.layout.place({**variant.parameters, **sets})
         if other == placed:

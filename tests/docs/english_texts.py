@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import yaml
@@ -19,11 +19,15 @@ MANUALS_WORDS = {"printed", "printed_name", "printed_value", "names", "title", "
 
 @dataclass(frozen=True)
 class Text:
-    """Prose that belongs together, the line on which it begins, and whether densities leave it out."""
+    """Prose that belongs together and the line on which it begins. Densities leave out a heading.
+
+    A message of a command is one line. As in compilers, a semicolon joins its cause and its remedy.
+    """
 
     line: int
     words: str
     heading: bool = False
+    message: bool = False
 
 
 def _blanked(match: re.Match[str]) -> str:
@@ -54,19 +58,36 @@ _PARAGRAPH = re.compile(r"(?:^[^\n]*\S[^\n]*\n?)+", re.MULTILINE)
 
 
 def of_markdown(source: str) -> Iterator[Text]:
-    """Yield paragraphs, lists and tables; headings apart."""
+    """Yield paragraphs, lists and tables, and headings apart."""
     without = _MARKUP.sub(_blanked, source)
     for paragraph in _PARAGRAPH.finditer(without):
         line = without.count("\n", 0, paragraph.start()) + 1
         yield Text(line, prose(paragraph[0]), heading=paragraph[0].startswith("#"))
 
 
+def of_rules(source: str) -> Iterator[Text]:
+    """Yield the texts of the page of rules. The paragraph below the heading of a rule is its message."""
+    is_rule = False
+    for text in of_markdown(source):
+        yield replace(text, message=is_rule)
+        is_rule = text.words.startswith("### ")
+
+
+#: Arguments of ``argparse`` that are texts of several sentences.
+HELP = {"help", "description", "epilog"}
+
+
 def of_python(source: str) -> Iterator[Text]:
-    """Yield docstrings, comments, and other strings that read like sentences."""
+    """Yield docstrings, comments, and other strings that read like sentences. The latter are messages, unless helps."""
     yield from of_comments(source)
     nodes = list(ast.walk(ast.parse(source)))
     docstrings = {node.value for node in nodes if isinstance(node, ast.Expr)}
     parts = {part for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    helps = {
+        part for node in nodes if isinstance(node, ast.keyword) and node.arg in HELP for part in ast.walk(node.value)
+    }
+    named = {node.id for node in helps if isinstance(node, ast.Name)}
+    helps |= {node.value for node in nodes if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in named}
     for node in nodes:
         if isinstance(node, ast.JoinedStr):
             words = "".join(str(part.value) if isinstance(part, ast.Constant) else "·" for part in node.values)
@@ -75,7 +96,7 @@ def of_python(source: str) -> Iterator[Text]:
         else:
             continue
         if node in docstrings or _is_sentence(words):
-            yield Text(node.lineno, prose(words))
+            yield Text(node.lineno, prose(words), message=node not in docstrings | helps)
 
 
 def _is_sentence(words: str) -> bool:
@@ -168,5 +189,7 @@ def texts(path: Path) -> Iterator[Text]:
         yield from of_template(source, path.stem)
     elif path.name == "Makefile":
         yield from of_comments(source)
+    elif path.match("docs/rules.md"):
+        yield from of_rules(source)
     elif path.suffix in _BY_SUFFIX:
         yield from _BY_SUFFIX[path.suffix](source)

@@ -92,6 +92,8 @@ DENSITIES: dict[str, tuple[re.Pattern[str], float]] = {
     "stands": (re.compile(r"(?<![\w-])(?:stands?|stood)(?![\w-])(?!\s+for)"), 0.1),
     "semicolon": (re.compile(r";(?=\s|$)"), 2.0),
 }
+#: Patterns not counted in the one-line messages of commands: a semicolon joins cause and remedy, as in compilers.
+NOT_OF_MESSAGES = {"semicolon"}
 
 
 def phrases(path: str, text: str) -> Iterator[tuple[int, str, str]]:

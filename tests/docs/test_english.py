@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from english_texts import Text, texts
-from english_words import DENSITIES, phrases
+from english_words import DENSITIES, NOT_OF_MESSAGES, phrases
 
 ROOT = Path(__file__).parents[2]
 #: Texts of one kind, whose density is measured together.
@@ -22,6 +23,8 @@ PLACES = {
     "specs": ["specs/**/*.yaml", "docs/example/**/*.yaml"],
     "schemas": ["generator/**/*.json"],
 }
+#: Files whose messages are of commands. The others are counted like any prose.
+MESSAGES_IN = {"generator", "rules.md"}
 #: Fewer words say little about a density.
 ENOUGH_WORDS = 5_000
 
@@ -37,7 +40,7 @@ def once(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
         for text in texts(path):
             if text.words not in seen:
                 seen.add(text.words)
-                yield path, text
+                yield path, replace(text, message=text.message and not MESSAGES_IN.isdisjoint(path.parts))
 
 
 def findings(root: Path, path: Path, text: Text) -> Iterator[str]:
@@ -54,10 +57,12 @@ def statements(text: str) -> str:
 
 def densities(found: list[Text]) -> tuple[int, dict[str, float]]:
     """Return the number of words and, for each pattern, how often it comes per 1,000 words."""
-    prose = [statements(text.words).lower() for text in found if not text.heading]
-    words = sum(len(re.findall(r"[a-z][a-z'-]*", text)) for text in prose)
+    prose = [(statements(text.words).lower(), text.message) for text in found if not text.heading]
+    words = sum(len(re.findall(r"[a-z][a-z'-]*", text)) for text, _ in prose)
     return words, {
-        name: 1000 * sum(len(pattern.findall(text)) for text in prose) / max(words, 1)
+        name: 1000
+        * sum(len(pattern.findall(text)) for text, message in prose if not (message and name in NOT_OF_MESSAGES))
+        / max(words, 1)
         for name, (pattern, _) in DENSITIES.items()
     }
 
@@ -99,6 +104,23 @@ def test_what_a_manual_prints_is_a_quotation(tmp_path: Path) -> None:
     assert [
         finding for path in tmp_path.iterdir() for text in texts(path) for finding in findings(tmp_path, path, text)
     ] == []
+
+
+def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
+    """Docstrings and helps are prose."""
+    (tmp_path / "check.py").write_text(
+        'def f():\n    """Return it; it is here."""\n    add(x, help="list all of it; none")\n'
+        '    report("it is even; write 0x43")\n'
+    )
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "rules.md").write_text(
+        "# Rules\n\nA page; a list.\n\n### crc\n\nit is even; write 3\n\nIt; is.\n"
+    )
+    texts_of = {path.name: list(texts(path)) for path in tmp_path.rglob("*.*")}
+    assert [text.words for text in texts_of["check.py"] if text.message] == ["it is even; write 0x43"]
+    assert [text.words.strip() for text in texts_of["rules.md"] if text.message] == ["it is even; write 3"]
+    words, measured = densities([found for found in texts_of["rules.md"] if not found.heading])
+    assert (words, measured["semicolon"]) == (10, 200)
 
 
 def test_densities_leave_out_headings_questions_and_code() -> None:

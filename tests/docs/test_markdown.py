@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from codewheel.loading.from_mapping import parse_sources
+from codewheel.model import cite
 from codewheel.say.markdown import cited, code, paragraph, table, text
 
 
@@ -49,8 +50,12 @@ def test_a_wrapped_line_begins_no_list_either() -> None:
 def test_sources() -> None:
     assert (
         cited(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8"))
-        == "§6.4 p.35; it: §6.4 p.36; Cover; prot: p.7-8"
+        == "§6.4 p.35, Cover, it: §6.4 p.36, prot: p.7-8"
     )
+
+
+def test_sources_as_plain_text() -> None:
+    assert cite(parse_sources("8 p.49; it: 8 p.49; 4.6 p.26")) == "8 p.49, 4.6 p.26, it: 8 p.49"
 
 
 def test_empty_columns_of_a_table_are_left_out() -> None:

@@ -30,7 +30,7 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert [item.code for item in device.variants] == ["MY-ENCODER-13-SC", "MY-ENCODER-17-SC"]
     assert device.layout("single_cycle_data").place(device.variants[1].parameters).bits == 17 + 1 + 1 + 6
     assert "docs/my_encoder.md" in generate_docs(Library(found))
-    assert "biss/maker-my_encoder.xml" in generate_biss(Library(found))
+    assert "biss/example-my_encoder.xml" in generate_biss(Library(found))
     # 13 bits of 1000, error and warning bit high (not active), and the inverted remainder of the division of
     # these 15 bits by x^6 + x + 1.
     assert main(["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", str(tmp_path)]) == 0

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.masters.text import cited
 
 
 def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str) -> dict[str, Any]:
@@ -103,5 +104,11 @@ def test_the_page_leads_to_the_erratum(pages: dict[str, str]) -> None:
         "Errata on the clock by cable length: [`ssi_cable_400_m`](amm5/errata.md#erratum-ssi_cable_400_m), "
         "[`ssi_cable_50_m`](amm5/errata.md#erratum-ssi_cable_50_m)"
     ) in page
-    assert "| Clock by cable | shorter than 50 m: below 400 kHz; shorter than 100 m: below 300 kHz;" in page
-    assert "| Clock by cable | up to 10 m: 10 MHz; up to 25 m: 5 MHz; up to 60 m: 2 MHz;" in page
+    assert "| Clock by cable | shorter than 50 m: below 400 kHz, shorter than 100 m: below 300 kHz," in page
+    assert "| Clock by cable | up to 10 m: 10 MHz, up to 25 m: 5 MHz, up to 60 m: 2 MHz," in page
+
+
+def test_sources_with_a_place_come_last() -> None:
+    """The comma in a place cannot be taken for the one between two sources."""
+    assert cited("man: h, l and g; driver") == "driver, man: h, l and g"
+    assert cited("objects; supply; ep7041_x05") == "objects, supply, ep7041_x05"

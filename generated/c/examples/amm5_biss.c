@@ -148,7 +148,7 @@ static lika_result show_preset(lika_failure *failure)
     return LIKA_OK;
 }
 
-/* Serial number 44h: a worked example [6.4 p.38; it: 6.4 p.39] */
+/* Serial number 44h: a worked example [6.4 p.38, it: 6.4 p.39] */
 static lika_result show_serial_number(lika_failure *failure)
 {
     lika_amm5_reg_serial_number held;
@@ -166,7 +166,7 @@ static lika_result show_serial_number(lika_failure *failure)
     return LIKA_OK;
 }
 
-/* Manufacturer ID 7Eh: a worked example [6.4 p.39; it: 6.4 p.40] */
+/* Manufacturer ID 7Eh: a worked example [6.4 p.39, it: 6.4 p.40] */
 static lika_result show_manufacturer_id(lika_failure *failure)
 {
     lika_amm5_reg_manufacturer_id held;

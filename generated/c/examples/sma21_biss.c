@@ -128,7 +128,7 @@ static lika_result show_frame(void)
 }
 
 /*
- * Set, save and activate a preset [6.4 p.32; 6.6.2 p.35]. It changes the contents of the encoder.
+ * Set, save and activate a preset [6.4 p.32, 6.6.2 p.35]. It changes the contents of the encoder.
  */
 static lika_result run_procedure(lika_failure *failure)
 {
@@ -151,7 +151,7 @@ static lika_result show_profile_id(lika_failure *failure)
     return LIKA_OK;
 }
 
-/* Absolute resolution 4Dh: a worked example [6.4 p.31; 6.2] */
+/* Absolute resolution 4Dh: a worked example [6.4 p.31, 6.2] */
 static lika_result show_absolute_resolution(lika_failure *failure)
 {
     uint8_t held;
@@ -167,7 +167,7 @@ static lika_result show_absolute_resolution(lika_failure *failure)
     return LIKA_OK;
 }
 
-/* Configuration 49h: a worked example [6.4 p.30; 12 p.51] */
+/* Configuration 49h: a worked example [6.4 p.30, 12 p.51] */
 static lika_result show_configuration(lika_failure *failure)
 {
     lika_sma21_reg_configuration held;

@@ -87,7 +87,7 @@ static bool check_1(void)
         are_bytes(again, bytes, sizeof(bytes));
 }
 
-/* 2: configuration default [6.5 p.25; 7 p.33] */
+/* 2: configuration default [6.5 p.25, 7 p.33] */
 static bool check_2(void)
 {
     static const lika_am36_variant variant = LIKA_AM36_AM3616_4096_I7;

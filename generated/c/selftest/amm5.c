@@ -111,7 +111,7 @@ static bool check_2(void)
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
-/* 3: serial number [6.4 p.38; it: 6.4 p.39] */
+/* 3: serial number [6.4 p.38, it: 6.4 p.39] */
 static bool check_3(void)
 {
     static const lika_amm5_variant variant = LIKA_AMM5_A21_65KSC1;
@@ -139,7 +139,7 @@ static bool check_3(void)
         are_bytes(again, bytes, sizeof(bytes));
 }
 
-/* 4: manufacturer id [6.4 p.39; it: 6.4 p.40] */
+/* 4: manufacturer id [6.4 p.39, it: 6.4 p.40] */
 static bool check_4(void)
 {
     static const lika_amm5_variant variant = LIKA_AMM5_A21_65KSC1;

@@ -185,7 +185,7 @@ static bool check_9(void)
         are_bytes(again, bytes, sizeof(bytes));
 }
 
-/* 10: configuration default [6.4 p.30; 12 p.51] */
+/* 10: configuration default [6.4 p.30, 12 p.51] */
 static bool check_10(void)
 {
     static const lika_sma21_variant variant = LIKA_SMA21_SC1_0050;
@@ -313,7 +313,7 @@ static bool check_15(void)
         are_bytes(again, bytes, sizeof(bytes));
 }
 
-/* 16: request of data id 4 [7.3.3.2; 7.3.4] */
+/* 16: request of data id 4 [7.3.3.2, 7.3.4] */
 static bool check_16(void)
 {
     static const lika_sma21_variant variant = LIKA_SMA21_JP1_0005;

@@ -152,7 +152,7 @@ def of_floats(frames: Any, bits: int) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
     Raises:
-        TypeError: A value is not an integer, or the type cannot represent every frame of so many bits.
+        TypeError: A value is not an integer, or the type cannot represent every frame of that length.
     """
     if bits > np.finfo(frames.dtype).nmant + 1:
         raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")

@@ -160,7 +160,7 @@ def kinds(shape: Shape) -> dict[str, str]:
 
 
 def smallest(width: int) -> str:
-    """Return the smallest unsigned NumPy type for so many bits."""
+    """Return the smallest unsigned NumPy type with at least ``width`` bits."""
     return "u1" if width <= 8 else "u2" if width <= 16 else "u4" if width <= 32 else "u8"
 
 

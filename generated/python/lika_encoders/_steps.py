@@ -45,7 +45,7 @@ class Send(NamedTuple):
         times: Number of requests.
         every_us: Shortest time from one request to the next, in microseconds.
         meaning: Purpose of the step.
-        in_succession: True if nothing else may be sent between the requests.
+        in_succession: True if no other request may be sent between the requests.
         reply: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply is that
             of the request.
         is_xor: True if the last byte of the reply is the XOR of all others.

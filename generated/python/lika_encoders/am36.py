@@ -209,7 +209,7 @@ class Variant(Encoder):
         parts: Parts of the order code: model, singleturn, turns, output.
         singleturn_bits: Singleturn resolution given by the order code [5.2]. Unit: bits.
         multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
-        ssi_gray: Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5; 5.2].
+        ssi_gray: Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base 2 logarithm
             of Information per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h
             (``singleturn_bits_used.bits``), 0 to 20. Over BiSS C-mode only. The factory default, unless set by
@@ -597,13 +597,13 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22; prot: p.7-8; renishaw:
-    data sheet; icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22, prot: p.7-8, renishaw:
+    data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30]:
+    Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
 
@@ -618,12 +618,12 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4; prot: p.9-14; icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30]:
+    Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
 
@@ -710,7 +710,7 @@ class SsiWord(NamedTuple):
     read zeros after the word. There is no error bit, no warning bit and no CRC. In Gray code, multiturn and singleturn
     are coded as one word.
 
-    Erratum output_letters (open, wrong data) [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]:
+    Erratum output_letters (open, wrong data) [5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2]:
         Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark that the output code can be Gray or
             Binary, see the order code.
         Used: BG is binary, GG is Gray.
@@ -719,16 +719,16 @@ class SsiWord(NamedTuple):
             letters in this manual is an inference. To check, turn the shaft slowly. If neighbouring positions jump, the
             other code is in use.
 
-    Erratum ssi_bit_numbers (settled, wrong data) [5.2; 6.3.1 p.21]:
+    Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]:
         Printed: SSI word with bits 28 ... 1 and 31 ... 1.
         Used: The words have bits 27:0 and 30:0.
         Why: The table counts from 1. Section 6 of the same manual counts from 0, as this spec does everywhere.
 
-    Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2]:
+    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
         Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits.
         Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
 
-    Erratum position_order (open, omission) [5.2; 6.3.1 p.21; 6.5 p.29]:
+    Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
         Printed: Only the length of the position, without the order of singleturn and multiturn.
         Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one word.
     """
@@ -878,7 +878,7 @@ class SsiWord(NamedTuple):
 @by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
-    most significant first [6.3 p.21; 6.3.1 p.21].
+    most significant first [6.3 p.21, 6.3.1 p.21].
 
     Attributes:
         variant: Encoder of the frame.
@@ -899,23 +899,23 @@ class SingleCycleData(NamedTuple):
     word. If the number of revolutions is not a power of two, the step from the last position to the first then changes
     several bits at once.
 
-    Erratum biss_singleturn_resolution (open, wrong data) [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]:
+    Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
         Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
             maximum in all BiSS models.
         Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.
         Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the same
             two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
 
-    Erratum position_order (open, omission) [5.2; 6.3.1 p.21; 6.5 p.29]:
+    Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
         Printed: Only the length of the position, without the order of singleturn and multiturn.
         Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one word.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
 
-    Erratum error_and_warning_unused (open, omission) [6.3.1 p.21; prot: p.3-5]:
+    Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
         Printed: Error and warning: not used, always 1.
         Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable with nE at 0.
             It is usable with a warning with nW at 0.
@@ -1195,14 +1195,14 @@ class ProfileId(NamedTuple):
 
     Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant 0-24".
 
-    Erratum profile_id_variant (open, wrong data) [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]:
+    Erratum profile_id_variant (open, wrong data) [6.5 p.24, 6.3.1 p.21, prot: p.14, sma21: 6.4, asc85: 6.4]:
         Printed: Profile ID 00 00. See Standard encoder profile, Variant 0-24.
         Used: The value is 00 00. The outputs do not derive a data length from it.
         Why: In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the
             data length in the low byte, for variants 0-24 and similar ones. A position of up to 36 bits does not fit 24
             either.
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
             device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
         Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
@@ -1264,7 +1264,7 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_coding (open, wrong data) [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]:
+    Erratum serial_number_coding (open, wrong data) [6.5 p.24, amm5: 6.4 p.38, asc85: 6.4, amm36: p.38]:
         Printed: In hexadecimal notation. Register 44: year, register 45: week, registers 46 and 47: serial number.
         Used: The values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of the
             serial number.
@@ -1273,7 +1273,7 @@ class SerialNumber(NamedTuple):
             same registers contain decimal digits of one number. In the ASC85, they contain one serial number. Both have
             the high byte first. The AMM36 manual prints the AMM5's example with its four bytes in reverse.
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
             device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
         Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
@@ -1329,7 +1329,7 @@ class SerialNumber(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command, register 48h, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
+    """Command, register 48h, write only, over BiSS C-mode [6.5 p.24, 7 p.33].
 
     Saves the parameters, activates the preset, or restores the defaults.
 
@@ -1340,13 +1340,13 @@ class Command(IntEnum):
     parameters and activate Preset stores the resolution but sets the preset to zero. The preset must then be written
     again.
 
-    Erratum preset_cleared_when (open, omission) [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]:
+    Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
         Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
             and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the
             preset.
         Used: set_resolution saves the resolution first, and only then writes and activates the preset.
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
             device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
         Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
@@ -1390,7 +1390,7 @@ class Command(IntEnum):
 
 @by_class
 class Configuration(NamedTuple):
-    """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
+    """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
 
     Attributes:
         counting_direction: Counting direction: Rotation with which the position counts up, seen from the shaft, while
@@ -1407,7 +1407,7 @@ class Configuration(NamedTuple):
     A new value takes effect immediately. Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are not used.
     According to the list of defaults they are 0.
 
-    Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1:
+    Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
     p.30]:
         Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1".
             The table of Configuration: 0 is Enable, 1 is Disable.
@@ -1415,7 +1415,7 @@ class Configuration(NamedTuple):
         Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The
             same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset.
 
-    Erratum example_bit_8 (settled, wrong data) [6.5 p.25; 6.5]:
+    Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]:
         Printed: Bit 8 Counting direction, in the list of the configuration example.
         Used: Counting direction is bit 6.
         Why: In the list, it is between bits 5 and 7. The register has 8 bits. The table has bit 6. The result 60h =
@@ -1426,7 +1426,7 @@ class Configuration(NamedTuple):
         Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
         Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.30]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.30]:
         Replaces: the note on register configuration.
         Text: For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be 1
             before a preset can be entered. Edition 1.0 prints the same sentence, where it is an erratum. The meaning of
@@ -1502,7 +1502,7 @@ class Configuration(NamedTuple):
 
 @by_class
 class InformationPerRevolution(NamedTuple):
-    """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
+    """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27, 7 p.33].
 
     Attributes:
         steps: Counts per revolution. Unit: counts. Only powers of two are allowed.
@@ -1516,24 +1516,24 @@ class InformationPerRevolution(NamedTuple):
     A new value takes effect immediately, on the length of the frame as well, and sets the preset to zero. Save
     parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the resulting number of bits.
 
-    Erratum biss_singleturn_resolution (open, wrong data) [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]:
+    Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
         Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
             maximum in all BiSS models.
         Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.
         Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the same
             two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
 
-    Erratum resolution_byte_order (open, omission) [6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15]:
+    Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
         Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes.
         Used: The high byte comes first.
 
-    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27; 6.5 p.28; prot: p.9-14]:
-        Printed: A new value is active immediately after transmission. Values that are no power of two cannot be
+    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
+        Printed: A new value is active immediately after transmission. Values that are not a power of two cannot be
             accepted.
         Used: The bytes are written in ascending order of address, without another access in between.
     """
@@ -1583,7 +1583,7 @@ class InformationPerRevolution(NamedTuple):
 
 @by_class
 class NumberOfRevolutions(NamedTuple):
-    """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
+    """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28, 7 p.33].
 
     Attributes:
         revolutions: Number of revolutions counted. 00 00 means 65,536. Unit: revolutions. A value of 0 means 65,536.
@@ -1598,22 +1598,22 @@ class NumberOfRevolutions(NamedTuple):
     Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft must not turn by
     more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute position is lost.
 
-    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28; 6.5 p.31]:
+    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
         Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
             than 4,096 set, at most 2,047 revolutions either way while switched off.
         Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
 
-    Erratum resolution_byte_order (open, omission) [6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15]:
+    Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
         Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes.
         Used: The high byte comes first.
 
-    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27; 6.5 p.28; prot: p.9-14]:
-        Printed: A new value is active immediately after transmission. Values that are no power of two cannot be
+    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
+        Printed: A new value is active immediately after transmission. Values that are not a power of two cannot be
             accepted.
         Used: The bytes are written in ascending order of address, without another access in between.
     """
@@ -1662,7 +1662,7 @@ class NumberOfRevolutions(NamedTuple):
 
 @by_class
 class Preset(NamedTuple):
-    """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
+    """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
 
     Attributes:
         variant: Encoder of the register.
@@ -1680,13 +1680,13 @@ class Preset(NamedTuple):
     standstill. Set the preset again after a change of the counting direction, of Information per revolution or of
     Number of revolutions. The preset can be used, for instance, to align the zero points of encoder and application.
 
-    Erratum preset_cleared_when (open, omission) [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]:
+    Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
         Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
             and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the
             preset.
         Used: set_resolution saves the resolution first, and only then writes and activates the preset.
 
-    Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1:
+    Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
     p.30]:
         Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1".
             The table of Configuration: 0 is Enable, 1 is Disable.
@@ -1694,7 +1694,7 @@ class Preset(NamedTuple):
         Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The
             same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset.
 
-    Erratum preset_default_length (settled, wrong data) [6.5 p.29; 7 p.33]:
+    Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]:
         Printed: Default = 00 00 00 00 00 00h.
         Used: The default is five bytes of 00.
         Why: The register has five bytes, 50h to 54h. The list of defaults and both limits have five. The next byte is
@@ -1776,7 +1776,7 @@ class DeviceType(NamedTuple):
 
     Default: ``02``.
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
             device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
         Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
@@ -1836,14 +1836,14 @@ class SingleturnBitsUsed(NamedTuple):
 
     Default: ``14``.
 
-    Erratum biss_singleturn_resolution (open, wrong data) [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]:
+    Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
         Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
             maximum in all BiSS models.
         Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.
         Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the same
             two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
@@ -1896,17 +1896,17 @@ class MultiturnBitsUsed(NamedTuple):
 
     Default: ``10``.
 
-    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28; 6.5 p.31]:
+    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
         Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
             than 4,096 set, at most 2,047 revolutions either way while switched off.
         Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
 
-    Erratum revolution_bits_rounding (open, omission) [6.5 p.28; 6.5 p.31]:
+    Erratum revolution_bits_rounding (open, omission) [6.5 p.28, 6.5 p.31]:
         Printed: Number of revolutions may be any number. Register 57h shows the bits used for it.
         Used: The number of bits is read from register 57h, not computed.
     """
@@ -1964,15 +1964,15 @@ class DeviceId(NamedTuple):
 
     Byte order: high byte first, at 78h.
 
-    Erratum order_code_17 (settled, wrong limit) [6; 6.5 p.31]:
+    Erratum order_code_17 (settled, wrong limit) [6, 6.5 p.31]:
         Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-...
         Used: I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
 
-    Erratum device_id_shared (open, omission) [6.5 p.31; prot: p.14-15]:
+    Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
         Printed: One device ID, AM I7 2 with the software version, for all models.
         Used: The device ID is used as printed.
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
             device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
         Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
@@ -2049,7 +2049,7 @@ class ManufacturerId(NamedTuple):
 
     Byte order: high byte first, at 7Eh.
 
-    In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
             device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
         Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
@@ -2285,7 +2285,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
 
 def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set and save a preset without activating it [6.5 p.29; 4.4 p.15].
+    """Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
 
     Result: The preset is saved. The position is the same as before. The Zero setting/Preset input or activate_preset
     activates the preset.
@@ -2347,7 +2347,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Save the parameters and activate the current preset [6.5 p.24; 6.5 p.25].
+    """Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
 
     Before: Bit Enable preset at 0 (enable), the factory default. The manual suggests activating the preset with the
     shaft at a standstill.
@@ -2373,7 +2373,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Load and save the default parameters [6.5 p.24; 6.5 p.28; 7 p.33].
+    """Load and save the default parameters [6.5 p.24, 6.5 p.28, 7 p.33].
 
     Result: All parameters have their defaults, which are active and saved. All earlier values are lost, including the
     preset. The frame has 44 bits again.
@@ -2381,12 +2381,12 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn by more than 2,047
     revolutions either way while the encoder is off. Otherwise the absolute position is lost.
 
-    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28; 6.5 p.31]:
+    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
         Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
             than 4,096 set, at most 2,047 revolutions either way while switched off.
         Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
@@ -2415,7 +2415,7 @@ def set_resolution(
     number_of_revolutions: int,
     position: int,
 ) -> tuple[Step, ...]:
-    """Change the resolution, then set and activate the preset again [6.5 p.24; 6.5 p.29].
+    """Change the resolution, then set and activate the preset again [6.5 p.24, 6.5 p.29].
 
     Before: The manual suggests doing this with the shaft at a standstill.
 
@@ -2425,19 +2425,19 @@ def set_resolution(
     The frame changes its length as soon as the resolution is written. The master must use the new length before it can
     read a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
         Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
         Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
             57h.
 
-    Erratum preset_cleared_when (open, omission) [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]:
+    Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
         Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
             and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the
             preset.
         Used: set_resolution saves the resolution first, and only then writes and activates the preset.
 
-    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27; 6.5 p.28; prot: p.9-14]:
-        Printed: A new value is active immediately after transmission. Values that are no power of two cannot be
+    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
+        Printed: A new value is active immediately after transmission. Values that are not a power of two cannot be
             accepted.
         Used: The bytes are written in ascending order of address, without another access in between.
 

@@ -673,13 +673,13 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33; prot: p.7-8; renishaw:
-    data sheet; icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33, prot: p.7-8, renishaw:
+    data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30]:
+    Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
 
@@ -694,12 +694,12 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34; prot: p.9-14; icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30]:
+    Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
 
@@ -787,7 +787,7 @@ class EepromAddress(Enum):
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
         Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
         Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
@@ -802,7 +802,7 @@ class EepromAddress(Enum):
     """Bits 7:1, with MEM BUSY in bit 0, as the manual prints it [7.5 p.46]."""
     AS_T_FORMAT = (0, 7)
     """Bits 6:0, as in public T-format stacks. MEM BUSY is then the remaining bit, 7 [hpm_sdk:
-    samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+    samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
     tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c].
     """
 
@@ -831,24 +831,24 @@ class SsiWord(NamedTuple):
     The word has as many bits as the position, 17 to 39, and starts with the most significant bit. Further clock pulses
     read zeros after the word. There is no error bit, no warning bit and no CRC.
 
-    Erratum ssi_output_code (settled, wrong data) [5.1; 5.2]:
+    Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]:
         Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the
             order code.
         Used: Binary.
         Why: 5.1 describes SSI in general, 5.2 this encoder. The order code has no part for the output code and only one
             SSI variant, BG1.
 
-    Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2; it: 5.1]:
+    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2, it: 5.1]:
         Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least
             as many clocks as data bits.
         Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
 
-    Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2; it: 5.2]:
+    Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2, it: 5.2]:
         Printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
         Used: 65KBG1.
         Why: The table just below it and the Italian edition have 65KBG1. No model has KG1.
 
-    Erratum position_order (open, omission) [5.2; 6.2.1 p.32; 6.4]:
+    Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
         Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the position.
         Used: Multiturn comes first, as the more significant part. Singleturn follows.
     """
@@ -1019,32 +1019,32 @@ class SingleCycleData(NamedTuple):
     The manual uses Position (it: Posizione) for multiturn and singleturn together: 17 to 39 bits, most significant bit
     first.
 
-    Erratum position_order (open, omission) [5.2; 6.2.1 p.32; 6.4]:
+    Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
         Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the position.
         Used: Multiturn comes first, as the more significant part. Singleturn follows.
 
-    Erratum scd_length (settled, wrong data) [6.2.1 p.32; it: 6.2.1 p.32]:
+    Erratum scd_length (settled, wrong data) [6.2.1 p.32, it: 6.2.1 p.32]:
         Printed: SCD data is nbitres+7 long.
         Used: The length is position_bits + 8.
         Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8. nbitres+7 is the number of the
             top bit in the table.
 
-    Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]:
+    Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44, 9 p.51]:
         Printed: nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the
             magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for BUSY flag,
             PS error, Battery alarm and MT error.
         Used: Each is used as printed. None is derived from another.
 
-    Erratum position_under_error (open, omission) [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1
+    Erratum position_under_error (open, omission) [6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24, 7.3.2 p.42, 7.4.1
     p.44]:
-        Printed: BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning
-            alone: the position is kept. The effect of the other errors on the position is not given.
+        Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low battery (warning
+            alone): the position is kept. The effect of the other errors on the position is not given.
         Used: The position is not usable with an error, BUSY, PS error or ST error. Latched errors count until they are
             reset. In multiturn models, the position is not usable with MT error or the warning bit, and it is usable
             with a warning with the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes
             the position not usable. If the frame also carries these four (data ID 3), they decide instead.
 
-    Erratum singleturn_without_battery (open, omission) [4.3 p.23; 3.4; 6.2.1 p.33; 7.4 p.43; 7.4.1 p.44; 9 p.51]:
+    Erratum singleturn_without_battery (open, omission) [4.3 p.23, 3.4, 6.2.1 p.33, 7.4 p.43, 7.4.1 p.44, 9 p.51]:
         Printed: "Battery power supply is only available in multiturn encoder versions (.../65K... order code)". The
             warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step Connect the battery (3.4) are
             printed for all models.
@@ -1336,7 +1336,7 @@ class DataRequest(NamedTuple):
 
 @by_class
 class EepromWriteRequest(NamedTuple):
-    """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5 p.46].
+    """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
         eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
@@ -1349,7 +1349,7 @@ class EepromWriteRequest(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
         Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
         Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
@@ -1383,7 +1383,7 @@ class EepromWriteRequest(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1421,7 +1421,7 @@ class EepromWriteRequest(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The columns. Frames with an error do not raise it, but have it in the column ``fault``.
@@ -1438,7 +1438,7 @@ class EepromWriteRequest(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -1483,7 +1483,7 @@ class EepromWriteRequest(NamedTuple):
 
 @by_class
 class EepromReadRequest(NamedTuple):
-    """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42; 7.5 p.46].
+    """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
         eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
@@ -1495,7 +1495,7 @@ class EepromReadRequest(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
         Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
         Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
@@ -1528,7 +1528,7 @@ class EepromReadRequest(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1565,7 +1565,7 @@ class EepromReadRequest(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The columns. Frames with an error do not raise it, but have it in the column ``fault``.
@@ -1582,7 +1582,7 @@ class EepromReadRequest(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -1625,7 +1625,7 @@ class EepromReadRequest(NamedTuple):
 
 @by_class
 class SingleturnReply(NamedTuple):
-    """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
+    """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
         variant: Encoder of the frame.
@@ -1648,7 +1648,7 @@ class SingleturnReply(NamedTuple):
 
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
-    Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42; 7.4.1 p.44]:
+    Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
         Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
         Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.
 
@@ -1837,7 +1837,7 @@ class SingleturnReply(NamedTuple):
 
 @by_class
 class MultiturnReply(NamedTuple):
-    """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
+    """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
         variant: Encoder of the frame.
@@ -1858,7 +1858,7 @@ class MultiturnReply(NamedTuple):
 
     In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
 
-    Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42; 7.4.1 p.44]:
+    Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
         Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
         Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.
 
@@ -2039,7 +2039,7 @@ class MultiturnReply(NamedTuple):
 
 @by_class
 class EncoderIdReply(NamedTuple):
-    """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
+    """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
@@ -2057,7 +2057,7 @@ class EncoderIdReply(NamedTuple):
 
     Carries ``data_id`` 2 (encoder_id).
 
-    Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42; 7.4 p.43; hpm_sdk:
+    Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
     samples/drivers/sei/slave/tamagawa/README_en.rst]:
         Printed: ENID: encoder ID, fixed value = 23h.
         Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
@@ -2213,7 +2213,7 @@ class EncoderIdReply(NamedTuple):
 
 @by_class
 class CompleteReply(NamedTuple):
-    """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
+    """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
         variant: Encoder of the frame.
@@ -2250,7 +2250,7 @@ class CompleteReply(NamedTuple):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42; 7.4 p.43; hpm_sdk:
+    Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
     samples/drivers/sei/slave/tamagawa/README_en.rst]:
         Printed: ENID: encoder ID, fixed value = 23h.
         Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
@@ -2538,7 +2538,7 @@ class CompleteReply(NamedTuple):
 
 @by_class
 class EepromWriteReply(NamedTuple):
-    """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5 p.46].
+    """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
         eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
@@ -2552,7 +2552,7 @@ class EepromWriteReply(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
         Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
         Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
@@ -2596,7 +2596,7 @@ class EepromWriteReply(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2633,7 +2633,7 @@ class EepromWriteReply(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The columns. Frames with an error do not raise it, but have it in the column ``fault``.
@@ -2650,7 +2650,7 @@ class EepromWriteReply(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -2700,7 +2700,7 @@ class EepromWriteReply(NamedTuple):
 
 @by_class
 class EepromReadReply(NamedTuple):
-    """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42; 7.5 p.46].
+    """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
         eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
@@ -2714,7 +2714,7 @@ class EepromReadReply(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
         Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
         Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
@@ -2758,7 +2758,7 @@ class EepromReadReply(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2795,7 +2795,7 @@ class EepromReadReply(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The columns. Frames with an error do not raise it, but have it in the column ``fault``.
@@ -2812,7 +2812,7 @@ class EepromReadReply(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to what the manual leaves open: a ``EepromAddress``.
+            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -3195,25 +3195,25 @@ class Preset(NamedTuple):
     activating it at a standstill. The preset can be used, for instance, to align the zero points of encoder and
     application.
 
-    Erratum preset_limit (settled, wrong limit) [6.4; it: 6.4]:
+    Erratum preset_limit (settled, wrong limit) [6.4, it: 6.4]:
         Printed: English: less than the total hardware resolution. Italian: less than or equal to it (minore o uguale).
         Used: The maximum is 2^position_bits − 1.
         Why: The total resolution itself needs one bit more than the register has for it.
 
-    Erratum preset_revolutions (settled, wrong limit) [6.4; it: 6.4]:
+    Erratum preset_revolutions (settled, wrong limit) [6.4, it: 6.4]:
         Printed: English: the number of revolutions is always 65,536 in all models. Italian: in all multiturn models.
         Used: Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.
 
-    Erratum preset_bits_below_lsb (open, omission) [6.4; amm80: 6.4 p.40]:
+    Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]:
         Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 at 21 bits and 16 at 17
             bits.
         Used: All bits below the lowest singleturn bit are 0.
 
-    Erratum biss_bank_select (open, omission) [6.4 p.38; prot: p.14-15]:
+    Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
         Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
         Used: The registers are used as printed.
 
-    Erratum preset_default_length (settled, wrong data) [10 p.52; it: 10 p.53]:
+    Erratum preset_default_length (settled, wrong data) [10 p.52, it: 10 p.53]:
         Printed: Default of Preset: 00 00 00 00 00.
         Used: The default is seven bytes of 00.
         Why: The register has seven bytes, 11h to 17h. Five bytes written from 11h on would leave 16h and 17h, most of
@@ -3321,7 +3321,7 @@ class Preset(NamedTuple):
 
 class PresetSettingEnable(IntEnum):
     """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS C-mode [6.4
-    p.38; it: 6.4 p.38; 10 p.52].
+    p.38, 10 p.52, it: 6.4 p.38].
 
     Opens and closes the Preset registers for writing.
 
@@ -3329,7 +3329,7 @@ class PresetSettingEnable(IntEnum):
 
     The list of defaults (section 10) gives 00, although the register cannot be read.
 
-    Erratum biss_bank_select (open, omission) [6.4 p.38; prot: p.14-15]:
+    Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
         Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
         Used: The registers are used as printed.
     """
@@ -3362,7 +3362,7 @@ class PresetSettingEnable(IntEnum):
 
 @by_class
 class SerialNumber(NamedTuple):
-    """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
+    """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38, it: 6.4 p.39].
 
     Attributes:
         year: Year of production.
@@ -3373,14 +3373,14 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_order (open, wrong data) [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]:
+    Erratum serial_number_order (open, wrong data) [6.4 p.38, amm36: p.38, amm80: 6.4 p.41]:
         Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630.
         Used: The high byte comes first, as printed.
         Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and reverses
             it. The AMM80 manual agrees with this one. Manual 1.7 updated the registers 44h to 47h, so an older AMM5 may
             answer in the other order. An impossible year or week shows the wrong order.
 
-    Before edition 1.7 [Document release; amm36: p.38]:
+    Before edition 1.7 [Document release, amm36: p.38]:
         Not known: register serial_number.
         Why: The registers 44h to 47h were updated. The table does not give their earlier content. The manual of the
             AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be
@@ -3497,11 +3497,11 @@ class DeviceId(NamedTuple):
 
     Byte order: high byte first, at 78h.
 
-    Erratum device_id_shared (open, omission) [6.4 p.39; prot: p.14-15]:
+    Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
         Printed: One device ID, AMM5 with the release, for all models.
         Used: The device ID is used as printed.
 
-    Before edition 1.7 [Document release; amm36_device_id: p.39]:
+    Before edition 1.7 [Document release, amm36_device_id: p.39]:
         Not known: register device_id.
         Why: The registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the
             AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the software
@@ -3557,7 +3557,7 @@ class DeviceId(NamedTuple):
 
 @by_class
 class ManufacturerId(NamedTuple):
-    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. Decoding
@@ -3821,7 +3821,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45; ti_sdk:
+    Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
     docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
         Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
         Used: The table is followed. Data ID 8 resets singleturn and multiturn data.
@@ -3829,11 +3829,11 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
             the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first
             would be this request.
 
-    Erratum reset_interval (open, omission) [7.4.2 p.45; it: 7.4.2 p.45]:
+    Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Ten times in succession, at transmission intervals of 40 µs or more.
         Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 
-    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45; it: 7.4.2 p.45]:
+    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
         Used: The condition is a standstill, that is 300 rpm or less, as printed.
 
@@ -3865,16 +3865,16 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Erratum battery_alarm_reset (open, omission) [7.4.1 p.44; 7.4.2 p.45]:
+    Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]:
         Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS
             error, ST error, MT error).
         Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
 
-    Erratum reset_interval (open, omission) [7.4.2 p.45; it: 7.4.2 p.45]:
+    Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Ten times in succession, at transmission intervals of 40 µs or more.
         Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 
-    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45; it: 7.4.2 p.45]:
+    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
         Used: The condition is a standstill, that is 300 rpm or less, as printed.
 
@@ -3905,16 +3905,16 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Erratum battery_alarm_reset (open, omission) [7.4.1 p.44; 7.4.2 p.45]:
+    Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]:
         Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS
             error, ST error, MT error).
         Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
 
-    Erratum reset_interval (open, omission) [7.4.2 p.45; it: 7.4.2 p.45]:
+    Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Ten times in succession, at transmission intervals of 40 µs or more.
         Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 
-    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45; it: 7.4.2 p.45]:
+    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
         Used: The condition is a standstill, that is 300 rpm or less, as printed.
 

@@ -200,8 +200,8 @@ class Variant(Encoder):
         code: Order code, without what may follow it on the label.
         parts: Parts of the order code: resolution, output, supply.
         position_bits: Singleturn resolution, 20 to 25 bits, which is also the width of the whole position. The manual
-            calls it "encoder resolution" and "nbitres" [Preliminary information p.7; 5.2 p.16; 6.2.1 p.20]. Unit: bits.
-        ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary [5 p.15; 5.2 p.16].
+            calls it "encoder resolution" and "nbitres" [Preliminary information p.7, 5.2 p.16, 6.2.1 p.20]. Unit: bits.
+        ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary [5 p.15, 5.2 p.16].
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -512,14 +512,14 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21; prot: p.7-8; renishaw:
-    data sheet; icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21, prot: p.7-8, renishaw:
+    data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (everything from the position to the warning bit, with the constant 0 where it
     is sent) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35;
+    Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35,
     onstepx: src/lib/encoder/bissc/Asc85.cpp]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
@@ -535,12 +535,12 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22; prot: p.9-14; icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35;
+    Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35,
     onstepx: src/lib/encoder/bissc/Asc85.cpp]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
@@ -580,7 +580,7 @@ class ZeroBit(Enum):
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
     src/lib/encoder/bissc/Asc85.cpp]:
         Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
             information has 34 bits for 25.
@@ -626,7 +626,7 @@ class SsiWord(NamedTuple):
     read zeros after the word. There is no error bit, no warning bit and no CRC. The constant 0 bit of the BiSS frame is
     not sent either.
 
-    Erratum ssi_code_letters (open, wrong data) [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]:
+    Erratum ssi_code_letters (open, wrong data) [Cover, 5.2 p.16, amm5: 5.2, sma21: 4.1, sma21: 5]:
         Printed: The output code can be Gray or binary, see the order code. The order codes are BG and GG, without their
             meaning.
         Used: BG is binary, GG is Gray.
@@ -634,11 +634,11 @@ class SsiWord(NamedTuple):
             its G1x models Gray and also lists BG and GG. The same meaning of the letters in this manual is an
             inference. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use.
 
-    Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2]:
+    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
         Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits.
         Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
 
-    Erratum ssi_bit_numbers (settled, wrong data) [5.2; sma21: 5.2]:
+    Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]:
         Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
         Used: The bits are 19:0 to 24:0, with bit 0 as the LSB.
         Why: The table of lengths gives words of 20 to 25 bits, which leaves no room for a further bit at 0. Everything
@@ -782,7 +782,7 @@ class SingleCycleData(NamedTuple):
 
     The places of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
     src/lib/encoder/bissc/Asc85.cpp]:
         Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
             information has 34 bits for 25.
@@ -797,7 +797,7 @@ class SingleCycleData(NamedTuple):
             layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
             bit is also as long as that of 24 bits with it.
 
-    Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]:
+    Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35]:
         Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
         Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero bit
             of the frame.
@@ -806,11 +806,11 @@ class SingleCycleData(NamedTuple):
             A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame might
             differ instead.
 
-    Erratum warning_sources (open, omission) [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]:
+    Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
         Printed: For the active warning refer to the Error register. Its six bits are all called errors.
         Used: No bit of the error register is interpreted as a warning. All are active errors.
 
-    Erratum position_under_error (open, omission) [6.2.1 p.20; 6.4 p.29]:
+    Erratum position_under_error (open, omission) [6.2.1 p.20, 6.4 p.29]:
         Printed: nE and nW report an active error or warning. The effect on the position is not given.
         Used: Error bit active: the position is not usable. Warning bit active: the position is usable with a warning.
 
@@ -864,7 +864,7 @@ class SingleCycleData(NamedTuple):
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            zero_bit: Answer to what the manual leaves open: a ``ZeroBit``.
+            zero_bit: Answer to an open question of the manual: a ``ZeroBit``.
             bits: Number of bits received, if known. A number alone does not show whether bits are missing.
 
         Raises:
@@ -901,7 +901,7 @@ class SingleCycleData(NamedTuple):
         Args:
             frames: The frames, as numbers.
             variant: The encoder.
-            zero_bit: Answer to what the manual leaves open: a ``ZeroBit``.
+            zero_bit: Answer to an open question of the manual: a ``ZeroBit``.
 
         Returns:
             The columns. Frames with an error do not raise it, but have it in the column ``fault``.
@@ -921,7 +921,7 @@ class SingleCycleData(NamedTuple):
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
             variant: The encoder.
-            zero_bit: Answer to what the manual leaves open: a ``ZeroBit``.
+            zero_bit: Answer to an open question of the manual: a ``ZeroBit``.
 
         Returns:
             The frames, as numbers of 64 bits.
@@ -1033,7 +1033,7 @@ class ProfileId(NamedTuple):
     therefore not used to identify the encoder. For the variant, the manual refers to the standard encoder profile, data
     format.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
     src/lib/encoder/bissc/Asc85.cpp]:
         Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
             information has 34 bits for 25.
@@ -1048,7 +1048,7 @@ class ProfileId(NamedTuple):
             layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
             bit is also as long as that of 24 bits with it.
 
-    Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]:
+    Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35]:
         Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
         Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero bit
             of the frame.
@@ -1117,7 +1117,7 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_digits (open, omission) [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]:
+    Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]:
         Printed: Serial number in ascending order, with the example 171256846.
         Used: The serial number is one number.
     """
@@ -1260,13 +1260,13 @@ class DiagnosticData(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
+    """Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25, 6.4 p.26].
 
     Command register, the write side of Command & status.
 
     Reading the same address accesses ``status`` instead.
 
-    Erratum cycle_counter (open, omission) [6.4 p.26; 6.4 p.30; icmr: p.26]:
+    Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
         Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
             interpolator.
         Used: The command and the error are described as printed.
@@ -1325,7 +1325,7 @@ class Command(IntEnum):
 
 @by_class
 class Status(NamedTuple):
-    """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
+    """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
 
     Attributes:
         configuration_completed: Configuration completed. True at 1: configuration registers verified by their CRC and
@@ -1356,23 +1356,23 @@ class Status(NamedTuple):
     from the position register at another time. Before reading the position register, wait until Position data valid is
     1, as in the procedure request_position.
 
-    Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26; 6.4 p.28; icmr: p.41]:
+    Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]:
         Printed: Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1.
         Used: Absolute data valid is bit 1.
         Why: The list gives each of the eight bits once and has Internal data bus busy at bit 2. A public controller
             with the same commands lists its status byte in the same order.
 
-    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]:
+    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
         Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
         Used: Internal data bus busy is bit 2.
         Why: The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A
             public controller with the same commands lists its status byte in the same order.
 
-    Erratum warning_sources (open, omission) [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]:
+    Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
         Printed: For the active warning refer to the Error register. Its six bits are all called errors.
         Used: No bit of the error register is interpreted as a warning. All are active errors.
 
-    Erratum eds_bank_missing (open, omission) [6.4 p.22; prot: p.14-15]:
+    Erratum eds_bank_missing (open, omission) [6.4 p.22, prot: p.14-15]:
         Printed: Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.
         Used: The outputs have no EDS.
     """
@@ -1463,7 +1463,7 @@ class Position(NamedTuple):
     resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in the other
     registers of several bytes.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
     src/lib/encoder/bissc/Asc85.cpp]:
         Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
             information has 34 bits for 25.
@@ -1478,7 +1478,7 @@ class Position(NamedTuple):
             layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
             bit is also as long as that of 24 bits with it.
 
-    Erratum position_register_bits (open, wrong data) [6.2.1 p.20; 6.4 p.29; icmr: p.33]:
+    Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]:
         Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models.
         Used: The exponents number the bits of the register. The position is left-aligned at bit 31 and position_bits
             wide. The bits below it are unspecified.
@@ -1486,7 +1486,7 @@ class Position(NamedTuple):
             not say whether the position remains left-aligned at 20 to 24 bits, or what the bits below it contain then.
             A public controller with the same addresses has 26 singleturn bits there.
 
-    Erratum error_reset (open, omission) [6.4 p.29; icmr: p.42]:
+    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
         Printed: The reset is performed upon reading out position data.
         Used: Reading the position register resets the messages.
     """
@@ -1574,16 +1574,16 @@ class ErrorRegister(NamedTuple):
     Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. Reading out
     position data resets a message. The message appears again while its cause persists.
 
-    Erratum cycle_counter (open, omission) [6.4 p.26; 6.4 p.30; icmr: p.26]:
+    Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
         Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
             interpolator.
         Used: The command and the error are described as printed.
 
-    Erratum warning_sources (open, omission) [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]:
+    Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
         Printed: For the active warning refer to the Error register. Its six bits are all called errors.
         Used: No bit of the error register is interpreted as a warning. All are active errors.
 
-    Erratum error_reset (open, omission) [6.4 p.29; icmr: p.42]:
+    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
         Printed: The reset is performed upon reading out position data.
         Used: Reading the position register resets the messages.
     """
@@ -1667,7 +1667,7 @@ class DeviceId(NamedTuple):
 
     The revision table of the manual lists hardware 0 and software 1, which are the two characters of the release.
 
-    Erratum device_id_shared (open, omission) [6.4 p.31; prot: p.14-15]:
+    Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
         Printed: One device ID, AS85 with the release 01, for all models.
         Used: The device ID is used as printed.
     """
@@ -1825,7 +1825,7 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The position register contains the requested position.
 
-    Erratum error_reset (open, omission) [6.4 p.29; icmr: p.42]:
+    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
         Printed: The reset is performed upon reading out position data.
         Used: Reading the position register resets the messages.
 
@@ -1857,7 +1857,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     The configuration registers, 00h to 2Dh, are reserved to the manufacturer.
 
-    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]:
+    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
         Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
         Used: Internal data bus busy is bit 2.
         Why: The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A
@@ -1890,12 +1890,12 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The manual does not say how long the reading takes, or whether Absolute data valid goes to 0 first. After a failed
     reading, the bit does not become 1. Stop after a while and read the error register.
 
-    Erratum cycle_counter (open, omission) [6.4 p.26; 6.4 p.30; icmr: p.26]:
+    Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
         Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
             interpolator.
         Used: The command and the error are described as printed.
 
-    Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26; 6.4 p.28; icmr: p.41]:
+    Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]:
         Printed: Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1.
         Used: Absolute data valid is bit 1.
         Why: The list gives each of the eight bits once and has Internal data bus busy at bit 2. A public controller
@@ -1958,7 +1958,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
 
     Result: Configuration error shows whether the configuration registers agree with their check sum.
 
-    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]:
+    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
         Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
         Used: Internal data bus busy is bit 2.
         Why: The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A
@@ -2034,7 +2034,7 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The messages are reset. Messages with a persistent cause appear again.
 
-    Erratum error_reset (open, omission) [6.4 p.29; icmr: p.42]:
+    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
         Printed: The reset is performed upon reading out position data.
         Used: Reading the position register resets the messages.
 
@@ -2064,7 +2064,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The encoder is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies. Only
     the label shows the rest of the order code.
 
-    Erratum device_id_shared (open, omission) [6.4 p.31; prot: p.14-15]:
+    Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
         Printed: One device ID, AS85 with the release 01, for all models.
         Used: The device ID is used as printed.
 

@@ -233,13 +233,13 @@ class Variant(Encoder):
         interface: Interface of the encoder.
         code: Order code, without what may follow it on the label.
         parts: Parts of the order code: output, supply, resolution.
-        resolution_um: Resolution, the length of one count [4.10 p.18; 5.2 p.20]. Unit: µm.
-        position_bits: Width of the position over SSI and BiSS, without padding [5.2 p.20; 6.2 p.25]. Unit: bits.
-        ssi_gray: Code of the position in the SSI word: 1 for Gray, 0 for binary [4.1 p.15; 5.2 p.20].
+        resolution_um: Resolution, the length of one count [4.10 p.18, 5.2 p.20]. Unit: µm.
+        position_bits: Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
+        ssi_gray: Code of the position in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20].
         scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. They
-            are zeros unless an offset is selected [6.2 p.25; 6.4 p.32]. Unit: bits.
+            are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset contains an
-            offset, 0 while it contains a preset [6.4 p.30; 6.4 p.32]. Held at run time in register 49h
+            offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Held at run time in register 49h
             (``configuration.select_preset_offset``), 0 to 1. Over BiSS C-mode only. The factory default, unless set by
             with_registers().
         profile_id: Profile ID in the BiSS registers 42h and 43h [6.4 p.28].
@@ -247,7 +247,7 @@ class Variant(Encoder):
             register 49h (``configuration.output_code``), 0 to 1. Over BiSS C-mode only. The factory default, unless set
             by with_registers().
         rs485_position_bits: Width of the position in the 24-bit replies over RS-485. At 1 µm it is one bit less than
-            over SSI and BiSS [4.10 p.18; 7.3.3.2]. Unit: bits.
+            over SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -287,7 +287,7 @@ class Variant(Encoder):
     @property
     def scd_value_bits(self) -> int:
         """Width of the position in the BiSS single cycle data. It is the whole field while an offset is selected
-        [6.2 p.25; 6.4 p.32]. Unit: bits. Equals ``position_bits + scd_padding_bits * offset_selected``.
+        [6.2 p.25, 6.4 p.32]. Unit: bits. Equals ``position_bits + scd_padding_bits * offset_selected``.
         """
         return self.position_bits + self.scd_padding_bits * self.offset_selected
 
@@ -706,13 +706,13 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26; prot: p.7-8; renishaw:
-    data sheet; icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26, prot: p.7-8, renishaw:
+    data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30]:
+    Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
 
@@ -727,12 +727,12 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27; prot: p.9-14; icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30]:
+    Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
         Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
         Used: The start value is 0.
 
@@ -856,16 +856,16 @@ class SsiWord(NamedTuple):
     clock pulses read zeros after the word. There is no warning bit and no CRC. Bit 0 is the error bit. The LSB of the
     position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
 
-    Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2 p.20]:
+    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]:
         Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least as many clocks
             as data bits.
         Used: The outputs do not enforce either rule. One clock more than the word has bits satisfies both.
 
-    Erratum gray_scope (open, omission) [5.2 p.20; 6.4 p.31]:
+    Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
         Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
         Used: Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.
 
-    Erratum position_under_error (open, omission) [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]:
+    Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
         Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
             has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
             and of nW on the position is not given.
@@ -1028,7 +1028,7 @@ class SingleCycleData(NamedTuple):
     Configuration), the position takes the whole field. With the output code Gray, zeros above a number remain zeros, so
     it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
-    Erratum gray_scope (open, omission) [5.2 p.20; 6.4 p.31]:
+    Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
         Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
         Used: Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.
 
@@ -1038,7 +1038,7 @@ class SingleCycleData(NamedTuple):
         Why: Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm. The table below has bits 32 to 0
             for it.
 
-    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25; 6.4 p.32]:
+    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
         Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
             of 20 bits.
         Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field
@@ -1049,19 +1049,19 @@ class SingleCycleData(NamedTuple):
             data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm
             this.
 
-    Erratum position_below_zero (open, omission) [6.4 p.32; 7.3.3.2 p.41]:
+    Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
         Printed: Positions before the preset get a value according to it. The values sent below zero or above the
             maximum are not given.
         Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over
             RS-485, it starts again after the number of counts that their bits can represent. The 48-bit position goes
             below zero.
 
-    Erratum warning_level (open, omission) [6.2 p.26; 9.1]:
+    Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
         Printed: Warning, nW, without the level that means a warning.
         Used: 0 means a warning, as with the error bit.
         Why: The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.
 
-    Erratum position_under_error (open, omission) [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]:
+    Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
         Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
             has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
             and of nW on the position is not given.
@@ -1224,7 +1224,7 @@ class SingleCycleData(NamedTuple):
 
 @by_class
 class DataRequest(NamedTuple):
-    """Data request, sent by the master over RS-485: 1 byte [7.2 p.37; 7.2.1 p.37].
+    """Data request, sent by the master over RS-485: 1 byte [7.2 p.37, 7.2.1 p.37].
 
     Attributes:
         data_id: cc0 ... cc3: Type of the request, repeated in the reply.
@@ -1329,7 +1329,7 @@ class DataRequest(NamedTuple):
 
 @by_class
 class PositionReply(NamedTuple):
-    """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
+    """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
         variant: Encoder of the frame.
@@ -1367,7 +1367,7 @@ class PositionReply(NamedTuple):
     position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0: bit 23, bits 23:22 or
     bits 23:20.
 
-    Erratum position_below_zero (open, omission) [6.4 p.32; 7.3.3.2 p.41]:
+    Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
         Printed: Positions before the preset get a value according to it. The values sent below zero or above the
             maximum are not given.
         Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over
@@ -1379,7 +1379,7 @@ class PositionReply(NamedTuple):
         Used: The highest value is FFFFFFh.
         Why: Seven digits are 28 bits.
 
-    Erratum rs485_position_width (open, omission) [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]:
+    Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]:
         Printed: SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a
             model, and at most 24 bits.
         Used: The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
@@ -1622,7 +1622,7 @@ class PositionReply(NamedTuple):
 
 @by_class
 class WidePositionReply(NamedTuple):
-    """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
+    """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
@@ -1645,14 +1645,14 @@ class WidePositionReply(NamedTuple):
     The position is always binary, with negative values as two's complement. There is no error code. Only the status
     field reports errors.
 
-    Erratum position_below_zero (open, omission) [6.4 p.32; 7.3.3.2 p.41]:
+    Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
         Printed: Positions before the preset get a value according to it. The values sent below zero or above the
             maximum are not given.
         Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over
             RS-485, it starts again after the number of counts that their bits can represent. The 48-bit position goes
             below zero.
 
-    Erratum abs_range_48 (settled, wrong limit) [7.3.3; a4: p.298]:
+    Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
         Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
         Used: The highest value is 7FFFFFFFFFFFh.
         Why: Two digits are missing. The highest number of 48 bits as two's complement has twelve.
@@ -1661,7 +1661,7 @@ class WidePositionReply(NamedTuple):
         Printed: Unused high bits are 0. The 48-bit position is signed.
         Used: The position is signed, over all 48 bits.
 
-    Erratum data_id_5_example_status (open, wrong data) [7.3.4; 7.3.2 p.38]:
+    Erratum data_id_5_example_status (open, wrong data) [7.3.4, 7.3.2 p.38]:
         Printed: Reply to data ID 5 with SF = 02h.
         Used: dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are reported.
         Why: 02h sets dd1, which 7.3.2 fixes at 0. Alarm and error would be 10h and 20h. However, it is the only reply
@@ -1836,7 +1836,7 @@ class WidePositionReply(NamedTuple):
 
 @by_class
 class IdentificationReply(NamedTuple):
-    """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
+    """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
         variant: Encoder of the frame.
@@ -1875,7 +1875,7 @@ class IdentificationReply(NamedTuple):
         Used: The highest value is FFFFFFh.
         Why: Seven digits are 28 bits.
 
-    Erratum rs485_position_width (open, omission) [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]:
+    Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]:
         Printed: SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a
             model, and at most 24 bits.
         Used: The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
@@ -2411,7 +2411,7 @@ class ProfileId(NamedTuple):
     The profile is the standard encoder profile, data format, with Variant 0-24 from 50 µm to 2 µm and Variant 0-24+++
     at 1 µm.
 
-    Erratum profile_variants (open, wrong data) [6.4 p.28; asc85: 6.4 p.23]:
+    Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
         Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a
             field of 24 bits.
         Used: Each is used as printed.
@@ -2482,7 +2482,7 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_coding (open, omission) [6.4 p.29; amm5: 6.4 p.38]:
+    Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
         Printed: Year, week and number in hexadecimal (in esadecimale), without an example.
         Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.
     """
@@ -2535,7 +2535,7 @@ class SerialNumber(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
+    """Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29, 12 p.51].
 
     Saves the parameters, activates preset or offset, or restores the defaults.
 
@@ -2579,7 +2579,7 @@ class Command(IntEnum):
 
 @by_class
 class Configuration(NamedTuple):
-    """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
+    """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30, 12 p.51].
 
     Attributes:
         counting_direction: Direzione di conteggio: Counting direction of the absolute position. The incremental signals
@@ -2595,7 +2595,7 @@ class Configuration(NamedTuple):
 
     A new setting is active immediately after its transmission. Save it with the Command register.
 
-    Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35; 6.4 p.30]:
+    Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35, 6.4 p.30]:
         Printed: Bit 8 Direzione di conteggio.
         Used: Counting direction is bit 6.
         Why: The register has bits 7 to 0. 6.4 and section 12 have bit 6. The value 60h of the example sets bits 6 and
@@ -2744,7 +2744,7 @@ class AbsoluteResolution(NamedTuple):
 
 @by_class
 class PresetOffset(NamedTuple):
-    """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
+    """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
 
     Attributes:
         preset_offset: Preset offset.
@@ -2767,7 +2767,7 @@ class PresetOffset(NamedTuple):
     highest offset is the number of positions of the 24-bit or 25-bit field less the number of positions of the
     resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
-    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25; 6.4 p.32]:
+    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
         Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
             of 20 bits.
         Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field
@@ -2965,7 +2965,7 @@ class PositionCheck(NamedTuple):
 
     Do not change the value. It is only for Lika's technicians.
 
-    Erratum position_check_default (open, omission) [6.4 p.33; 12 p.51]:
+    Erratum position_check_default (open, omission) [6.4 p.33, 12 p.51]:
         Printed: Register 59h can be written and has the default 00h. The list of defaults leaves it out.
         Used: 00h.
     """
@@ -3019,7 +3019,7 @@ class DeviceId(NamedTuple):
 
     Byte order: high byte first, at 78h.
 
-    Erratum device_id_shared (open, omission) [6.4 p.34; prot: p.14-15]:
+    Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
         Printed: One device ID, SM21 with the release, for all models.
         Used: The device ID is used as printed.
     """
@@ -3213,7 +3213,7 @@ _PROCEDURES: Final = {
 
 
 def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Set and save the configuration [6.4 p.31; 6.6.1 p.35].
+    """Set and save the configuration [6.4 p.31, 6.6.1 p.35].
 
     Result: The new configuration is active and saved.
 
@@ -3247,7 +3247,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
 
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set, save and activate a preset [6.4 p.32; 6.6.2 p.35].
+    """Set, save and activate a preset [6.4 p.32, 6.6.2 p.35].
 
     Before: The sensor is at rest at the wanted position. In the Configuration register, preset and offset are enabled
     and preset is selected, which is the factory default. Otherwise run select_preset first.
@@ -3309,14 +3309,14 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
-    """Select, set, save and activate an offset [6.4 p.30; 6.4 p.32].
+    """Select, set, save and activate an offset [6.4 p.30, 6.4 p.32].
 
     Before: The sensor is at rest at the wanted position. At 2 µm and 1 µm, only 0 is within the limits.
 
     Result: The transmitted positions are shifted by the offset. From the selection on, the position takes the whole
     field of the single cycle data, so a decoder must know the content of the register Configuration.
 
-    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25; 6.4 p.32]:
+    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
         Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
             of 20 bits.
         Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field
@@ -3420,7 +3420,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: Manufacturer, device, resolution and serial number are known. The supply is not.
 
-    Erratum device_id_shared (open, omission) [6.4 p.34; prot: p.14-15]:
+    Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
         Printed: One device ID, SM21 with the release, for all models.
         Used: The device ID is used as printed.
 
@@ -3453,7 +3453,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     the initialization, which is the same as after power-on, is complete. The manual does not say how long it takes.
     Reset an Initialization error only after the initialization is complete and normal operation has started again.
 
-    Erratum reset_interval (open, omission) [7.3.2 p.38; 7.3.3.2 p.41]:
+    Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
         Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more.
         Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 
@@ -3490,12 +3490,12 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     accepted during the reset, since the absolute positions are composed and the EEPROM is written. The manual does not
     say how long it takes.
 
-    Erratum zero_setting_rs485 (open, wrong limit) [3.3; 7.3.1 p.38; 7.3.3.2 p.41]:
+    Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
         Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and
             RS-485. 7.3.3.2: data ID F resets the position to 0.
         Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
 
-    Erratum reset_interval (open, omission) [7.3.2 p.38; 7.3.3.2 p.41]:
+    Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
         Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more.
         Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 

@@ -28,7 +28,7 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.) ?{_VOLT}")
 
 
 def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that the meaning of an order code value agrees with what it sets: code, length and supply."""
+    """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
             meaning, here = value.get("meaning", ""), (*path, "values", text)

@@ -21,9 +21,9 @@ class Common:
     #: Title for people, and its name in sentences.
     title: ClassVar[str]
     short: ClassVar[str]
-    #: Whether frames are carried as bits or bytes unless their layout says otherwise.
+    #: Default of layouts: frames are carried as ``"bits"`` or ``"bytes"``.
     carried_as: ClassVar[str] = "bits"
-    #: Whether layouts can be sent on several data channels.
+    #: True if layouts can be sent on several data channels.
     has_channels: ClassVar[bool] = False
     #: Number of register addresses, and of those in a bank if the interface has banks.
     highest_address: ClassVar[int | None] = None

@@ -15,7 +15,7 @@ _LARGEST = 1_000_000
 
 
 class DtdError(ValueError):
-    """Document type that cannot be used; the message gives the reason."""
+    """Document type that cannot be used. The message gives the reason."""
 
 
 class _OneFile(etree.Resolver):

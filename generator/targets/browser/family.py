@@ -87,7 +87,7 @@ def _interface(device: Device, item: Interface, shared: Pool) -> Data:
 
 
 def _measure(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position; ``part`` has the angle if the position is not sent as a whole."""
+    """Return the unit of the position. ``part`` has the angle if the position is not sent as a whole."""
     found = device.measurement_of(interface.name)
     if found is None:
         return {}

@@ -135,7 +135,7 @@ def _stated(item: Field) -> Any:
 
 
 def _sent(value: object) -> Data:
-    """Return the terms of a field that users do not provide; the CRC has none."""
+    """Return the terms of a field that users do not provide, none for a CRC."""
     match value:
         case Fixed(fixed):
             return {"fixed": number(fixed)}
@@ -153,7 +153,7 @@ def _place(item: Place) -> list[Any]:
 
 
 def _check(layout: Layout, item: Condition) -> Data:
-    """Return a check; ``says`` selects the message for a violation."""
+    """Return a check. ``says`` selects the message for a violation."""
     name, says, most, always = item.check.field.name, "", 0, False
     match item.check:
         case AlwaysIs():

@@ -25,7 +25,7 @@ def number(value: int) -> int | str:
 
 
 def expression(item: Expression) -> Any:
-    """Return a number, or a list of a number and terms of sign and factors; ``^name`` is a power of two."""
+    """Return a number, or a list of a number and terms of sign and factors. ``^name`` is a power of two."""
     if item.is_constant:
         return number(item.constant)
     return [number(item.constant), *map(_term, item.terms)]

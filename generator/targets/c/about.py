@@ -119,7 +119,7 @@ def _power(exponent: int) -> str:
 
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
-    """Return what the frame is, where its bits are, and last its errata, which few readers need."""
+    """Return the purpose of the frame, the places of its bits, and last its errata, which few readers need."""
     item = struct.layout
     elsewhere = list(layout.joins(item))  # Their members say it.
     errata = list(layout.errata_of(device, interface, item))
@@ -129,7 +129,7 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 
 
 def about_member(struct: Struct, item: Field) -> str:
-    """Return what the enumeration of a field does not say."""
+    """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(item)
     about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
     return " ".join(filter(None, (S.paragraph(about), "No terminator." if isinstance(item.kind, Text) else "")))
@@ -147,7 +147,7 @@ def place(item: Layout, of: Field) -> str:
 
 
 def _holds(struct: Struct, item: Field) -> str:
-    """Return what no member says about a field, and its width unless its place shows it."""
+    """Return the facts of a field that no member shows, and its width unless its place shows it."""
     is_member = item.carries_data and item is not struct.plan.selector
     about = () if is_member else field.field(struct.device, item)
     if item.is_fixed:
@@ -157,7 +157,7 @@ def _holds(struct: Struct, item: Field) -> str:
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:
-    """Yield one line for each field: its place, its name, and what no member says."""
+    """Yield one line for each field: its place, its name, and the facts that no member shows."""
     rows = [
         (place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item))
         for item in struct.layout.fields
@@ -210,7 +210,7 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
     interface = device.interface(run.procedure.interface)
     yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
     if read_state and run.changes_frames:
-        yield f"The frames depend on what it writes: call {read_state}() afterwards to update the variant."
+        yield f"The frames depend on the bytes that it writes: call {read_state}() afterwards to update the variant."
 
 
 def note_of_step(device: Device, item: Operation) -> str:

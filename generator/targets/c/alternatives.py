@@ -54,7 +54,7 @@ class AlternativeCode:
         )
 
     def declared(self) -> Iterator[Declared]:
-        """Yield what it declares at file scope."""
+        """Yield its declarations at file scope."""
         yield from self.enumeration.declared()
         yield from ((item.name, self.enumeration.path) for item in self.functions)
 

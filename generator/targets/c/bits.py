@@ -12,7 +12,7 @@ from .types import size_of, unsigned
 
 
 def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
-    """Return the type and the bits in these pieces of ``bytes``; 0 if no order code has such bits."""
+    """Return the type and the bits in these pieces of ``bytes``, or 0 if no order code has such bits."""
     if not pieces:
         return unsigned(1), Number(0)
     bits = sum(piece.mask.bit_length() for piece in pieces)

@@ -88,7 +88,7 @@ class Chosen:
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
-        """The worked procedure with the most writes; without one, the first that clears an alarm by a request."""
+        """Worked procedure with the most writes, or without one the first that clears an alarm by a request."""
         given = (item for item in self.examples if isinstance(item, ProcedureExample))
         worked = [(self.device.procedure(item.procedure), item) for item in given]
         # The simulated encoder is never done, so that a poll would not end.

@@ -22,7 +22,7 @@ from .types import number, string
 
 
 class StructCodec:
-    """The values that the templates print for a layout. ``about`` describes a frame; it is empty for a register."""
+    """The values that the templates print for a layout. ``about`` describes a frame and is empty for a register."""
 
     def __init__(self, struct: Struct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()) -> None:
         self.struct = struct
@@ -34,7 +34,7 @@ class StructCodec:
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         self.asked = tuple(item for item in struct.context.alternatives if item.item in self.plan.alternatives)
-        #: The reports of a frame; a register has none.
+        #: The reports of a frame, None for a register.
         self.reports = struct.context.reports.of(struct.layout, self.name) if struct.register is None else None
 
     def declared(self) -> Iterator[Declared]:
@@ -109,7 +109,7 @@ class StructCodec:
 
     @property
     def tells_difference(self) -> bool:
-        """True if a valid frame can differ from what the manual states."""
+        """True if a valid frame can differ from the manual."""
         return bool(self.expected or self.struct.unused)
 
     @staticmethod
@@ -135,7 +135,7 @@ class StructCodec:
 
     @property
     def is_expected(self) -> Expr:
-        """The condition that a struct holds what the manual states."""
+        """Condition that a struct has the values of the manual."""
         unused = [Operation("==", (Name("in->unused"), Number(0)))] if self.struct.unused else []
         return joined("&&", (*(item for field in self.expected for item in self._is_expected(field)), *unused))
 

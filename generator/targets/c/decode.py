@@ -19,7 +19,7 @@ _LOCALS = frozenset("variant word plain bytes length out in crc index v wide val
 
 @dataclass(frozen=True, slots=True)
 class ByteIs:
-    """A byte whose bits under ``mask`` never change. ``reasons`` names what is constant there."""
+    """A byte whose bits under ``mask`` never change. ``reasons`` names the constant fields there."""
 
     byte: int
     mask: int

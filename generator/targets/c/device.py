@@ -125,7 +125,7 @@ class DeviceView:
 
     @property
     def origin(self) -> list[Paragraph]:
-        """Statements about the family that are not in its manual; empty for most."""
+        """Statements about the family that are not in its manual, none for most."""
         return [
             S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
         ]
@@ -138,7 +138,7 @@ class DeviceView:
 
     @property
     def usage(self) -> Usage | None:
-        """The example at the top of the header, for the interface with the best frames; None without any verdict."""
+        """The example at the top of the header, for the interface with the best frames, or None without any verdict."""
         for code in sorted(self.interfaces, key=lambda item: not isinstance(item.interface, Biss)):
             measurement = self.device.measurement_of(code.interface.name)
             row = next((row for row in self.variants.rows if row.variant.interface == code.interface.name), None)

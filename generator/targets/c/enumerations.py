@@ -24,7 +24,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Enumeration:
-    """The named values of a field, with this many hexadecimal ``digits``; macros if they do not fit an int.
+    """The named values of a field, with this many hexadecimal ``digits``, as macros if they do not fit an int.
 
     ``said`` has the statements on the field that its comment makes.
     """

@@ -156,7 +156,7 @@ class ExampleCode:
 
     @property
     def data(self) -> bytes:
-        """The bytes of the frame; of one that is a word none."""
+        """Bytes of the frame, none if it is a word."""
         layout = self.frame.layout
         if not layout.in_bytes:
             return b""
@@ -175,7 +175,7 @@ class ExampleCode:
 
     @property
     def request(self) -> str:
-        """The macro of the request that the frame answers; empty if there is none."""
+        """Macro of the request that the frame answers, or an empty text."""
         known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
         name = next(sent, "")

@@ -12,7 +12,7 @@ from .types import number, signed_number
 
 
 class Expr:
-    """An expression of C; ``str`` gives its text."""
+    """An expression of C, whose text is its ``str``."""
 
     __slots__ = ()
 

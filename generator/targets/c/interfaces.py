@@ -112,7 +112,7 @@ class InterfaceCode:
 
     @property
     def timeout_product(self) -> int:
-        """The time-out in nanoseconds times the clock in hertz; 0 if it does not depend on the clock."""
+        """The time-out in nanoseconds times the clock in hertz, 0 if it does not depend on the clock."""
         timeout = self.timeout
         if timeout is None or timeout.rule != "follows_clock":
             return 0

@@ -15,7 +15,7 @@ from .variants import CodeRow
 
 
 class LengthCode:
-    """The lengths of one interface; empty if none of its frames is carried as bits."""
+    """The lengths of one interface, empty if none of its frames is carried as bits."""
 
     def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow]) -> None:
         self.interface = interface
@@ -25,7 +25,7 @@ class LengthCode:
         #: Names of the answers on which a length depends.
         self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
         self.held = any(item.held for item in found)
-        #: Number of acknowledge bits that fit into a buffer; 0 if the interface has none.
+        #: Number of acknowledge bits that fit into a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.maker.name, interface, found))
         self._stems = {id(row.variant): row.macro for row in rows}
@@ -44,7 +44,7 @@ class LengthCode:
 
 
 def _register_access(maker: str, interface: Interface, found: Sequence[Received]) -> Iterator[str]:
-    """Yield the deadlines for the control bit of a master, in the family's own numbers; nothing unless it is BiSS."""
+    """Yield the deadlines for the control bit of a master, in the family's own numbers, if it is BiSS."""
     if not isinstance(interface, Biss) or not found:
         return
     bits, clock = min(item.bits for item in found), interface.clock

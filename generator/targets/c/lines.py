@@ -1,4 +1,4 @@
-"""Long lines of C: where code is broken, and when a comment moves from the end of a line to above it."""
+"""Break long lines of C, and move comments from the end of a line to above it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .types import string
 _CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
 _ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
-#: A comment that begins a line, except titles of sections; and one after a declaration or a macro.
+#: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
 _OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
 _BEHIND = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
 #: The end of a line that the next one continues.

@@ -24,7 +24,7 @@ _WORDS = {
 }
 
 
-#: A name at file scope, and the part of the spec that it comes from; empty for names that every header has.
+#: A name at file scope, and the part of the spec that it comes from, empty for names that every header has.
 #: Each part of a header lists its names in ``declared()``.
 Declared = tuple[str, Path]
 
@@ -38,7 +38,7 @@ class Clash:
     other: Path
 
     def message(self, where: str = "") -> str:
-        """Return what is wrong and how to fix it. ``where`` gives the place of the other part, as in `` on line 5``."""
+        """Return the problem and its fix. ``where`` gives the place of the other part, as in `` on line 5``."""
         if not self.other:
             return f"it needs the C name {self.name}, which the headers already use; rename it"
         return f"it needs the C name {self.name}, and so does {called(self.other)}{where}; rename one of the two"
@@ -51,7 +51,7 @@ def called(path: Path) -> str:
 
 
 class Names:
-    """The names of one header. A name belongs to the first part that declares it; any other part is a clash."""
+    """The names of one header. A name belongs to the first part that declares it. Any other part is a clash."""
 
     def __init__(self, declared: Iterable[Declared]) -> None:
         self.paths: dict[str, Path] = {}

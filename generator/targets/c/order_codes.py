@@ -56,7 +56,7 @@ class _Choice:
 
 
 def written_out(expression: str) -> tuple[str, ...]:
-    """Return the patterns of an open part, the longest first; empty if it cannot be expanded."""
+    """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded."""
     found: list[str] = []
     for alternative in expression.split("|"):
         atoms, at = [], 0
@@ -73,7 +73,7 @@ def written_out(expression: str) -> tuple[str, ...]:
 
 
 def _repeated(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
-    """One unit with its repetitions; empty where it is of a kind that has no mark."""
+    """Return one unit with its repetitions, or an empty text if its kind has no mark."""
     unit = match["unit"]
     mark = _CLASSES.get(unit, unit[-1] if len(unit) == 1 or (unit[0] == "\\" and not unit[1].isalnum()) else "")
     least = 0 if match["maybe"] else int(match["least"] or 1)
@@ -93,7 +93,7 @@ def unknown_parts(device: Device) -> tuple[str, ...]:
 def open_codes(device: Device) -> tuple[OpenCode, ...]:
     """Return the patterns for order codes with open parts and for labels in other spellings. The first match decides.
 
-    A pattern with an open part also matches listed values. If these are no order code in this combination, a refused
+    A pattern with an open part also matches listed values. If their combination is not an order code, a refused
     pattern comes before it.
     """
     code = device.order_code

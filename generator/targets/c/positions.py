@@ -18,7 +18,7 @@ from .names import Declared
 class AnglePositions:
     """Positions in angles. They start again at 0 after ``turns``, if the manual says so. ``one_turn`` is a single one.
 
-    ``over`` names the interface in words; it is empty if positions mean the same for all.
+    ``over`` names the interface in words, and is empty if positions mean the same for all.
     """
 
     prefix: str

@@ -46,7 +46,7 @@ _ZERO = Number(0)
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """An elementary step at the place ``at`` of the list: one byte of a register, a wait, a request."""
+    """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request."""
 
     at: int
     op: Operation
@@ -142,7 +142,7 @@ class ProcedureCode:
 
     @property
     def read_type(self) -> str:
-        """The struct for the bytes read; empty if there are none."""
+        """Struct for the bytes read, or an empty text if there are none."""
         return f"{self.function}_read" if self.reads else ""
 
     @property
@@ -162,7 +162,7 @@ class ProcedureCode:
         return "&written" if self._teaching else "variant"
 
     def taker(self, item: Filled | Whole) -> str:
-        """Return the function that updates the copy from the bytes written; empty if no limit depends on them."""
+        """Return the function that updates the copy from written bytes, or an empty text if no limit needs it."""
         name = item.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
 

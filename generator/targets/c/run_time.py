@@ -37,7 +37,7 @@ class HeldValue:
 
     @property
     def is_outside(self) -> Expr | None:
-        """The condition that the parameter cannot have the value; None if it can have any."""
+        """Condition that the parameter cannot have the value, or None if it can have any."""
         name, low, high = Name(self.local), self.held.low, self.held.high
         sides = (("<", low), (">", high))
         found = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)

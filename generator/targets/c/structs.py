@@ -35,7 +35,7 @@ class Struct:
             wrong = f"'{layout.name}' has {layout.widest} bits and fields that move"
             raise TargetError(f"{wrong}; the C target can place them only within 64 bits", self.path)
         if self.plan.alternatives and register is not None:
-            wrong = f"'{layout.name}' depends on what the manual leaves open"
+            wrong = f"'{layout.name}' depends on a question that the manual leaves open"
             raise TargetError(f"{wrong}; the C target has an argument for it only in frames", self.path)
         if self.unused.width > 64:
             wrong = f"'{layout.name}' has unused bits in {-(-self.unused.width // 8)} bytes"
@@ -87,7 +87,7 @@ class Struct:
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
-        """Return the condition that ``name`` is none of these values.
+        """Return the condition that ``name`` has another value than these.
 
         ``is_raw`` is True if it holds the bits as read, which are a number rather than of the field's enumeration.
         """

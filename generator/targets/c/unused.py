@@ -31,7 +31,7 @@ class Moved:
 
 
 class Unused:
-    """The member ``unused`` of a struct; false if the layout has no unused bits."""
+    """The member ``unused`` of a struct. It is false if the layout has no unused bits."""
 
     def __init__(self, reader: Reader) -> None:
         self.reader, self.plan = reader, reader.plan
@@ -94,7 +94,7 @@ class Unused:
 
     @property
     def refused(self) -> Expr | None:
-        """The condition that the member has a bit other than the unused ones; None if its type has no such bit."""
+        """The condition that the member has a bit other than the unused ones, or None if its type has no such bit."""
         varying = [op for op in self.single if not op.bits.width.is_constant]
         fixed = sum(_ones(op) for op in self.plan.reserved if op.bits.width.is_constant)
         if not varying:
@@ -176,7 +176,7 @@ def _ones(op: Reserved) -> int:
 
 
 def _documented(value: int) -> Expr | None:
-    """Return the value in the manual; None if that is 0."""
+    """Return the value in the manual, or None if that is 0."""
     return Number(value, hexadecimal=True) if value else None
 
 

@@ -50,7 +50,7 @@ def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, 
 
 
 def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
-    """Yield number, instruction, reason, source; a step that only generated code has is not numbered."""
+    """Yield number, instruction, reason, source. A step that only generated code has is not numbered."""
     index = 0
     for operation in run_of(device, item).operations:
         part = operation.step
@@ -107,7 +107,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
 
 
 def _worked(example: Example) -> Iterator[tuple[str, str]]:
-    """Yield fact and value of an example; the value is empty if the example does not have it."""
+    """Yield fact and value of an example. The value is empty if the example does not have it."""
     match example:
         case FrameExample():
             yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""

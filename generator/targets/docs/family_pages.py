@@ -32,7 +32,7 @@ class FamilyPage(TypedDict):
     part_rows: Annotated[Rows, "parts of an order code and the meaning of each value"]
     spelling_rows: Annotated[Rows, "other spellings on labels"]
     measurement_rows: Annotated[Rows, "unit of the position"]
-    has_masters: Annotated[bool, "whether there is a page of master settings"]
+    has_masters: Annotated[bool, "true if there is a page of master settings"]
     changes_page: Annotated[str, "page of the changes in each version"]
 
 
@@ -178,7 +178,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _times_read(counts: TimesRead | None) -> str:
-    """Return the number of facts confirmed by a second reading; empty without a second reading."""
+    """Return the number of facts confirmed by a second reading, if there is one."""
     if counts is None:
         return ""
     every = counts.twice + counts.explained + counts.once

@@ -11,7 +11,7 @@ from ...say.name import heading
 
 @dataclass(frozen=True, slots=True)
 class ByHand:
-    """Steps that a person carries out; ``before`` is the text in front of them."""
+    """Steps that a person carries out. ``before`` is the text in front of them."""
 
     characteristic: Characteristic
     title: str

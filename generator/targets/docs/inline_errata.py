@@ -140,7 +140,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield impact, family, erratum, printed and used text; wrong bytes come before wording."""
+    """Yield impact, family, erratum, printed and used text. Wrong bytes come before wording."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             family = link(text(device.name.upper()), f"{device.name}.md")

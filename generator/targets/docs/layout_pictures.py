@@ -49,7 +49,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Byte:
-    """Row of boxes with the highest bit on the left; ``label`` names the byte."""
+    """Row of boxes with the highest bit on the left. ``label`` names the byte."""
 
     label: str
     boxes: tuple[Box, ...]
@@ -57,7 +57,7 @@ class Byte:
 
 @dataclass(frozen=True)
 class Stack:
-    """Bytes one below the other under a caption; ``says`` is the text alternative."""
+    """Bytes one below the other under a caption. ``says`` is the text alternative."""
 
     caption: str
     rows: tuple[Byte, ...]
@@ -92,7 +92,7 @@ def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
 
 
 def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
-    """Return a register by address; bit numbers refer to the whole register."""
+    """Return a register by address. Bit numbers refer to the whole register."""
     lows = _lows(placed.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = f", {'low' if low_byte_first else 'high'} byte first" if len(lows) > 1 else ""
@@ -255,7 +255,7 @@ def _room(box: Box) -> float:
 
 
 def _inside(box: Box) -> list[str]:
-    """Return the lines of the name in its box; empty if the name is below the row."""
+    """Return the lines of the name in its box, or none if the name is below the row."""
     if box.active_low:
         return []
     lines = wrapped(box.name, _room(box) - 4, _SMALL)

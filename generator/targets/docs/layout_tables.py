@@ -54,7 +54,7 @@ def named(item: Named) -> str:
 
 
 def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
-    """Return all statements about a field in one cell; many values of a register are in a separate table."""
+    """Return all statements about a field in one cell. Many values of a register are in a separate table."""
     parts = [*told(item.meaning), *_values(item, in_register), *rules(device, item), *told(item.note)]
     return joined(map(STYLE.sentence, parts))
 
@@ -82,7 +82,7 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
-    """Yield field, place, width, meaning, source; a group of fields is one row with a link to its table."""
+    """Yield field, place, width, meaning, source. A group of fields is one row with a link to its table."""
     done: set[str] = set()
     groups = {group.name: group for group in device.field_groups}
     there = {field.name for field in layout.fields}
@@ -164,7 +164,7 @@ def used_groups(interface: Interface) -> list[str]:
 
 
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
-    """Return a table of the places of fields by order code and choice; empty if they are the same for all.
+    """Return a table of the places of fields by order code and choice, or nothing if they are the same for all.
 
     Only choices that change the length are included. The row of a field has its places for all other choices.
     """

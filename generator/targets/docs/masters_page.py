@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypedDict
 
 from ...masters.record import NoRecord, Record, Undecided, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
-from ...masters.text import bound, condition, conditions, facts, legend, mark
+from ...masters.text import bound, cited, condition, conditions, facts, legend, mark
 from ...model import Device, Interface, Variant, choices
 from ...say.markdown import code, joined, text
 from .fact_tables import document_rows
@@ -178,7 +178,7 @@ def _row(item: Setting, sheet: Sheet) -> Row:
     """Return name with place, value, note, source."""
     name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
     value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
-    return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(item.source)
+    return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(cited(item.source))
 
 
 def _mark(rule: Setting | Refusal) -> str:
@@ -210,7 +210,7 @@ def _refused(sheets: Told) -> Iterator[str]:
     for group, item in sheets:
         if item.refusals:
             reasons = " ".join(
-                f"{text(reason.reason)}{_mark(reason)} \\[{text(reason.source)}\\]" for reason in item.refusals
+                f"{text(reason.reason)}{_mark(reason)} \\[{text(cited(reason.source))}\\]" for reason in item.refusals
             )
             found.setdefault(reasons, []).append(group)
     for reasons, groups in found.items():

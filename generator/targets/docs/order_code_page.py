@@ -108,7 +108,7 @@ def _only(device: Device, variants: Iterable[Variant]) -> Device:
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page; ``pictures`` are those of the family, which the page may replace."""
+    """Return the values of the page. ``pictures`` are those of the family, which the page may replace."""
     return {
         **sections(alike.here),
         **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),

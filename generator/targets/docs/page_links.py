@@ -44,7 +44,7 @@ def to_erratum(device: Device, name: str) -> str:
 
 
 def to_steps(folder: str, names: Iterable[str]) -> list[str]:
-    """Return links to steps by hand; ``folder`` is the path to the folder of the family."""
+    """Return links to steps by hand. ``folder`` is the path to the folder of the family."""
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 

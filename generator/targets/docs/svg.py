@@ -38,7 +38,7 @@ def _style() -> str:
 
 
 def card(title: str, body: Sequence[str], width: float, height: float, desc: str = "") -> str:
-    """Return a picture of this size; ``desc`` is its text alternative."""
+    """Return a picture of this size. ``desc`` is its text alternative."""
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
         f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label={quoteattr(plain(title))} '
@@ -51,7 +51,7 @@ def card(title: str, body: Sequence[str], width: float, height: float, desc: str
 
 
 def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
-    """Return a box; ``fill`` is its colour class."""
+    """Return a box. ``fill`` is its colour class."""
     size = f'width="{number(wide)}" height="{number(high)}"'
     return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
 
@@ -73,7 +73,7 @@ def text(
     bold: bool = False,
     over: bool = False,
 ) -> str:
-    """Return a line of text; ``over`` draws a line above it."""
+    """Return a line of text. ``over`` draws a line above it."""
     weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{escape(plain(words))}</text>'

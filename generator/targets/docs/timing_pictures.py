@@ -86,7 +86,7 @@ def _time(interface: Interface, symbol: str) -> str:
 
 
 def _ssi(interface: Ssi) -> Wave:
-    """Return a word with its clocks; afterwards the data line stays low for a while and then goes high."""
+    """Return a word with its clocks. Afterwards the data line stays low for a while and then goes high."""
     up, down = Trace.UP, Trace.DOWN
     first = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock = (

@@ -34,7 +34,7 @@ def page_values(devices: Sequence[Device]) -> UsablePage:
 
 
 def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
-    """Yield the rows with the family in the first one; ``name`` is its anchor."""
+    """Yield the rows with the family in the first one. ``name`` is its anchor."""
     family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
     for index, row in enumerate(rows):
         yield family if index == 0 else "", *row

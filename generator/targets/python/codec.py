@@ -93,7 +93,7 @@ class Coder:
     @property
     def given_about(self) -> list[tuple[str, str]]:
         """The same arguments, each with its description."""
-        about = {item.name: f"Answer to what the manual leaves open: a ``{item.kind}``." for item in self.asked}
+        about = {item.name: f"Answer to an open question of the manual: a ``{item.kind}``." for item in self.asked}
         return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
 
     @property

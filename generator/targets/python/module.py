@@ -238,7 +238,7 @@ class Module:
     def _section(self, interface: Interface) -> Section:
         coders = tuple(Coder(self.context, interface.name, item) for item in interface.layouts)
         dispatchers = [self._dispatcher(interface, item, coders) for item in dispatches(interface.layouts)]
-        # What the master sends comes first.
+        # Frames sent by the master come first.
         dispatchers.sort(key=lambda item: item.plan.sender == "encoder")
         notes = text.notes(self.device, interface)
         return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))

@@ -55,7 +55,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
 
 
 def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[Block]:
-    """Return the errata of these parts of the spec; errata of wording are only in the table."""
+    """Return the errata of these parts of the spec. Errata of wording are only in the table."""
     return paragraphs(map(erratum, errata(device, *paths, without=without)))
 
 

@@ -30,12 +30,12 @@
  *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
  *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
  *           https://github.com/TexasInstruments/motor-control-sdk
- *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic; single pages of it -
+ *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
  *             https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html
- *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic; the page that begins the
+ *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic, the page that begins the
  *                  BiSS section -
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number -
+ *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
  *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
 #error "lika/am36.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -68,7 +68,7 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /**
- * Order codes: {model}{singleturn}/{turns}-{output} [5; 5.2; 6; 6.5 p.31].
+ * Order codes: {model}{singleturn}/{turns}-{output} [5, 5.2, 6, 6.5 p.31].
  * model: Mechanical version: AM36 = Solid shaft; AMC36 = Hollow shaft.
  * singleturn: Singleturn resolution in bits: 16 = 65,536 counts per turn; 19 = 524,288 counts per
  * turn.
@@ -78,11 +78,11 @@ extern "C" {
  * output: Interface and output code: I7 = BiSS C-mode. The Configuration register sets the output
  * code; BG = SSI, binary code; GG = SSI, Gray code.
  * Other values that match 17 are accepted and shown as unlisted.
- * Also written: {model}{singleturn}/{turns}{output}, as in edition 1.1 of the manual; what its last
- * digit, printed as x, stands for is not known here [am36_1_1_biss: p.21; am36_1_1: p.22].
+ * Also written: {model}{singleturn}/{turns}{output}, as in edition 1.1 of the manual (the meaning
+ * of its last digit, printed as x, is unknown) [am36_1_1_biss: p.21, am36_1_1: p.22].
  * Also written: {model}{singleturn}/{turns}-{output}, as in edition 1.1 of the manual, with the
- * hyphen of edition 1.0; what its last digit, printed as x, stands for is not known here
- * [am36_1_1_biss: p.21; 5; 6].
+ * hyphen of edition 1.0 (the meaning of its last digit, printed as x, is unknown) [5, 6,
+ * am36_1_1_biss: p.21].
  * On the label, a hyphen and further characters follow the output. The manual does not explain
  * them. For BiSS it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value
  * for the singleturn resolution. The listed values are those of the SSI table. Over BiSS, other
@@ -112,7 +112,7 @@ typedef struct lika_am36_variant {
     uint8_t singleturn_bits;
     /** Number of bits for the revolutions given by the order code [5.2]. Unit: bits. */
     uint8_t multiturn_bits;
-    /** Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5; 5.2]. */
+    /** Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2]. */
     uint8_t ssi_gray;
     /**
      * Width of the singleturn part of the BiSS position, as currently set: the base 2 logarithm of
@@ -358,8 +358,8 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22; prot: p.7-8;
- * renishaw: data sheet; icmu: p.30].
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22, prot: p.7-8,
+ * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
@@ -388,7 +388,7 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4; prot: p.9-14; icmu: p.30].
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
  * Erratum biss_crc_start (open, omission).
@@ -465,7 +465,7 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
  * position. The next rising edge starts the transmission with the MSB. Each further rising edge
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * up to n + 1 rising edges (13 bits: 14 edges). The time Tm may follow the word immediately.
- * Signals: EIA RS-422; clock and data have a logic level of typically 5 V [5].
+ * Signals: EIA RS-422, clock and data have a logic level of typically 5 V [5].
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word
  * [5.2].
  * Code: binary or Gray, by order code [5.2].
@@ -724,7 +724,7 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: used_singleturn_bits +
- * used_multiturn_bits + 8 bits, most significant first [6.3 p.21; 6.3.1 p.21].
+ * used_multiturn_bits + 8 bits, most significant first [6.3 p.21, 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * The frame has 44 bits with the defaults, and this is also the maximum. The manual uses Position
@@ -975,7 +975,7 @@ static inline double lika_am36_ssi_degrees(const lika_am36_variant *variant, uin
     return ((double)angle * 360.0) / (double)counts;
 }
 
-/** Return the number of counts in one revolution over BiSS C-mode [6.5 p.27; 6.5 p.28]. */
+/** Return the number of counts in one revolution over BiSS C-mode [6.5 p.27, 6.5 p.28]. */
 static inline uint64_t lika_am36_biss_counts_per_turn(const lika_am36_variant *variant)
 {
     return (uint64_t)1U << variant->used_singleturn_bits;
@@ -1236,7 +1236,7 @@ static inline lika_result lika_am36_read_serial_number(
 }
 
 /**
- * Command, register 48h, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
+ * Command, register 48h, write only, over BiSS C-mode [6.5 p.24, 7 p.33].
  * Saves the parameters, activates the preset, or restores the defaults.
  * Wait at least 30 ms after a write, before the next command.
  * Returns to its default by itself after a write.
@@ -1303,7 +1303,7 @@ static inline lika_result lika_am36_write_command(
 }
 
 /**
- * Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
+ * Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
  * Preset function, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new value takes effect immediately. Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7
@@ -1480,7 +1480,7 @@ static inline lika_result lika_am36_write_configuration(
 }
 
 /**
- * Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7
+ * Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27, 7
  * p.33].
  * Singleturn resolution.
  * Byte order: high byte first, at 4Bh.
@@ -1616,7 +1616,7 @@ static inline lika_result lika_am36_write_information_per_revolution(
 }
 
 /**
- * Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
+ * Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28, 7 p.33].
  * Multiturn resolution.
  * Byte order: high byte first, at 4Eh.
  * Save the parameters after a write, or the encoder loses the value at power-off.
@@ -1747,7 +1747,7 @@ static inline lika_result lika_am36_write_number_of_revolutions(
 }
 
 /**
- * Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
+ * Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
  * Value that the encoder reports at the current shaft position once the preset is activated.
  * Byte order: high byte first, at 50h.
  * Can be written only while Enable preset of Configuration holds 0 (enable).
@@ -2590,8 +2590,8 @@ static inline lika_result lika_am36_set_configuration_steps(
 /**
  * Set and save the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on what it writes: call lika_am36_read_state() afterwards to update the
- * variant.
+ * The frames depend on the bytes that it writes: call lika_am36_read_state() afterwards to update
+ * the variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
@@ -2702,7 +2702,7 @@ static inline lika_result lika_am36_set_preset(
 }
 
 /**
- * Set and save a preset without activating it [6.5 p.29; 4.4 p.15].
+ * Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
  * Result: The preset is saved. The position is the same as before. The Zero setting/Preset input or
  * activate_preset activates the preset.
  * Erratum preset_example_bit (settled, wrong data).
@@ -2821,7 +2821,7 @@ static inline lika_result lika_am36_save_parameters(
 }
 
 /**
- * Save the parameters and activate the current preset [6.5 p.24; 6.5 p.25].
+ * Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
  * Before: Bit Enable preset at 0 (enable), the factory default. The manual suggests activating the
  * preset with the shaft at a standstill.
  * Result: The position at which the command arrived has the preset value.
@@ -2860,7 +2860,7 @@ static inline lika_result lika_am36_activate_preset(
 }
 
 /**
- * Load and save the default parameters [6.5 p.24; 6.5 p.28; 7 p.33].
+ * Load and save the default parameters [6.5 p.24, 6.5 p.28, 7 p.33].
  * Result: All parameters have their defaults, which are active and saved. All earlier values are
  * lost, including the preset. The frame has 44 bits again.
  * The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn
@@ -2903,7 +2903,7 @@ static inline lika_result lika_am36_restore_defaults(
 }
 
 /**
- * Change the resolution, then set and activate the preset again [6.5 p.24; 6.5 p.29].
+ * Change the resolution, then set and activate the preset again [6.5 p.24, 6.5 p.29].
  * Before: The manual suggests doing this with the shaft at a standstill.
  * Result: The new resolution is saved. The position at which the last command arrived has the
  * preset value. Frames have the widths read in the last two steps.
@@ -3039,8 +3039,8 @@ typedef struct lika_am36_set_resolution_read {
 /**
  * Change the resolution, then set and activate the preset again, over BiSS C-mode. The transport
  * needs read_registers, write_registers and wait_us.
- * The frames depend on what it writes: call lika_am36_read_state() afterwards to update the
- * variant.
+ * The frames depend on the bytes that it writes: call lika_am36_read_state() afterwards to update
+ * the variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
@@ -3180,7 +3180,7 @@ static inline lika_result lika_am36_identify(
 
 /**
  * Zero setting/Preset: Sets the position to 0 (SSI) or activates the preset value of the Preset
- * registers (BiSS), on a signal from a PLC or another controller [4.4 p.15; Electrical safety p.8].
+ * registers (BiSS), on a signal from a PLC or another controller [4.4 p.15, Electrical safety p.8].
  * Low level: 0VDC: normal level, nothing happens.
  * High level: +VDC: zero setting or preset is activated.
  * Pulse: at least 100 us.
@@ -3195,7 +3195,7 @@ static inline lika_result lika_am36_identify(
 
 /**
  * Counting direction (Complementary input): Sets whether the position counts up with clockwise (CW)
- * or counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15; Electrical safety p.8;
+ * or counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15, Electrical safety p.8,
  * 6.5 p.26].
  * Low level: 0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the bit
  * Counting direction.
@@ -3213,19 +3213,19 @@ static inline lika_result lika_am36_identify(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum input_levels (open, omission) [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]:
+ * Erratum input_levels (open, omission) [Electrical safety p.8, 4, 4.4 p.15, 4.5 p.15]:
  *   Printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
  *   Used: 0VDC is the low level. +VDC is the high level.
  *   Why: The table of connections lists +10VDC +30VDC but not +VDC. The supply is probably meant.
  *   The manual does not give the threshold voltages and the input current. It does not say whether
  *   an input may be left open.
- * Erratum order_code_17 (settled, wrong limit) [6; 6.5 p.31]:
+ * Erratum order_code_17 (settled, wrong limit) [6, 6.5 p.31]:
  *   Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-...
  *   Used: I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
  *   Why: Registers 7Ah and 7Bh of the Device ID, which the manual relates to the order code,
  *   contain 49h 37h. The words next to them are "I7 = BiSS C interface". The text was read
  *   optically and confuses I and 1 in other places too.
- * Erratum order_code_edition_1_1 (open, wrong limit) [5; 6; am36_1_1_biss: p.21; am36_1_1: p.22]:
+ * Erratum order_code_edition_1_1 (open, wrong limit) [5, 6, am36_1_1_biss: p.21, am36_1_1: p.22]:
  *   Printed: Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1:
  *   AMx36xx/4096SCx-..., in a table AMM3616/4096SCx...
  *   Used: Labels of both editions are accepted. SCx is read as I7. BG and GG are also accepted
@@ -3233,7 +3233,7 @@ static inline lika_result lika_am36_identify(
  *   Why: Only the BiSS pages of edition 1.1 are available. The series under which that manual is
  *   listed is AM 3616/4096BG, without the hyphen. The meaning of the digit x is not known. In other
  *   families it stands for the supply. AMM is assumed to be a misprint of AM.
- * Erratum output_letters (open, wrong data) [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]:
+ * Erratum output_letters (open, wrong data) [5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2]:
  *   Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark that the output code can
  *   be Gray or Binary, see the order code.
  *   Used: BG is binary, GG is Gray.
@@ -3241,7 +3241,7 @@ static inline lika_result lika_am36_identify(
  *   binary. The SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. The
  *   same meaning of the letters in this manual is an inference. To check, turn the shaft slowly. If
  *   neighbouring positions jump, the other code is in use.
- * Erratum biss_singleturn_resolution (open, wrong data) [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22;
+ * Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22,
  * am36_1_1: p.29]:
  *   Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as
  *   default and maximum in all BiSS models.
@@ -3250,7 +3250,7 @@ static inline lika_result lika_am36_identify(
  *   Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
  *   1.1 lists the same two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the
  *   default of 20 bits.
- * Erratum revolutions_4096 (open, wrong limit) [6.5 p.28; 6.5 p.31]:
+ * Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
  *   Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum.
  *   Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off.
  *   Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
@@ -3261,18 +3261,18 @@ static inline lika_result lika_am36_identify(
  *   Printed: AMx3616/4096: 28 bits, 268,425,456.
  *   Used: 268,435,456.
  *   Why: 2^28 is 268,435,456. The next row, 2^31, is correct.
- * Erratum ssi_bit_numbers (settled, wrong data) [5.2; 6.3.1 p.21]:
+ * Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]:
  *   Printed: SSI word with bits 28 ... 1 and 31 ... 1.
  *   Used: The words have bits 27:0 and 30:0.
  *   Why: The table counts from 1. Section 6 of the same manual counts from 0, as this spec does
  *   everywhere.
- * Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2]:
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
  *   Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks
  *   as data bits.
  *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
  *   Why: The word is aligned to the left. One extra clock reads a zero after it. One missing clock
  *   may lose the LSB.
- * Erratum position_order (open, omission) [5.2; 6.3.1 p.21; 6.5 p.29]:
+ * Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
  *   Printed: Only the length of the position, without the order of singleturn and multiturn.
  *   Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code,
  *   both form one word.
@@ -3287,13 +3287,13 @@ static inline lika_result lika_am36_identify(
  *   Used: Both limits are listed as printed.
  *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 3
  *   MHz.
- * Erratum ssi_pause (open, wrong limit) [5.1; 5.3; amm5: 5.3]:
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
  *   Printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us (Tp > 12 us).
  *   Used: The minimum is 12 us. Use a longer pause.
  *   Why: "At least" allows 12 us. The sign ">" does not. A pause of exactly 12 us leaves no margin
  *   in either case. A typical value means that longer times occur, and an encoder with a Tm above
  *   12 us is not ready then. The AMM5 manual, with the same Tm, asks for 20 us.
- * Erratum biss_crc_start (open, omission) [6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet;
+ * Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet,
  * icmu: p.30]:
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
@@ -3301,7 +3301,7 @@ static inline lika_result lika_am36_identify(
  *   Why: Public BiSS documents start with 0 unless something else is stated. BiSS devices may have
  *   another start value. With another start value, the CRC of every frame fails, with or without
  *   errors on the line.
- * Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21; 6.5 p.31]:
+ * Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
  *   Printed: Position has a variable length according to the resolution of the encoder, 36 bits at
  *   the most.
  *   Used: From the moment that a resolution is written, the position has the number of bits in
@@ -3309,19 +3309,19 @@ static inline lika_result lika_am36_identify(
  *   Why: 56h and 57h show the bits used for the current resolution, and a new resolution is active
  *   at once. The manual does not state directly that the frame then becomes shorter instead of
  *   containing zeros.
- * Erratum revolution_bits_rounding (open, omission) [6.5 p.28; 6.5 p.31]:
+ * Erratum revolution_bits_rounding (open, omission) [6.5 p.28, 6.5 p.31]:
  *   Printed: Number of revolutions may be any number. Register 57h shows the bits used for it.
  *   Used: The number of bits is read from register 57h, not computed.
  *   Why: The manual does not give the number of bits for numbers that are not powers of two. For
  *   2,000, at least 11 bits are needed to represent 0 to 1,999.
- * Erratum profile_id_variant (open, wrong data) [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4;
+ * Erratum profile_id_variant (open, wrong data) [6.5 p.24, 6.3.1 p.21, prot: p.14, sma21: 6.4,
  * asc85: 6.4]:
  *   Printed: Profile ID 00 00. See Standard encoder profile, Variant 0-24.
  *   Used: The value is 00 00. The outputs do not derive a data length from it.
  *   Why: In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have
  *   28xx, with the data length in the low byte, for variants 0-24 and similar ones. A position of
  *   up to 36 bits does not fit 24 either.
- * Erratum serial_number_coding (open, wrong data) [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36:
+ * Erratum serial_number_coding (open, wrong data) [6.5 p.24, amm5: 6.4 p.38, asc85: 6.4, amm36:
  * p.38]:
  *   Printed: In hexadecimal notation. Register 44: year, register 45: week, registers 46 and 47:
  *   serial number.
@@ -3332,7 +3332,7 @@ static inline lika_result lika_am36_identify(
  *   example. In the AMM5, the same registers contain decimal digits of one number. In the ASC85,
  *   they contain one serial number. Both have the high byte first. The AMM36 manual prints the
  *   AMM5's example with its four bytes in reverse.
- * Erratum preset_cleared_when (open, omission) [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]:
+ * Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
  *   Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with
  *   a new resolution and a new preset set together, Save parameters and activate Preset stores the
  *   resolution but zeroes the preset.
@@ -3340,50 +3340,50 @@ static inline lika_result lika_am36_identify(
  *   Why: According to 4Bh and 4Eh, a preset written after the resolution would remain. According to
  *   48h and 50h, the command clears it. The manual does not say what Save parameters on EEPROM does
  *   to such a preset.
- * Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33;
- * sma21: 6.4; am36_1_1: p.30]:
+ * Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33,
+ * sma21: 6.4, am36_1_1: p.30]:
  *   Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if
  *   the bit is "1". The table of Configuration: 0 is Enable, 1 is Disable.
  *   Used: 0 enables the preset function. 1 disables it.
  *   Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0
  *   for enable. The same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in
  *   Preset.
- * Erratum example_bit_8 (settled, wrong data) [6.5 p.25; 6.5]:
+ * Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]:
  *   Printed: Bit 8 Counting direction, in the list of the configuration example.
  *   Used: Counting direction is bit 6.
  *   Why: In the list, it is between bits 5 and 7. The register has 8 bits. The table has bit 6. The
  *   result 60h = 01100000 has bit 6 set.
- * Erratum resolution_byte_order (open, omission) [6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15]:
+ * Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
  *   Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the
  *   bytes.
  *   Used: The high byte comes first.
  *   Why: Only Preset has such a table, with its MSB in the first register. In the BiSS protocol
  *   description, the most significant byte has the lowest address.
- * Erratum resolution_byte_by_byte (open, omission) [6.5 p.27; 6.5 p.28; prot: p.9-14]:
- *   Printed: A new value is active immediately after transmission. Values that are no power of two
- *   cannot be accepted.
+ * Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
+ *   Printed: A new value is active immediately after transmission. Values that are not a power of
+ *   two cannot be accepted.
  *   Used: The bytes are written in ascending order of address, without another access in between.
  *   Why: The registers are written byte by byte. In a change from 10 00 00h to 00 10 00h, the first
  *   byte alone gives 00 00 00h, which is not a power of two. The manual does not say when a value
  *   of several bytes counts as transmitted.
- * Erratum preset_default_length (settled, wrong data) [6.5 p.29; 7 p.33]:
+ * Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]:
  *   Printed: Default = 00 00 00 00 00 00h.
  *   Used: The default is five bytes of 00.
  *   Why: The register has five bytes, 50h to 54h. The list of defaults and both limits have five.
  *   The next byte is Device type.
- * Erratum error_and_warning_unused (open, omission) [6.3.1 p.21; prot: p.3-5]:
+ * Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
  *   Printed: Error and warning: not used, always 1.
  *   Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not
  *   usable with nE at 0. It is usable with a warning with nW at 0.
  *   Why: The manual does not say what 0 means in these bits. Over BiSS, both are active at 0.
  *   Another encoder or a later firmware may use them.
- * Erratum device_id_shared (open, omission) [6.5 p.31; prot: p.14-15]:
+ * Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
  *   Printed: One device ID, AM I7 2 with the software version, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires another device ID where the data length differs. Here the length follows the
  *   current resolution, while the device ID remains the same. A master must read 56h and 57h to
  *   know the length.
- * Erratum biss_timeout_length (open, omission) [6.6 p.32; prot: p.18]:
+ * Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
  *   Printed: BiSS time-out self-adaptable to the clock, 10 us max.
  *   Used: The time-out is at most 10 us. No rule is given.
  *   Why: The manual does not say how the time follows the clock. The BiSS protocol description has
@@ -3403,7 +3403,7 @@ static inline lika_result lika_am36_identify(
  *   Not known: value BG of part output of the order code, value GG of part output of the order
  *   code, SSI and parameter modulus.
  *   Why: No page on SSI is public. Only the name of the series shows that SSI models with BG exist.
- * In edition 1.1 [am36_1_1: p.24; am36_1_1: p.30]:
+ * In edition 1.1 [am36_1_1: p.24, am36_1_1: p.30]:
  *   Replaces: the note on register configuration.
  *   Text: For edition 1.1, only two facts are known: the address of the register, and that one of
  *   its bits must be 1 before a preset can be entered. Edition 1.0 prints the same sentence, where
@@ -3416,7 +3416,7 @@ static inline lika_result lika_am36_identify(
  *   always a slave, alone with one master. It must never be installed in a network of several
  *   slaves.
  *   Why: Section 6.6, which gives the clock, is not on a public page.
- * In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+ * In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
  *   Not known: register profile_id, register serial_number, register command, register device_type,
  *   register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS
  *   C-mode and 2 more.

@@ -34,9 +34,9 @@
  *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
  *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
  *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number -
+ *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
  *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
- *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic; the page with the device
+ *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic, the page with the device
  *                    ID -
  *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
  *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
@@ -59,7 +59,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -70,7 +70,7 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /**
- * Order codes: AMM5{mount}{singleturn}/{turns}{interface} [Cover; 5 p.27; 6 p.31; 7 p.41].
+ * Order codes: AMM5{mount}{singleturn}/{turns}{interface} [Cover, 5 p.27, 6 p.31, 7 p.41].
  * mount: Mechanical version: A = AMM5A, dimensions in Figure 3; B = AMM5B, introduced with manual
  * 1.8, dimensions in Figure 4.
  * singleturn: Singleturn resolution in bits: 17 = 131,072 counts per turn; 21 = 2,097,152 counts
@@ -274,8 +274,8 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33; prot: p.7-8;
- * renishaw: data sheet; icmu: p.30].
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33, prot: p.7-8,
+ * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
@@ -304,7 +304,7 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34; prot: p.9-14; icmu:
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
@@ -370,7 +370,7 @@ typedef enum lika_amm5_eeprom_address {
     LIKA_AMM5_EEPROM_ADDRESS_AS_PRINTED = 0x0,
     /**
      * Bits 6:0, as in public T-format stacks. MEM BUSY is then the remaining bit, 7 [hpm_sdk:
-     * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+     * samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
      * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c].
      */
     LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT = 0x1
@@ -391,23 +391,23 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 /* -- reports ----------------------------------------------------------------------------------- */
 
 /** Reports of the encoder. The functions _reports() of frames return a mask of these bits. */
-#define LIKA_AMM5_REPORT_ERROR 0x01U /**< Error, nE [6.2.1 p.32; 3.4]. */
-#define LIKA_AMM5_REPORT_WARNING 0x02U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
-/** EI_3 ... EI_0, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_ERROR 0x01U /**< Error, nE [6.2.1 p.32, 3.4]. */
+#define LIKA_AMM5_REPORT_WARNING 0x02U /**< Warning, nW [6.2.1 p.33, 4.3.1 p.23]. */
+/** EI_3 ... EI_0, unused [7.3.2 p.42, it: 7.3.2 p.43]. */
 #define LIKA_AMM5_REPORT_STATUS_INFO 0x04U
-#define LIKA_AMM5_REPORT_STATUS_ST_ERROR 0x08U /**< EE_0 [7.3.2 p.42; it: 7.3.2 p.43]. */
-#define LIKA_AMM5_REPORT_STATUS_OTHER_ERROR 0x10U /**< EE_1 [7.3.2 p.42; it: 7.3.2 p.43]. */
-#define LIKA_AMM5_REPORT_STATUS_ZERO 0x20U /**< Status zero, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_ST_ERROR 0x08U /**< EE_0 [7.3.2 p.42, it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_OTHER_ERROR 0x10U /**< EE_1 [7.3.2 p.42, it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_ZERO 0x20U /**< Status zero, unused [7.3.2 p.42, it: 7.3.2 p.43]. */
 #define LIKA_AMM5_REPORT_ALARM_ZERO_0 0x40U /**< Alarm zero 0, unused [7.4 p.43]. */
 #define LIKA_AMM5_REPORT_BUSY 0x80U /**< BUSY [7.4.1 p.44]. */
 #define LIKA_AMM5_REPORT_ST_ERROR 0x100U /**< STERR [7.4.1 p.44]. */
 #define LIKA_AMM5_REPORT_ALARM_ZERO_3_4 0x200U /**< Alarm zero 3 4, unused [7.4 p.43]. */
 #define LIKA_AMM5_REPORT_PS_ERROR 0x400U /**< PSERR [7.4.1 p.44]. */
-#define LIKA_AMM5_REPORT_MT_ERROR 0x800U /**< MTERR [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
-#define LIKA_AMM5_REPORT_BATTERY_ALARM 0x1000U /**< BATT [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
+#define LIKA_AMM5_REPORT_MT_ERROR 0x800U /**< MTERR [7.4.1 p.44, 9 p.51, it: 7.4.1 p.45]. */
+#define LIKA_AMM5_REPORT_BATTERY_ALARM 0x1000U /**< BATT [7.4.1 p.44, 9 p.51, it: 7.4.1 p.45]. */
 #define LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY 0x2000U /**< MEM BUSY [7.5 p.46]. */
 #define LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY 0x4000U /**< MEM BUSY [7.5 p.46]. */
-#define LIKA_AMM5_REPORT_WARNING_UNEXPLAINED 0x8000U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
+#define LIKA_AMM5_REPORT_WARNING_UNEXPLAINED 0x8000U /**< Warning, nW [6.2.1 p.33, 4.3.1 p.23]. */
 #define LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED 0x10000U /**< MTERR [7.4 p.43]. */
 #define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x20000U /**< BATT [7.4 p.43]. */
 
@@ -430,7 +430,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "If the disk is misaligned, switch off, align the disk and continue with the "
             "connection. If the battery of a multiturn model is depleted, replace the battery. "
             "Steps on the hardware page: Battery replacement with error",
-            "6.2.1 p.32; 3.4"
+            "6.2.1 p.32, 3.4"
         },
         {
             "warning",
@@ -441,21 +441,21 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "Replace a low battery as soon as possible. For an error in the multiturn system the "
             "manual names no remedy. Steps on the hardware page: Battery replacement without "
             "error",
-            "6.2.1 p.33; 4.3.1 p.23"
+            "6.2.1 p.33, 4.3.1 p.23"
         },
         {
             "status_info",
             "EI_3 ... EI_0",
             "unused bits differ from the manual, which has 0 there. Encoder information.",
             "",
-            "7.3.2 p.42; it: 7.3.2 p.43"
+            "7.3.2 p.42, it: 7.3.2 p.43"
         },
         {
             "status_st_error",
             "EE_0",
             "ST error",
             "Turn on the main power twice, or reset the error with data ID 7 or C",
-            "7.3.2 p.42; it: 7.3.2 p.43"
+            "7.3.2 p.42, it: 7.3.2 p.43"
         },
         {
             "status_other_error",
@@ -464,14 +464,14 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "data are 0. One bit for BUSY, which clears itself, and for errors that remain until "
             "they are reset.",
             "Request data ID 3. Its ALMC shows the active error",
-            "7.3.2 p.42; it: 7.3.2 p.43"
+            "7.3.2 p.42, it: 7.3.2 p.43"
         },
         {
             "status_zero",
             "",
             "unused bits differ from the manual, which has 0 there",
             "",
-            "7.3.2 p.42; it: 7.3.2 p.43"
+            "7.3.2 p.42, it: 7.3.2 p.43"
         },
         {
             "alarm_zero_0",
@@ -514,7 +514,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "external battery below 3.05 V",
             "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware "
             "page: Battery replacement with error",
-            "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
+            "7.4.1 p.44, 9 p.51, it: 7.4.1 p.45"
         },
         {
             "battery_alarm",
@@ -522,7 +522,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "external battery below 3.15 V",
             "Replace the battery as soon as possible, then reset the error with data ID 7 or C. "
             "Steps on the hardware page: Battery replacement without error",
-            "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
+            "7.4.1 p.44, 9 p.51, it: 7.4.1 p.45"
         },
         {
             "eeprom_write_reply_mem_busy",
@@ -543,7 +543,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "Warning, nW",
             "the manual does not say what this bit means for this order code",
             "",
-            "6.2.1 p.33; 4.3.1 p.23"
+            "6.2.1 p.33, 4.3.1 p.23"
         },
         {
             "mt_error_unexplained",
@@ -576,7 +576,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * position. The next rising edge starts the transmission with the MSB. Each further rising edge
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * up to n + 1 rising edges (13 bits: 14 edges). The time Tm may follow the word immediately.
- * Signals: EIA RS-422; clock and data have a logic level of typically 5 V [5 p.27].
+ * Signals: EIA RS-422, clock and data have a logic level of typically 5 V [5 p.27].
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
  * p.28].
  * Code: binary [5.2 p.28].
@@ -1108,25 +1108,25 @@ typedef enum lika_amm5_data_id {
     LIKA_AMM5_DATA_ID_MULTITURN = 0x1, /**< Data ID 1: Multiturn data [7.3.1 p.42]. */
     /** Data ID 2: Encoder ID, printed as the fixed value 23h [7.3.1 p.42]. */
     LIKA_AMM5_DATA_ID_ENCODER_ID = 0x2,
-    /** Data ID 3: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42; 7.4 p.43]. */
+    /** Data ID 3: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42, 7.4 p.43]. */
     LIKA_AMM5_DATA_ID_ALL_DATA = 0x3,
     /** Data ID 6: Write one byte of the EEPROM [7.3.1 p.42]. */
     LIKA_AMM5_DATA_ID_EEPROM_WRITE = 0x6,
     /** Data ID D: Read one byte of the EEPROM [7.3.1 p.42]. */
     LIKA_AMM5_DATA_ID_EEPROM_READ = 0xD,
     /**
-     * Data ID 7: Reset all errors. The reply carries the singleturn position [7.3.1 p.42; 7.4.2
+     * Data ID 7: Reset all errors. The reply carries the singleturn position [7.3.1 p.42, 7.4.2
      * p.45].
      */
     LIKA_AMM5_DATA_ID_RESET_ERRORS = 0x7,
     /**
      * Data ID 8: Reset singleturn and multiturn data to 0. The reply carries the singleturn
-     * position [7.3.1 p.42; 7.4.2 p.45].
+     * position [7.3.1 p.42, 7.4.2 p.45].
      */
     LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN = 0x8,
     /**
      * Data ID C: Reset multiturn data and all errors. The reply carries the singleturn position
-     * [7.3.1 p.42; 7.4.2 p.45].
+     * [7.3.1 p.42, 7.4.2 p.45].
      */
     LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS = 0xC
 } lika_amm5_data_id;
@@ -1138,25 +1138,25 @@ typedef enum lika_amm5_data_id {
 #define LIKA_AMM5_RS485_CONTROL_MULTITURN 0x8AU
 /** Data ID 2: 92h, capture: Encoder ID, printed as the fixed value 23h [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_ENCODER_ID 0x92U
-/** Data ID 3: 1Ah, capture: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42; 7.4 p.43]. */
+/** Data ID 3: 1Ah, capture: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42, 7.4 p.43]. */
 #define LIKA_AMM5_RS485_CONTROL_ALL_DATA 0x1AU
 /** Data ID 6: 32h, write: Write one byte of the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_WRITE 0x32U
 /** Data ID D: EAh, read: Read one byte of the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU
 /**
- * Data ID 7: BAh, reset: Reset all errors. The reply carries the singleturn position [7.3.1 p.42;
+ * Data ID 7: BAh, reset: Reset all errors. The reply carries the singleturn position [7.3.1 p.42,
  * 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU
 /**
  * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0. The reply carries the singleturn
- * position [7.3.1 p.42; 7.4.2 p.45].
+ * position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_SINGLETURN_AND_MULTITURN 0xC2U
 /**
  * Data ID C: 62h, reset: Reset multiturn data and all errors. The reply carries the singleturn
- * position [7.3.1 p.42; 7.4.2 p.45].
+ * position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U
 
@@ -1249,7 +1249,7 @@ static inline lika_result lika_amm5_data_request_encode(
 }
 
 /**
- * eeprom_write_request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5
+ * eeprom_write_request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5
  * p.46].
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  * Carries data_id 6 (eeprom_write).
@@ -1357,7 +1357,7 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
 }
 
 /**
- * eeprom_read_request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42; 7.5
+ * eeprom_read_request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5
  * p.46].
  * In the manual: Master -> Encoder: CF ADF CRC.
  * Carries data_id D (eeprom_read).
@@ -1459,7 +1459,7 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
 }
 
 /**
- * singleturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4
+ * singleturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4
  * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * Carries data_id 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
@@ -1650,7 +1650,7 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(
 }
 
 /**
- * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
+ * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * Carries data_id 1 (multiturn).
  * In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
@@ -1824,7 +1824,7 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(
 }
 
 /**
- * encoder_id_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41; 7.4
+ * encoder_id_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4
  * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 CRC.
  * Carries data_id 2 (encoder_id).
@@ -1972,7 +1972,7 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(
 }
 
 /**
- * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
+ * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF7 CRC.
  * Carries data_id 3 (all_data).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
@@ -2268,7 +2268,7 @@ static inline uint32_t lika_amm5_complete_reply_reports(
 }
 
 /**
- * eeprom_write_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5
+ * eeprom_write_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5
  * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Carries data_id 6 (eeprom_write).
@@ -2391,7 +2391,7 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
 }
 
 /**
- * eeprom_read_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42; 7.5
+ * eeprom_read_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5
  * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Carries data_id D (eeprom_read).
@@ -2925,7 +2925,7 @@ static inline lika_result lika_amm5_write_preset(
 
 /**
  * Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS
- * C-mode [6.4 p.38; it: 6.4 p.38; 10 p.52].
+ * C-mode [6.4 p.38, 10 p.52, it: 6.4 p.38].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
  * Erratum biss_bank_select (open, omission).
@@ -2966,7 +2966,7 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
 }
 
 /**
- * Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38;
+ * Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38,
  * it: 6.4 p.39].
  * Year and week of production and a serial number, as decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
@@ -3278,7 +3278,7 @@ static inline lika_result lika_amm5_read_device_id(
 
 /**
  * Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4
- * p.39; it: 6.4 p.40].
+ * p.39, it: 6.4 p.40].
  * Manufacturer.
  * Byte order: high byte first, at 7Eh.
  *   bits 15:0  name
@@ -3877,7 +3877,7 @@ static inline lika_result lika_amm5_reset_errors(
 #define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U
 
 /**
- * Battery alarm: The external battery is low [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45].
+ * Battery alarm: The external battery is low [7.4.1 p.44, 9 p.51, it: 7.4.1 p.45].
  * Flag: battery_alarm in ALMC.
  * Detected: In normal operation.
  * Raised below 3.15 V.
@@ -3893,7 +3893,7 @@ static inline lika_result lika_amm5_reset_errors(
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U
 
 /**
- * MT error: The external battery is depleted [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45].
+ * MT error: The external battery is depleted [7.4.1 p.44, 9 p.51, it: 7.4.1 p.45].
  * Flag: mt_error in ALMC.
  * Detected: In normal operation.
  * Raised below 3.05 V.
@@ -3918,33 +3918,33 @@ static inline lika_result lika_amm5_reset_errors(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum heading_g1 (settled, wrong limit) [4.1.2 p.20; it: 4.1.2 p.21]:
+ * Erratum heading_g1 (settled, wrong limit) [4.1.2 p.20, it: 4.1.2 p.21]:
  *   Printed: Heading of the cable table: ...G1-... and ...SC1-... order codes.
  *   Used: The cable belongs to the ...BG1-... and ...SC1-... order codes.
  *   Why: The connector that mates with the cable (4.1.1) and all lists of models have BG1. No model
  *   has G1.
- * Erratum battery_range (open, wrong limit) [4.3 p.23; 7.4.1 p.44]:
+ * Erratum battery_range (open, wrong limit) [4.3 p.23, 7.4.1 p.44]:
  *   Printed: Battery voltage between 3 V and 5.5 V. Alarms below 3.15 V (Battery alarm) and below
  *   3.05 V (MT error).
  *   Used: Both are listed as printed. Only with .../65K...
  *   Why: From 3.00 V to 3.15 V, a battery is within its range but still raises an alarm.
- * Erratum ssi_output_code (settled, wrong data) [5.1; 5.2]:
+ * Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]:
  *   Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code
  *   is BINARY, see the order code.
  *   Used: Binary.
  *   Why: 5.1 describes SSI in general, 5.2 this encoder. The order code has no part for the output
  *   code and only one SSI variant, BG1.
- * Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2; it: 5.1]:
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2, it: 5.1]:
  *   Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13
  *   bits. 5.2: at least as many clocks as data bits.
  *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
  *   Why: The word is aligned to the left. One extra clock reads a zero after it. One missing clock
  *   may lose the LSB.
- * Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2; it: 5.2]:
+ * Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2, it: 5.2]:
  *   Printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
  *   Used: 65KBG1.
  *   Why: The table just below it and the Italian edition have 65KBG1. No model has KG1.
- * Erratum position_order (open, omission) [5.2; 6.2.1 p.32; 6.4]:
+ * Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
  *   Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the
  *   position.
  *   Used: Multiturn comes first, as the more significant part. Singleturn follows.
@@ -3959,18 +3959,18 @@ static inline lika_result lika_amm5_reset_errors(
  *   Used: Both limits are listed as printed.
  *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4
  *   MHz.
- * Erratum profile_id_missing (open, omission) [6 p.31; 6.4 p.35; prot: p.14-15]:
+ * Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
  *   Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is
  *   listed.
  *   Used: The outputs have no profile ID.
  *   Why: The BiSS register map has the profile ID at 42h to 43h. The manual does not say what an
  *   unlisted register returns.
- * Erratum scd_length (settled, wrong data) [6.2.1 p.32; it: 6.2.1 p.32]:
+ * Erratum scd_length (settled, wrong data) [6.2.1 p.32, it: 6.2.1 p.32]:
  *   Printed: SCD data is nbitres+7 long.
  *   Used: The length is position_bits + 8.
  *   Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8. nbitres+7 is
  *   the number of the top bit in the table.
- * Erratum biss_crc_start (open, omission) [6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet;
+ * Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet,
  * icmu: p.30]:
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
@@ -3978,7 +3978,7 @@ static inline lika_result lika_amm5_reset_errors(
  *   Why: Public BiSS documents start with 0 unless something else is stated. BiSS devices may have
  *   another start value. With another start value, the CRC of every frame fails, with or without
  *   errors on the line.
- * Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44;
+ * Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44,
  * 9 p.51]:
  *   Printed: nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2:
  *   an error in the magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for
@@ -3988,17 +3988,17 @@ static inline lika_result lika_amm5_reset_errors(
  *   LED 1, but an error of the multiturn system is the warning of LED 2. PS error and BUSY flag
  *   have no LED and no bit of their own, and ST error is not mentioned with nE. A depleted battery
  *   is an error over BiSS. Over RS-485, it is in the same bit as a low battery.
- * Erratum unused_status_bits (open, omission) [7.3.2 p.42; 7.4 p.43]:
+ * Erratum unused_status_bits (open, omission) [7.3.2 p.42, 7.4 p.43]:
  *   Printed: EI_3 to EI_0 and four more bits of SF and ALMC: 0.
  *   Used: A reply with other values is decoded, and the bits are reported. Its position is usable
  *   with a warning.
  *   Why: The manual does not say what other values mean. Later firmware may use such a bit. Sync
  *   code, data ID, parity and CRC show that the frame is valid without it.
- * Erratum position_under_error (open, omission) [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24;
- * 7.3.2 p.42; 7.4.1 p.44]:
- *   Printed: BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one,
- *   with the warning alone: the position is kept. The effect of the other errors on the position is
- *   not given.
+ * Erratum position_under_error (open, omission) [6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24,
+ * 7.3.2 p.42, 7.4.1 p.44]:
+ *   Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low
+ *   battery (warning alone): the position is kept. The effect of the other errors on the position
+ *   is not given.
  *   Used: The position is not usable with an error, BUSY, PS error or ST error. Latched errors
  *   count until they are reset. In multiturn models, the position is not usable with MT error or
  *   the warning bit, and it is usable with a warning with the battery alarm. EE_1, the sum of BUSY,
@@ -4011,51 +4011,51 @@ static inline lika_result lika_amm5_reset_errors(
  *   wrong. The frame does not distinguish them, so the worse case applies. After a depleted battery
  *   the singleturn position is correct (4.3.2, step 9). Replies that carry only the singleturn
  *   position are still treated as not usable.
- * Erratum preset_limit (settled, wrong limit) [6.4; it: 6.4]:
+ * Erratum preset_limit (settled, wrong limit) [6.4, it: 6.4]:
  *   Printed: English: less than the total hardware resolution. Italian: less than or equal to it
  *   (minore o uguale).
  *   Used: The maximum is 2^position_bits - 1.
  *   Why: The total resolution itself needs one bit more than the register has for it.
- * Erratum preset_revolutions (settled, wrong limit) [6.4; it: 6.4]:
+ * Erratum preset_revolutions (settled, wrong limit) [6.4, it: 6.4]:
  *   Printed: English: the number of revolutions is always 65,536 in all models. Italian: in all
  *   multiturn models.
  *   Used: Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.
  *   Why: Models of 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not
  *   give the content of their bits 48:33.
- * Erratum preset_bits_below_lsb (open, omission) [6.4; amm80: 6.4 p.40]:
+ * Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]:
  *   Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 at 21
  *   bits and 16 at 17 bits.
  *   Used: All bits below the lowest singleturn bit are 0.
  *   Why: The example at 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual has the same
  *   at 20 bits. Bits 15:10 at 17 bits are not given anywhere.
- * Erratum biss_bank_select (open, omission) [6.4 p.38; prot: p.14-15]:
+ * Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
  *   Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
  *   Used: The registers are used as printed.
  *   Why: In the BiSS register map, 40h selects the bank, and 00h to 3Fh is the area that it
  *   switches. A master that follows the map may write 40h on its own. Bank 1 would open the preset,
  *   and bank 0 would close it.
- * Erratum device_id_shared (open, omission) [6.4 p.39; prot: p.14-15]:
+ * Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
  *   Printed: One device ID, AMM5 with the release, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires another device ID where the data length differs. The SC1 models have six
  *   lengths. Unless the release bytes, printed as xx, differ with them, a master cannot distinguish
  *   the models.
- * Erratum serial_number_order (open, wrong data) [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]:
+ * Erratum serial_number_order (open, wrong data) [6.4 p.38, amm36: p.38, amm80: 6.4 p.41]:
  *   Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630.
  *   Used: The high byte comes first, as printed.
  *   Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to
  *   47h and reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated the registers
  *   44h to 47h, so an older AMM5 may answer in the other order. An impossible year or week shows
  *   the wrong order.
- * Erratum biss_min_clock (open, wrong limit) [6.5 p.40; prot: p.18]:
+ * Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
  *   Printed: The clock is 50 kHz at least. The time-out is worked out for 50 kHz as well.
  *   Used: The lowest clock is 50 kHz.
  *   Why: The BiSS protocol description starts at 80 kHz.
- * Erratum control_field_structure (settled, omission) [7.3.1 p.42; stmbl: src/comps/smartabs.c]:
+ * Erratum control_field_structure (settled, omission) [7.3.1 p.42, stmbl: src/comps/smartabs.c]:
  *   Printed: One byte for each data ID, without its structure.
  *   Used: Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.
  *   Why: All nine printed bytes fit this structure. Public sources give it for the T-format.
- * Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42; 7.4 p.43; hpm_sdk:
+ * Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
  * samples/drivers/sei/slave/tamagawa/README_en.rst]:
  *   Printed: ENID: encoder ID, fixed value = 23h.
  *   Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is
@@ -4063,22 +4063,22 @@ static inline lika_result lika_amm5_reset_errors(
  *   Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample
  *   prints ENID 0x17. The 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does
  *   not show whether the frame is valid. Sync code, data ID, length and CRC do.
- * Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42; 7.4.1 p.44]:
+ * Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
  *   Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
  *   Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has
  *   been read.
  *   Why: BUSY does not latch, and all position data are 0 while it is active. The other three
  *   latch, and the position may be correct. The replies to data IDs 0, 1, 2, 7, 8 and C do not
  *   distinguish them. Data ID 3 has ALMC, which does.
- * Erratum power_on_twice (open, omission) [7.4.1 p.44; 4.3.2 p.24]:
+ * Erratum power_on_twice (open, omission) [7.4.1 p.44, 4.3.2 p.24]:
  *   Printed: How to clear PS error and ST error: Turn on the main power twice or reset the error
  *   (ID 7, ID C).
  *   Used: The remedy is given as printed. To be safe, switch the supply off and on two times.
  *   Why: This could mean two power cycles, or that the supply is switched off and on again. The
  *   manual does not say. After a battery replacement, the supply is switched on, off and on again
  *   before the ERROR LED is off (4.3.2, steps 5 to 8), which suggests two cycles.
- * Erratum singleturn_without_battery (open, omission) [4.3 p.23; 3.4; 6.2.1 p.33; 7.4 p.43; 7.4.1
- * p.44; 9 p.51]:
+ * Erratum singleturn_without_battery (open, omission) [4.3 p.23, 3.4, 6.2.1 p.33, 7.4 p.43, 7.4.1
+ * p.44, 9 p.51]:
  *   Printed: "Battery power supply is only available in multiturn encoder versions (.../65K...
  *   order code)". The warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step
  *   Connect the battery (3.4) are printed for all models.
@@ -4089,13 +4089,13 @@ static inline lika_result lika_amm5_reset_errors(
  *   whether they are always 0 or always 1 there. The conditions printed for them affect only the
  *   number of revolutions, and singleturn models have none. If BATT or MTERR is always 1, so is
  *   EE_1, and only data ID 3 gives usable positions.
- * Erratum battery_alarm_reset (open, omission) [7.4.1 p.44; 7.4.2 p.45]:
+ * Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]:
  *   Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch
  *   errors (PS error, ST error, MT error).
  *   Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
  *   Why: 7.4.1 says so for this alarm by name. The lists in 7.4.2 are meant to contain all latched
  *   errors but omit it.
- * Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45; ti_sdk:
+ * Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
  * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
  *   Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting
  *   after Data ID 8.
@@ -4103,8 +4103,8 @@ static inline lika_result lika_amm5_reset_errors(
  *   Why: The table says it twice, the note only in passing. However, public T-format documents list
  *   three resets: of the data in one revolution, of the multiturn data, and of errors. C and 7 are
  *   two of them, so the first would be this request.
- * Erratum mem_busy_position (open, wrong data) [7.5 p.46; hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
  * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
  *   Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is
  *   sent as 0Ah.
@@ -4129,35 +4129,35 @@ static inline lika_result lika_amm5_reset_errors(
  *   reflected.
  *   Why: With the bits of the example LSB first, the code returns CDh, which is the printed B3h
  *   with its bits reversed. It returns B3h only if each byte is passed MSB first.
- * Erratum preset_default_length (settled, wrong data) [10 p.52; it: 10 p.53]:
+ * Erratum preset_default_length (settled, wrong data) [10 p.52, it: 10 p.53]:
  *   Printed: Default of Preset: 00 00 00 00 00.
  *   Used: The default is seven bytes of 00.
  *   Why: The register has seven bytes, 11h to 17h. Five bytes written from 11h on would leave 16h
  *   and 17h, most of the multiturn part, unchanged.
- * Erratum reset_interval (open, omission) [7.4.2 p.45; it: 7.4.2 p.45]:
+ * Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
  *   Printed: Ten times in succession, at transmission intervals of 40 us or more.
  *   Used: No other request is sent in between. After each request, at least 40 us pass before the
  *   next one begins.
  *   Why: The manual does not say whether an interval is the gap between two requests or the time
  *   from start to start. A gap of 40 us satisfies both. It also does not say whether a request with
  *   another data ID restarts the count.
- * Erratum reset_standstill (open, wrong limit) [7.4.2 p.45; it: 7.4.2 p.45]:
+ * Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
  *   Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or
  *   less).
  *   Used: The condition is a standstill, that is 300 rpm or less, as printed.
  *   Why: A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition
  *   at all. The description of data ID 8 asks for a stop without a speed.
- * Erratum busy_clear (open, omission) [7.4.1 p.44; it: 7.4.1 p.44]:
+ * Erratum busy_clear (open, omission) [7.4.1 p.44, it: 7.4.1 p.44]:
  *   Printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed
  *   decreased to 300 rpm or less).
  *   Used: Both are given as printed.
  *   Why: The description mentions no speed. The manual does not say whether power-on above 300 rpm
  *   keeps the flag set, with all position data at 0.
- * Erratum ssi_pause (open, wrong limit) [5.1; 5.3; it: 5.3]:
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
  *   Printed: Pause of at least 20 us (Tp > 20 us).
  *   Used: The minimum is 20 us. Use a longer pause.
  *   Why: "At least" allows 20 us. The sign ">" does not.
- * Erratum rs485_reply_time (open, omission) [7.1 p.41; 7.2 p.41; it: 7.1 p.41; it: 7.2 p.41]:
+ * Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
  *   Printed: Requests and replies, without the time between them.
  *   Used: The outputs have no reply time and no time-out. The master chooses its time-out.
  *   Why: The manual gives neither the shortest nor the longest time from the end of a request to
@@ -4166,12 +4166,12 @@ static inline lika_result lika_amm5_reset_errors(
  * Before edition 1.8 [Document release]:
  *   Not present: value B of part mount of the order code.
  *   Why: AMM5B was introduced with this revision.
- * Before edition 1.7 [Document release; amm36: p.38]:
+ * Before edition 1.7 [Document release, amm36: p.38]:
  *   Not known: register serial_number.
  *   Why: The registers 44h to 47h were updated. The table does not give their earlier content. The
  *   manual of the AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here
  *   and says that it must be reversed. An older AMM5 may do the same.
- * Before edition 1.7 [Document release; amm36_device_id: p.39]:
+ * Before edition 1.7 [Document release, amm36_device_id: p.39]:
  *   Not known: register device_id.
  *   Why: The registers 78h to 7Dh were updated. The table does not give their earlier content. The
  *   manual of the AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out

@@ -51,7 +51,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
 #error "lika/asc85.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -62,7 +62,7 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /**
- * Order codes: ASC85{resolution}/{output}{supply} [Cover; 4 p.13; 5 p.15; 5.2 p.16; 6 p.19].
+ * Order codes: ASC85{resolution}/{output}{supply} [Cover, 4 p.13, 5 p.15, 5.2 p.16, 6 p.19].
  * resolution: Singleturn resolution in bits: 20 = 1,048,576 counts per turn; 21 = 2,097,152 counts
  * per turn; 22 = 4,194,304 counts per turn; 23 = 8,388,608 counts per turn; 24 = 16,777,216 counts
  * per turn; 25 = 33,554,432 counts per turn.
@@ -83,11 +83,11 @@ extern "C" {
 typedef struct lika_asc85_variant {
     /**
      * Singleturn resolution, 20 to 25 bits, which is also the width of the whole position. The
-     * manual calls it "encoder resolution" and "nbitres" [Preliminary information p.7; 5.2 p.16;
+     * manual calls it "encoder resolution" and "nbitres" [Preliminary information p.7, 5.2 p.16,
      * 6.2.1 p.20]. Unit: bits.
      */
     uint8_t position_bits;
-    uint8_t ssi_gray; /**< Code of the SSI word: 1 for Gray, 0 for binary [5 p.15; 5.2 p.16]. */
+    uint8_t ssi_gray; /**< Code of the SSI word: 1 for Gray, 0 for binary [5 p.15, 5.2 p.16]. */
 } lika_asc85_variant;
 
 /**
@@ -281,8 +281,8 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21; prot: p.7-8;
- * renishaw: data sheet; icmu: p.30].
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21, prot: p.7-8,
+ * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (everything from the position to the warning
  * bit, with the constant 0 where it is sent) come from public BiSS documents.
@@ -311,7 +311,7 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22; prot: p.9-14; icmu:
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
@@ -417,7 +417,7 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
  * position. The next rising edge starts the transmission with the MSB. Each further rising edge
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * up to n + 1 rising edges (13 bits: 14 edges). The time Tm may follow the word immediately.
- * Signals: EIA RS-422; clock and data have a logic level of typically 5 V [5 p.15].
+ * Signals: EIA RS-422, clock and data have a logic level of typically 5 V [5 p.15].
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
  * p.16].
  * Code: binary or Gray, by order code [5.2 p.16].
@@ -1265,7 +1265,7 @@ static inline lika_result lika_asc85_read_diagnostic_data(
 }
 
 /**
- * Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
+ * Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25, 6.4 p.26].
  * Command register, the write side of Command & status.
  * Reading the same address accesses Command & status, Status mode instead.
  * Erratum cycle_counter (open, omission).
@@ -1349,7 +1349,7 @@ static inline lika_result lika_asc85_write_command(
 }
 
 /**
- * Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
+ * Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
  * Present status of the system, the read side of Command & status.
  * Writing to the same address accesses Command & status, Command mode instead.
  * The register is read separately, not together with a position. It shows the status at the time of
@@ -2703,13 +2703,13 @@ static inline lika_result lika_asc85_identify(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum supply_digit (open, omission) [Cover; 4 p.13; 5 p.15]:
+ * Erratum supply_digit (open, omission) [Cover, 4 p.13, 5 p.15]:
  *   Printed: The supply voltage is explained for SC1 and SC2 only, as an example. BG and GG are
  *   printed with three dots.
  *   Used: 1 and 2 have the same meaning after BG and GG. Any other digit is accepted as unlisted.
  *   Why: The table of connections and its footnote, the supply voltage as in the order code, apply
  *   to SSI and BiSS alike. The manual does not list which digits exist.
- * Erratum ssi_code_letters (open, wrong data) [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]:
+ * Erratum ssi_code_letters (open, wrong data) [Cover, 5.2 p.16, amm5: 5.2, sma21: 4.1, sma21: 5]:
  *   Printed: The output code can be Gray or binary, see the order code. The order codes are BG and
  *   GG, without their meaning.
  *   Used: BG is binary, GG is Gray.
@@ -2717,13 +2717,13 @@ static inline lika_result lika_asc85_identify(
  *   the output of its G1x models Gray and also lists BG and GG. The same meaning of the letters in
  *   this manual is an inference. To check, turn the shaft slowly. If neighbouring positions jump,
  *   the other code is in use.
- * Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2]:
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
  *   Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks
  *   as data bits.
  *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
  *   Why: The word is aligned to the left. One extra clock reads a zero after it. One missing clock
  *   may lose the LSB.
- * Erratum ssi_bit_numbers (settled, wrong data) [5.2; sma21: 5.2]:
+ * Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]:
  *   Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
  *   Used: The bits are 19:0 to 24:0, with bit 0 as the LSB.
  *   Why: The table of lengths gives words of 20 to 25 bits, which leaves no room for a further bit
@@ -2738,15 +2738,15 @@ static inline lika_result lika_asc85_identify(
  *   Used: Both limits are listed as printed.
  *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4
  *   MHz.
- * Erratum ssi_pause (open, wrong limit) [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]:
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
  *   Printed: Pause of at least 12 us (Tp > 12 us). Tm has a typical duration of 12 us.
  *   Used: The minimum is 12 us. Use a longer pause.
  *   Why: "At least" allows 12 us. The sign ">" does not. A pause of exactly 12 us leaves no margin
  *   in either case. The encoder is ready again only after Tm, and the typical Tm is too short for
  *   every encoder with a longer Tm. The AMM5 manual asks for 20 us with the same Tm, the SMA21
  *   manual for 16 us.
- * Erratum biss_crc_start (open, omission) [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet;
- * icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]:
+ * Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet,
+ * icmr: p.35, onstepx: src/lib/encoder/bissc/Asc85.cpp]:
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
  *   Used: The start value is 0.
@@ -2754,14 +2754,14 @@ static inline lika_result lika_asc85_identify(
  *   for this encoder does so too. However, a public controller with the same registers lets its
  *   manufacturer set any start value. With another start value, the CRC of every frame fails, with
  *   or without errors on the line.
- * Erratum cycle_counter (open, omission) [6.4 p.26; 6.4 p.30; icmr: p.26]:
+ * Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
  *   Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter
  *   and the interpolator.
  *   Used: The command and the error are described as printed.
  *   Why: This encoder has one turn and no revolutions to count. The manual does not say what the
  *   counter counts. In a public controller with the same commands, it counts the periods of the
  *   sine and cosine signals within the turn.
- * Erratum scd_length (open, wrong data) [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
+ * Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23,
  * onstepx: src/lib/encoder/bissc/Asc85.cpp]:
  *   Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and
  *   the preliminary information has 34 bits for 25.
@@ -2776,7 +2776,7 @@ static inline lika_result lika_asc85_identify(
  *   length. The CRC does not detect leading zeros, so the wrong layout accepts every second
  *   position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
  *   long as that of 24 bits with it.
- * Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
+ * Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr:
  * p.34-35]:
  *   Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
  *   Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution
@@ -2785,38 +2785,38 @@ static inline lika_result lika_asc85_identify(
  *   SMA21 manual, the same byte differs between models and is the data length. A different ID at a
  *   lower resolution is likely. A public controller with the same registers supports only 24 or 26
  *   singleturn bits, so the frame might differ instead.
- * Erratum serial_number_digits (open, omission) [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]:
+ * Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]:
  *   Printed: Serial number in ascending order, with the example 171256846.
  *   Used: The serial number is one number.
  *   Why: In the AMM5 manual, the same register contains year, week and number as decimal digits.
  *   Read this way, the example is 17 12 56846, week 12 of 2017, two months before this manual. The
  *   SMA21 manual has the year in 44h and the week in 45h, which contain 0Ah and 35h here.
- * Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26; 6.4 p.28; icmr: p.41]:
+ * Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]:
  *   Printed: Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1.
  *   Used: Absolute data valid is bit 1.
  *   Why: The list gives each of the eight bits once and has Internal data bus busy at bit 2. A
  *   public controller with the same commands lists its status byte in the same order.
- * Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr:
+ * Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr:
  * p.41]:
  *   Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit
  *   2.
  *   Used: Internal data bus busy is bit 2.
  *   Why: The list gives each of the eight bits once and has the write access to the EDS memory area
  *   at bit 3. A public controller with the same commands lists its status byte in the same order.
- * Erratum warning_sources (open, omission) [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]:
+ * Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
  *   Printed: For the active warning refer to the Error register. Its six bits are all called
  *   errors.
  *   Used: No bit of the error register is interpreted as a warning. All are active errors.
  *   Why: The manual does not say which of them make nE active and set Error message, and which set
  *   nW and Warning message. A public controller with the same registers has two masks for this,
  *   which the manufacturer sets.
- * Erratum position_under_error (open, omission) [6.2.1 p.20; 6.4 p.29]:
+ * Erratum position_under_error (open, omission) [6.2.1 p.20, 6.4 p.29]:
  *   Printed: nE and nW report an active error or warning. The effect on the position is not given.
  *   Used: Error bit active: the position is not usable. Warning bit active: the position is usable
  *   with a warning.
  *   Why: The errors of the error register concern the signals, the conversion and the
  *   configuration. The position is derived from all of these.
- * Erratum position_register_bits (open, wrong data) [6.2.1 p.20; 6.4 p.29; icmr: p.33]:
+ * Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]:
  *   Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all
  *   models.
  *   Used: The exponents number the bits of the register. The position is left-aligned at bit 31 and
@@ -2825,24 +2825,24 @@ static inline lika_result lika_asc85_identify(
  *   them. The manual does not say whether the position remains left-aligned at 20 to 24 bits, or
  *   what the bits below it contain then. A public controller with the same addresses has 26
  *   singleturn bits there.
- * Erratum error_reset (open, omission) [6.4 p.29; icmr: p.42]:
+ * Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
  *   Printed: The reset is performed upon reading out position data.
  *   Used: Reading the position register resets the messages.
  *   Why: Each BiSS frame carries the position, and a register is read bit by bit over many frames.
  *   If a frame counted as reading out, a message would be reset before the register could show it.
  *   The manual does not say which reading is meant.
- * Erratum device_id_shared (open, omission) [6.4 p.31; prot: p.14-15]:
+ * Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
  *   Printed: One device ID, AS85 with the release 01, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires another device ID where the data length differs. The SC models have six
  *   lengths. Since the profile ID is also the same, a master cannot distinguish the models.
- * Erratum biss_timeout (open, omission) [6.5 p.32; prot: p.18; amm5: 6.5 p.40]:
+ * Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
  *   Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
  *   Used: Only this value is used. There is no rule for other clocks.
  *   Why: An adaptive time-out follows the clock, but the manual gives no rule. At 10 MHz, the one
  *   and a half clock periods of the BiSS description and of the AMM5 manual are 0.15 us. 0.35 us
  *   are three and a half periods.
- * Erratum eds_bank_missing (open, omission) [6.4 p.22; prot: p.14-15]:
+ * Erratum eds_bank_missing (open, omission) [6.4 p.22, prot: p.14-15]:
  *   Printed: Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h
  *   are listed.
  *   Used: The outputs have no EDS.

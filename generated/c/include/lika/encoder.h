@@ -22,7 +22,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Generation of these headers. Take all from one folder: mixed generations do not compile. */
-#define LIKA_GENERATION 0x792D16CCU
+#define LIKA_GENERATION 0x59D25AD9U
 
 #ifdef __cplusplus
 extern "C" {

@@ -15,7 +15,7 @@
  *     case SEND:  start sending the request runner.byte and receiving runner.length bytes of
  *                 reply into runner.data (0: ignore the reply)
  *     case WAIT:  call again in runner.wait_us microseconds or later. Until then the bus is free,
- *                 unless runner.alone is true, which means that nothing else may be sent. An
+ *                 unless runner.alone is true, which means that no other request may be sent. An
  *                 encoder that you poll in the meantime may report that it is busy
  *     case BUSY:  call again when the access is over
  *     case END:   done: runner.result is the result, runner.failure the step that failed
@@ -34,7 +34,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
 #error "lika/runner.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -59,7 +59,8 @@ typedef struct lika_runner {
     uint32_t wait_us; /**< WAIT: microseconds from now */
     uint16_t address; /**< READ, WRITE: address of the first register byte */
     uint8_t byte; /**< WRITE, SEND: the byte to write, or the request */
-    bool alone; /**< true between the requests of one step: send nothing else, and do not poll */
+    /** true between the requests of one step: send no other request, and do not poll */
+    bool alone;
     uint8_t *data; /**< READ, SEND: where the received bytes go */
     size_t length; /**< READ, SEND: number of bytes to receive */
     /** most readings of a poll, as in a transport. Set it after the start */

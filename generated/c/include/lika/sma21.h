@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -68,7 +68,7 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /**
- * Order codes: SMA21-{output}{supply}-{resolution} [Cover; 4.1 p.15; 4.10 p.18; 5 p.19; 6 p.24; 7
+ * Order codes: SMA21-{output}{supply}-{resolution} [Cover, 4.1 p.15, 4.10 p.18, 5 p.19, 6 p.24, 7
  * p.37].
  * output: Interface, output code and additional signals: BG = SSI, MSB aligned to the left, binary;
  * GG = SSI, MSB aligned to the left, Gray; G1 = SSI, MSB aligned to the left, Gray, with
@@ -95,22 +95,22 @@ extern "C" {
 
 /** Variant of the encoder: the values that differ between order codes. */
 typedef struct lika_sma21_variant {
-    /** Resolution, the length of one count [4.10 p.18; 5.2 p.20]. Unit: um. */
+    /** Resolution, the length of one count [4.10 p.18, 5.2 p.20]. Unit: um. */
     uint8_t resolution_um;
     /**
-     * Width of the position over SSI and BiSS, without padding [5.2 p.20; 6.2 p.25]. Unit: bits.
+     * Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
      */
     uint8_t position_bits;
-    /** Code of the position in the SSI word: 1 for Gray, 0 for binary [4.1 p.15; 5.2 p.20]. */
+    /** Code of the position in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20]. */
     uint8_t ssi_gray;
     /**
      * Number of bits above the position in the position field of the BiSS single cycle data. They
-     * are zeros unless an offset is selected [6.2 p.25; 6.4 p.32]. Unit: bits.
+     * are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
      */
     uint8_t scd_padding_bits;
     /**
      * Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset contains an
-     * offset, 0 while it contains a preset [6.4 p.30; 6.4 p.32]. Held at run time in register 49h
+     * offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Held at run time in register 49h
      * (Select preset offset of Configuration), 0 to 1. lika_sma21_take_configuration() updates it.
      */
     uint8_t offset_selected;
@@ -123,7 +123,7 @@ typedef struct lika_sma21_variant {
     uint8_t output_code;
     /**
      * Width of the position in the 24-bit replies over RS-485. At 1 um it is one bit less than over
-     * SSI and BiSS [4.10 p.18; 7.3.3.2]. Unit: bits.
+     * SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
      */
     uint8_t rs485_position_bits;
 } lika_sma21_variant;
@@ -188,7 +188,7 @@ static inline uint32_t lika_sma21_scd_position_bits(const lika_sma21_variant *va
 
 /**
  * Width of the position in the BiSS single cycle data. It is the whole field while an offset is
- * selected [6.2 p.25; 6.4 p.32]. Unit: bits.
+ * selected [6.2 p.25, 6.4 p.32]. Unit: bits.
  */
 static inline uint32_t lika_sma21_scd_value_bits(const lika_sma21_variant *variant)
 {
@@ -363,8 +363,8 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26; prot: p.7-8; renishaw:
- * data sheet; icmu: p.30].
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26, prot: p.7-8, renishaw:
+ * data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
@@ -393,7 +393,7 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 
 /**
  * Compute the CRC of bits.
- * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27; prot: p.9-14; icmu:
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
@@ -450,23 +450,23 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
 typedef enum lika_sma21_report {
     LIKA_SMA21_REPORT_ERROR = 0x0001, /**< Error [5.4 p.22]. */
     LIKA_SMA21_REPORT_WARNING = 0x0002, /**< Warning, nW [6.2 p.26]. */
-    LIKA_SMA21_REPORT_STATUS_INFO = 0x0004, /**< dd0 ... dd3, unused [7.3.2 p.38; a4: p.298]. */
-    LIKA_SMA21_REPORT_STATUS_ALARM = 0x0008, /**< ea0 [7.3.2 p.38; a4: p.298]. */
-    LIKA_SMA21_REPORT_STATUS_ERROR = 0x0010, /**< ea1 [7.3.2 p.38; a4: p.298]. */
-    LIKA_SMA21_REPORT_STATUS_ZERO = 0x0020, /**< Status zero, unused [7.3.2 p.38; a4: p.298]. */
-    LIKA_SMA21_REPORT_OVERSPEED = 0x0040, /**< Overspeed [7.3.3.1 p.40; 7.3.2 p.38]. */
-    /** Initialization error [7.3.3.1 p.40; 7.3.3.2 p.41]. */
+    LIKA_SMA21_REPORT_STATUS_INFO = 0x0004, /**< dd0 ... dd3, unused [7.3.2 p.38, a4: p.298]. */
+    LIKA_SMA21_REPORT_STATUS_ALARM = 0x0008, /**< ea0 [7.3.2 p.38, a4: p.298]. */
+    LIKA_SMA21_REPORT_STATUS_ERROR = 0x0010, /**< ea1 [7.3.2 p.38, a4: p.298]. */
+    LIKA_SMA21_REPORT_STATUS_ZERO = 0x0020, /**< Status zero, unused [7.3.2 p.38, a4: p.298]. */
+    LIKA_SMA21_REPORT_OVERSPEED = 0x0040, /**< Overspeed [7.3.3.1 p.40, 7.3.2 p.38]. */
+    /** Initialization error [7.3.3.1 p.40, 7.3.3.2 p.41]. */
     LIKA_SMA21_REPORT_INITIALIZATION_ERROR = 0x0080,
-    LIKA_SMA21_REPORT_HARDWARE_ERROR = 0x0100, /**< Hardware error [7.3.3.1 p.40; 7.3.2 p.38]. */
-    /** Encoder inharmonious error [7.3.3 p.39; 7.3.3.1 p.40]. */
+    LIKA_SMA21_REPORT_HARDWARE_ERROR = 0x0100, /**< Hardware error [7.3.3.1 p.40, 7.3.2 p.38]. */
+    /** Encoder inharmonious error [7.3.3 p.39, 7.3.3.1 p.40]. */
     LIKA_SMA21_REPORT_ENCODER_INHARMONIOUS_ERROR = 0x0200,
-    /** Higher track error [7.3.3 p.39; 7.3.3.1 p.40]. */
+    /** Higher track error [7.3.3 p.39, 7.3.3.1 p.40]. */
     LIKA_SMA21_REPORT_HIGHER_TRACK_ERROR = 0x0400,
-    /** Low amplitude error [7.3.3.1 p.40; 7.3.2 p.38]. */
+    /** Low amplitude error [7.3.3.1 p.40, 7.3.2 p.38]. */
     LIKA_SMA21_REPORT_LOW_AMPLITUDE_ERROR = 0x0800,
-    /** Signal on the strength alarm [7.3.3 p.39; 7.3.3.1 p.40]. */
+    /** Signal on the strength alarm [7.3.3 p.39, 7.3.3.1 p.40]. */
     LIKA_SMA21_REPORT_SIGNAL_STRENGTH_ALARM = 0x1000,
-    /** Temperature alarm [7.3.3 p.39; 7.3.3.1 p.40]. */
+    /** Temperature alarm [7.3.3 p.39, 7.3.3.1 p.40]. */
     LIKA_SMA21_REPORT_TEMPERATURE_ALARM = 0x2000
 } lika_sma21_report;
 
@@ -502,7 +502,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "unused bits differ from the manual, which has 0 there. Information, not used in this "
             "encoder.",
             "",
-            "7.3.2 p.38; a4: p.298"
+            "7.3.2 p.38, a4: p.298"
         },
         {
             "status_alarm",
@@ -510,7 +510,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the "
             "position is correct. Not stored. The bit clears as soon as the cause is gone.",
             "",
-            "7.3.2 p.38; a4: p.298"
+            "7.3.2 p.38, a4: p.298"
         },
         {
             "status_error",
@@ -518,21 +518,21 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or "
             "the motor must stop. Stored in the encoder until the errors are reset.",
             "",
-            "7.3.2 p.38; a4: p.298"
+            "7.3.2 p.38, a4: p.298"
         },
         {
             "status_zero",
             "",
             "unused bits differ from the manual, which has 0 there",
             "",
-            "7.3.2 p.38; a4: p.298"
+            "7.3.2 p.38, a4: p.298"
         },
         {
             "overspeed",
             "Overspeed",
             "speed too high",
             "Reset the errors with data ID B",
-            "7.3.3.1 p.40; 7.3.2 p.38"
+            "7.3.3.1 p.40, 7.3.2 p.38"
         },
         {
             "initialization_error",
@@ -540,14 +540,14 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "error during the initialization, or absolute position not found",
             "Reset the errors with data ID B after the initialization is complete and normal "
             "operation has started again",
-            "7.3.3.1 p.40; 7.3.3.2 p.41"
+            "7.3.3.1 p.40, 7.3.3.2 p.41"
         },
         {
             "hardware_error",
             "Hardware error",
             "error in the EEPROM",
             "Reset the errors with data ID B",
-            "7.3.3.1 p.40; 7.3.2 p.38"
+            "7.3.3.1 p.40, 7.3.2 p.38"
         },
         {
             "encoder_inharmonious_error",
@@ -555,35 +555,35 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it. Its "
             "cause is not known",
             "",
-            "7.3.3 p.39; 7.3.3.1 p.40"
+            "7.3.3 p.39, 7.3.3.1 p.40"
         },
         {
             "higher_track_error",
             "Higher track error",
             "active, although the manual says that this encoder does not have it",
             "",
-            "7.3.3 p.39; 7.3.3.1 p.40"
+            "7.3.3 p.39, 7.3.3.1 p.40"
         },
         {
             "low_amplitude_error",
             "Low amplitude error",
             "amplitude of the signal too low",
             "Reset the errors with data ID B",
-            "7.3.3.1 p.40; 7.3.2 p.38"
+            "7.3.3.1 p.40, 7.3.2 p.38"
         },
         {
             "signal_strength_alarm",
             "Signal on the strength alarm",
             "active, although the manual says that this encoder does not have it",
             "",
-            "7.3.3 p.39; 7.3.3.1 p.40"
+            "7.3.3 p.39, 7.3.3.1 p.40"
         },
         {
             "temperature_alarm",
             "Temperature alarm",
             "active, although the manual says that this encoder does not have it",
             "",
-            "7.3.3 p.39; 7.3.3.1 p.40"
+            "7.3.3 p.39, 7.3.3.1 p.40"
         },
         { "", "", "", "", "" }
     };
@@ -603,7 +603,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * n + 1 rising edges (13 bits: 14 edges). The master sends at least as many clocks as the word has
  * bits. The time Tm may follow the word immediately.
- * Signals: RS-422; clock and data have a logic level of typically 5 V [5 p.19].
+ * Signals: RS-422, clock and data have a logic level of typically 5 V [5 p.19].
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
  * p.20].
  * Code: binary or Gray, by order code [5.2 p.20].
@@ -1103,44 +1103,44 @@ static inline uint32_t lika_sma21_single_cycle_data_reports(
 
 /** cc0 ... cc3: Type of the request, repeated in the reply. */
 typedef enum lika_sma21_data_id {
-    /** Data ID 4: 24-bit position and error code [7.3.1 p.38; 7.3.3 p.39]. */
+    /** Data ID 4: 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_POSITION = 0x4,
-    /** Data ID 5: 48-bit position [7.3.1 p.38; 7.3.3 p.39]. */
+    /** Data ID 5: 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_WIDE_POSITION = 0x5,
-    /** Data ID A: 24-bit position, encoder ID and error code [7.3.1 p.38; 7.3.3 p.39]. */
+    /** Data ID A: 24-bit position, encoder ID and error code [7.3.1 p.38, 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_IDENTIFICATION = 0xA,
     /**
-     * Data ID B: Reset all errors. The reply carries 24-bit position and error code [7.3.1 p.38;
+     * Data ID B: Reset all errors. The reply carries 24-bit position and error code [7.3.1 p.38,
      * 7.3.3.2 p.41].
      */
     LIKA_SMA21_DATA_ID_RESET_ERRORS = 0xB,
     /**
      * Data ID F: Reset the position to 0. The reply carries 24-bit position and error code [7.3.1
-     * p.38; 7.3.3.2 p.41].
+     * p.38, 7.3.3.2 p.41].
      */
     LIKA_SMA21_DATA_ID_RESET_POSITION = 0xF
 } lika_sma21_data_id;
 
 /** First byte of each request and of its reply. */
-/** Data ID 4: A2h, capture: 24-bit position and error code [7.3.1 p.38; 7.3.3 p.39]. */
+/** Data ID 4: A2h, capture: 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U
-/** Data ID 5: 2Ah, capture: 48-bit position [7.3.1 p.38; 7.3.3 p.39]. */
+/** Data ID 5: 2Ah, capture: 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_WIDE_POSITION 0x2AU
-/** Data ID A: 52h, capture: 24-bit position, encoder ID and error code [7.3.1 p.38; 7.3.3 p.39]. */
+/** Data ID A: 52h, capture: 24-bit position, encoder ID and error code [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_IDENTIFICATION 0x52U
 /**
  * Data ID B: DAh, reset: Reset all errors. The reply carries 24-bit position and error code [7.3.1
- * p.38; 7.3.3.2 p.41].
+ * p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_ERRORS 0xDAU
 /**
  * Data ID F: 7Ah, reset: Reset the position to 0. The reply carries 24-bit position and error code
- * [7.3.1 p.38; 7.3.3.2 p.41].
+ * [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
 /**
- * data_request, sent by the master over RS-485: 1 byte [7.2 p.37; 7.2.1 p.37].
+ * data_request, sent by the master over RS-485: 1 byte [7.2 p.37, 7.2.1 p.37].
  * In the manual: Master -> Encoder: CF.
  * Carries data_id 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F
  * (reset_position).
@@ -1224,7 +1224,7 @@ static inline lika_result lika_sma21_data_request_encode(
 }
 
 /**
- * position_reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
+ * position_reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 DF3 CRC.
  * Carries data_id 4 (position), B (reset_errors) or F (reset_position).
  * position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0:
@@ -1479,7 +1479,7 @@ static inline uint32_t lika_sma21_position_reply_reports(
 }
 
 /**
- * wide_position_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3
+ * wide_position_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
  * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
  * Carries data_id 5 (wide_position).
@@ -1662,7 +1662,7 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
 }
 
 /**
- * identification_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3
+ * identification_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
  * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
  * Carries data_id A (identification).
@@ -2031,7 +2031,7 @@ static inline lika_result lika_sma21_rs485_reply_frame(
 /** Erratum position_below_zero (open, omission). */
 
 /**
- * Return the number of counts after which the position over SSI starts again at 0 [5.2 p.20; 6.2
+ * Return the number of counts after which the position over SSI starts again at 0 [5.2 p.20, 6.2
  * p.25].
  */
 static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
@@ -2050,7 +2050,7 @@ static inline int64_t lika_sma21_ssi_position_difference(
 }
 
 /**
- * Convert a position over SSI to micrometres [5.2 p.20; 6.2 p.25]. The product must fit into 64
+ * Convert a position over SSI to micrometres [5.2 p.20, 6.2 p.25]. The product must fit into 64
  * bits.
  */
 static inline int64_t lika_sma21_ssi_micrometres(
@@ -2069,7 +2069,7 @@ static inline double lika_sma21_ssi_millimetres(const lika_sma21_variant *varian
 
 /**
  * Return the number of counts after which the position over BiSS C-mode starts again at 0 [5.2
- * p.20; 6.2 p.25; 6.4 p.32]. An offset raises all positions, up to 2^scd_value_bits - 1.
+ * p.20, 6.2 p.25, 6.4 p.32]. An offset raises all positions, up to 2^scd_value_bits - 1.
  */
 static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_variant *variant)
 {
@@ -2087,7 +2087,7 @@ static inline int64_t lika_sma21_biss_position_difference(
 }
 
 /**
- * Convert a position over BiSS C-mode to micrometres [5.2 p.20; 6.2 p.25; 6.4 p.32]. The product
+ * Convert a position over BiSS C-mode to micrometres [5.2 p.20, 6.2 p.25, 6.4 p.32]. The product
  * must fit into 64 bits.
  */
 static inline int64_t lika_sma21_biss_micrometres(
@@ -2352,7 +2352,7 @@ static inline lika_result lika_sma21_read_serial_number(
 }
 
 /**
- * Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
+ * Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29, 12 p.51].
  * Saves the parameters, activates preset or offset, or restores the defaults.
  * Wait at least 30 ms after a write, before the next command.
  * Returns to its default by itself after a write.
@@ -2411,7 +2411,7 @@ static inline lika_result lika_sma21_write_command(
 }
 
 /**
- * Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30; 12
+ * Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30, 12
  * p.51].
  * Preset or offset, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
@@ -2639,7 +2639,7 @@ static inline lika_result lika_sma21_read_absolute_resolution(
 }
 
 /**
- * Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
+ * Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
  * Preset or offset, according to the bit Select preset / offset of the Configuration register.
  * Byte order: high byte first, at 50h.
  * Can be written only while Enable preset offset of Configuration holds 0 (enable).
@@ -3312,7 +3312,7 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
 /* -- procedures -------------------------------------------------------------------------------- */
 
 /**
- * Set and save the configuration [6.4 p.31; 6.6.1 p.35].
+ * Set and save the configuration [6.4 p.31, 6.6.1 p.35].
  * Result: The new configuration is active and saved.
  */
 #define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 4U
@@ -3355,8 +3355,8 @@ static inline lika_result lika_sma21_set_configuration_steps(
 /**
  * Set and save the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on what it writes: call lika_sma21_read_state() afterwards to update the
- * variant.
+ * The frames depend on the bytes that it writes: call lika_sma21_read_state() afterwards to update
+ * the variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
@@ -3382,7 +3382,7 @@ static inline lika_result lika_sma21_set_configuration(
 }
 
 /**
- * Set, save and activate a preset [6.4 p.32; 6.6.2 p.35].
+ * Set, save and activate a preset [6.4 p.32, 6.6.2 p.35].
  * Before: The sensor is at rest at the wanted position. In the Configuration register, preset and
  * offset are enabled and preset is selected, which is the factory default. Otherwise run
  * select_preset first.
@@ -3494,8 +3494,8 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 /**
  * Enable the function and select preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on what it writes: call lika_sma21_read_state() afterwards to update the
- * variant.
+ * The frames depend on the bytes that it writes: call lika_sma21_read_state() afterwards to update
+ * the variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
@@ -3514,7 +3514,7 @@ static inline lika_result lika_sma21_select_preset(
 }
 
 /**
- * Select, set, save and activate an offset [6.4 p.30; 6.4 p.32].
+ * Select, set, save and activate an offset [6.4 p.30, 6.4 p.32].
  * Before: The sensor is at rest at the wanted position. At 2 um and 1 um, only 0 is within the
  * limits.
  * Result: The transmitted positions are shifted by the offset. From the selection on, the position
@@ -3588,8 +3588,8 @@ static inline lika_result lika_sma21_set_offset_steps(
 /**
  * Select, set, save and activate an offset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on what it writes: call lika_sma21_read_state() afterwards to update the
- * variant.
+ * The frames depend on the bytes that it writes: call lika_sma21_read_state() afterwards to update
+ * the variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
@@ -3857,19 +3857,19 @@ static inline lika_result lika_sma21_reset_position(
 /* -- alarms ------------------------------------------------------------------------------------ */
 
 /**
- * Temperature alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Temperature alarm: Not implemented [7.3.3 p.39, 7.3.3.1 p.40].
  * Flag: temperature_alarm in ALMC.
  */
 #define LIKA_SMA21_ALARM_TEMPERATURE_ALARM_MASK 0x80U
 
 /**
- * Signal on the strength alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Signal on the strength alarm: Not implemented [7.3.3 p.39, 7.3.3.1 p.40].
  * Flag: signal_strength_alarm in ALMC.
  */
 #define LIKA_SMA21_ALARM_SIGNAL_STRENGTH_ALARM_MASK 0x40U
 
 /**
- * Low amplitude error: The amplitude of the signal is too low [7.3.3.1 p.40; 7.3.2 p.38].
+ * Low amplitude error: The amplitude of the signal is too low [7.3.3.1 p.40, 7.3.2 p.38].
  * Flag: low_amplitude_error in ALMC.
  * Detected: In operation.
  * Stays active until it is reset.
@@ -3879,13 +3879,13 @@ static inline lika_result lika_sma21_reset_position(
 #define LIKA_SMA21_ALARM_LOW_AMPLITUDE_ERROR_MASK 0x20U
 
 /**
- * Higher track error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Higher track error: Not implemented [7.3.3 p.39, 7.3.3.1 p.40].
  * Flag: higher_track_error in ALMC.
  */
 #define LIKA_SMA21_ALARM_HIGHER_TRACK_ERROR_MASK 0x10U
 
 /**
- * Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Encoder inharmonious error: Not implemented [7.3.3 p.39, 7.3.3.1 p.40].
  * Flag: encoder_inharmonious_error in ALMC.
  * Before edition 1.1: differs, see the end of this file.
  * Before edition 1.1: differs, see the end of this file.
@@ -3893,7 +3893,7 @@ static inline lika_result lika_sma21_reset_position(
 #define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U
 
 /**
- * Hardware error: There is an error in the EEPROM [7.3.3.1 p.40; 7.3.2 p.38].
+ * Hardware error: There is an error in the EEPROM [7.3.3.1 p.40, 7.3.2 p.38].
  * Flag: hardware_error in ALMC.
  * Detected: At power-on.
  * Stays active until it is reset.
@@ -3904,7 +3904,7 @@ static inline lika_result lika_sma21_reset_position(
 
 /**
  * Initialization error: One of the alarms named above occurred during the initialization, or the
- * absolute position cannot be found [7.3.3.1 p.40; 7.3.3.2 p.41].
+ * absolute position cannot be found [7.3.3.1 p.40, 7.3.3.2 p.41].
  * Flag: initialization_error in ALMC.
  * Detected: During the initialization right after power-on or after a reset ID.
  * Stays active until it is reset.
@@ -3915,7 +3915,7 @@ static inline lika_result lika_sma21_reset_position(
 #define LIKA_SMA21_ALARM_INITIALIZATION_ERROR_MASK 0x02U
 
 /**
- * Overspeed: The speed is too high [7.3.3.1 p.40; 7.3.2 p.38].
+ * Overspeed: The speed is too high [7.3.3.1 p.40, 7.3.2 p.38].
  * Flag: overspeed in ALMC.
  * Detected: In operation.
  * Stays active until it is reset.
@@ -3927,14 +3927,14 @@ static inline lika_result lika_sma21_reset_position(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum order_code_key (open, omission) [4.1 p.15; 5.1; 5.2 p.20]:
+ * Erratum order_code_key (open, omission) [4.1 p.15, 5.1, 5.2 p.20]:
  *   Printed: See the order code (si veda il codice di ordinazione), for the output code, the supply
  *   and the incremental signals.
  *   Used: BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.
  *   Why: The key is not in the manual. It explains only G1 (Gray with AB /AB), SC, and, by the
  *   example of SC, the supplies 1 and 4. BG is binary in the AMM5 manual of the same manufacturer.
  *   GG is the remaining code. Other supply digits and the rest of the label have no explanation.
- * Erratum biss_crc_start (open, omission) [6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet;
+ * Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet,
  * icmu: p.30]:
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
@@ -3942,13 +3942,13 @@ static inline lika_result lika_sma21_reset_position(
  *   Why: Public BiSS documents start with 0 unless something else is stated. BiSS devices may have
  *   another start value. With another start value, the CRC of every frame fails, with or without
  *   errors on the line.
- * Erratum zero_setting_rs485 (open, wrong limit) [3.3; 7.3.1 p.38; 7.3.3.2 p.41]:
+ * Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
  *   Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only,
  *   not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
  *   Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
  *   Why: 7.3.3.2 describes it in detail, including the write to the EEPROM. For the SSI models, 5.5
  *   leaves it to the master, if needed.
- * Erratum ssi_clock_count (open, wrong limit) [5.1; 5.2 p.20]:
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]:
  *   Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least
  *   as many clocks as data bits.
  *   Used: The outputs do not enforce either rule. One clock more than the word has bits satisfies
@@ -3965,7 +3965,7 @@ static inline lika_result lika_sma21_reset_position(
  *   Used: Both limits are listed as printed.
  *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 1
  *   MHz.
- * Erratum gray_scope (open, omission) [5.2 p.20; 6.4 p.31]:
+ * Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
  *   Printed: The output code can be binary or Gray, without saying which bits of the frame it
  *   covers.
  *   Used: Only the position is coded. The error bit, the warning bit and the CRC are sent
@@ -3978,7 +3978,7 @@ static inline lika_result lika_sma21_reset_position(
  *   Used: The frame has 32 bits from 50 um to 2 um and 33 bits at 1 um.
  *   Why: Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 um. The table below
  *   has bits 32 to 0 for it.
- * Erratum offset_in_the_padding (open, wrong data) [6.2 p.25; 6.4 p.32]:
+ * Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
  *   Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 um,
  *   added to positions of 20 bits.
  *   Used: While an offset is selected in the register Configuration, 6.4 applies: the position
@@ -3988,7 +3988,7 @@ static inline lika_result lika_sma21_reset_position(
  *   reference to that field. The sum is therefore meant to fill the field, so from 50 um to 5 um
  *   the bits above the position carry data. The zeros of 6.2 apply without an offset. Only a frame
  *   of an encoder with an offset could confirm this.
- * Erratum position_below_zero (open, omission) [6.4 p.32; 7.3.3.2 p.41]:
+ * Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
  *   Printed: Positions before the preset get a value according to it. The values sent below zero or
  *   above the maximum are not given.
  *   Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit
@@ -3996,19 +3996,19 @@ static inline lika_result lika_sma21_reset_position(
  *   The 48-bit position goes below zero.
  *   Why: A preset of 0 or a reset of the position within the travel leaves positions below it. All
  *   position fields are unsigned except that of data ID 5.
- * Erratum warning_level (open, omission) [6.2 p.26; 9.1]:
+ * Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
  *   Printed: Warning, nW, without the level that means a warning.
  *   Used: 0 means a warning, as with the error bit.
  *   Why: The name nW and the BiSS documents make it active low. The bit is only for Lika's
  *   technicians.
- * Erratum profile_variants (open, wrong data) [6.4 p.28; asc85: 6.4 p.23]:
+ * Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
  *   Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit
  *   position in a field of 24 bits.
  *   Used: Each is used as printed.
  *   Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte counts
  *   the whole field and not the position, and one more bit has one plus less. A master that takes
  *   the length of the data from the profile ID would miss 4, 2 or 1 bits here.
- * Erratum serial_number_coding (open, omission) [6.4 p.29; amm5: 6.4 p.38]:
+ * Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
  *   Printed: Year, week and number in hexadecimal (in esadecimale), without an example.
  *   Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte
  *   first.
@@ -4026,28 +4026,28 @@ static inline lika_result lika_sma21_reset_position(
  *   Used: The values end at that sum less 1.
  *   Why: The same number of values as before, starting with the offset, ends one below the sum.
  *   With the highest offset, the sum itself would need one bit more than the field has.
- * Erratum device_id_shared (open, omission) [6.4 p.34; prot: p.14-15]:
+ * Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
  *   Printed: One device ID, SM21 with the release, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires another device ID where the data length differs, and 1 um has one more bit.
  *   Unless the release bytes, printed as xx, differ, only the profile ID distinguishes the models.
- * Erratum biss_timeout (open, omission) [6.5 p.34; prot: p.18; asc85: 6.5 p.32]:
+ * Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
  *   Printed: The BiSS time-out adapts itself to the clock, 16 us at most. No rule is printed.
  *   Used: The time-out is at most 16 us.
  *   Why: In the BiSS protocol description, the time-out is at least 1.5 clock periods, which is 7.5
  *   us at 200 kHz. The ASC85 manual has 3.5 periods, which would be 17.5 us.
- * Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35; 6.4 p.30]:
+ * Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35, 6.4 p.30]:
  *   Printed: Bit 8 Direzione di conteggio.
  *   Used: Counting direction is bit 6.
  *   Why: The register has bits 7 to 0. 6.4 and section 12 have bit 6. The value 60h of the example
  *   sets bits 6 and 5.
- * Erratum control_field_structure (settled, omission) [7.3.1 p.38; 7.2.2 p.37; stmbl:
+ * Erratum control_field_structure (settled, omission) [7.3.1 p.38, 7.2.2 p.37, stmbl:
  * src/comps/smartabs.c]:
  *   Printed: Five bits cc0 to cc4 as ID code.
  *   Used: cc0 to cc3 are the data ID, cc4 is its even parity bit.
  *   Why: 7.2.2 mentions a parity that the structure does not show. All five printed bytes fit. With
  *   five bits, A2h would be ID 14h and DAh would be ID 1Bh.
- * Erratum position_under_error (open, omission) [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]:
+ * Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
  *   Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the
  *   position, or the motor has to stop. nE: the last valid position may be frozen, wrong data may
  *   be sent. The effect of single alarms and of nW on the position is not given.
@@ -4057,7 +4057,7 @@ static inline lika_result lika_sma21_reset_position(
  *   Why: ea1 does not show which of the three it is. With an error only in the EEPROM, the position
  *   may be correct, but the manual does not say so. nW is for Lika's technicians, and there is no
  *   evidence against a position with it.
- * Erratum abs_range_48 (settled, wrong limit) [7.3.3; a4: p.298]:
+ * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
  *   Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
  *   Used: The highest value is 7FFFFFFFFFFFh.
  *   Why: Two digits are missing. The highest number of 48 bits as two's complement has twelve.
@@ -4070,14 +4070,14 @@ static inline lika_result lika_sma21_reset_position(
  *   Used: The position is signed, over all 48 bits.
  *   Why: A negative number has ones in its high bits. The manual does not say when the position
  *   becomes negative. The 24-bit position of the same encoder is never negative.
- * Erratum rs485_position_width (open, omission) [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]:
+ * Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]:
  *   Printed: SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and
  *   20 bits without a model, and at most 24 bits.
  *   Used: The position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
  *   Why: These are the widths of SSI and BiSS, cut to 24 bits at 1 um, for which 4.10 halves the
  *   travel. A resolution probably has the same width as over the other interfaces, but the manual
  *   does not say so.
- * Erratum reset_interval (open, omission) [7.3.2 p.38; 7.3.3.2 p.41]:
+ * Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
  *   Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40
  *   us or more.
  *   Used: No other request is sent in between. After each request, at least 40 us pass before the
@@ -4091,7 +4091,7 @@ static inline lika_result lika_sma21_reset_position(
  *   Used: The outputs give no waiting time.
  *   Why: The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they
  *   apply to this encoder.
- * Erratum data_id_5_example_status (open, wrong data) [7.3.4; 7.3.2 p.38]:
+ * Erratum data_id_5_example_status (open, wrong data) [7.3.4, 7.3.2 p.38]:
  *   Printed: Reply to data ID 5 with SF = 02h.
  *   Used: dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the
  *   bits are reported.
@@ -4099,7 +4099,7 @@ static inline lika_result lika_sma21_reset_position(
  *   the only reply to data ID 5 that the manual prints, and its CRC is correct. Only hardware can
  *   show whether the example is wrong or an encoder may set these bits. The manual does not
  *   describe the position in this case. It is treated as usable with a warning.
- * Erratum error_bit_level (settled, wrong data) [9 p.47; 9.1; 7.3.2 p.38]:
+ * Erratum error_bit_level (settled, wrong data) [9 p.47, 9.1, 7.3.2 p.38]:
  *   Printed: When the fault is gone the error bit goes to the high level (commuta al livello logico
  *   alto).
  *   Used: This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error,
@@ -4111,17 +4111,17 @@ static inline lika_result lika_sma21_reset_position(
  *   Used: ABS0 is sent first.
  *   Why: The text above both tables says that the position is sent from the least to the most
  *   significant byte. The examples do so.
- * Erratum position_check_default (open, omission) [6.4 p.33; 12 p.51]:
+ * Erratum position_check_default (open, omission) [6.4 p.33, 12 p.51]:
  *   Printed: Register 59h can be written and has the default 00h. The list of defaults leaves it
  *   out.
  *   Used: 00h.
  *   Why: The manual does not say whether loading the defaults resets it. It is the only register of
  *   this kind that is missing from the list.
- * Erratum ssi_pause (open, wrong limit) [5.1; 5.3 p.22]:
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
  *   Printed: Pause of at least 16 us (Tp > 16 us).
  *   Used: The minimum is 16 us. Use a longer pause.
  *   Why: "At least" allows 16 us. The sign ">" does not.
- * Erratum rs485_reply_time (open, omission) [7.1 p.37; 7.2 p.37]:
+ * Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
  *   Printed: Requests and replies, without the time between them.
  *   Used: The outputs have no reply time and no time-out. The master chooses its time-out.
  *   Why: The manual gives neither the shortest nor the longest time from the end of a request to

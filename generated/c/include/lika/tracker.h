@@ -31,7 +31,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x792D16CCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 

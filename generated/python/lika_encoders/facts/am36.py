@@ -53,7 +53,7 @@ MANUAL: Final = Manual(
     revision="1.0",
     date="2014",
     language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
+    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
     history=(Revision("1.0", "First issue."),),
 )
 
@@ -64,10 +64,10 @@ ORDER_CODE: Final = OrderCode(
             name="model",
             meaning="Mechanical version",
             values=(
-                PartValue(text="AM36", meaning="Solid shaft", source="3.1; 3.3"),
-                PartValue(text="AMC36", meaning="Hollow shaft", source="3.2; 3.4"),
+                PartValue(text="AM36", meaning="Solid shaft", source="3.1, 3.3"),
+                PartValue(text="AMC36", meaning="Hollow shaft", source="3.2, 3.4"),
             ),
-            source="Preliminary information; 3.1; 3.2",
+            source="Preliminary information, 3.1, 3.2",
         ),
         Part(
             name="singleturn",
@@ -78,15 +78,15 @@ ORDER_CODE: Final = OrderCode(
             ),
             open="[0-9]{2}",
             open_only_with=ReadOnly({"output": ("I7",)}),
-            source="5.2; 6",
+            source="5.2, 6",
         ),
         Part(
             name="turns",
             meaning="Number of revolutions",
-            values=(PartValue(text="4096", meaning="Multiturn, 4,096 revolutions", source="5.2; 6.5 p.31"),),
+            values=(PartValue(text="4096", meaning="Multiturn, 4,096 revolutions", source="5.2, 6.5 p.31"),),
             open="[0-9]{1,5}",
             open_only_with=ReadOnly({"output": ("I7",)}),
-            source="5; 5.2; 6; 6.5 p.31",
+            source="5, 5.2, 6, 6.5 p.31",
         ),
         Part(
             name="output",
@@ -95,13 +95,13 @@ ORDER_CODE: Final = OrderCode(
                 PartValue(
                     text="I7",
                     meaning="BiSS C-mode. The Configuration register sets the output code",
-                    source="6; 6.5 p.31",
+                    source="6, 6.5 p.31",
                 ),
                 PartValue(text="BG", meaning="SSI, binary code", source="5"),
                 PartValue(text="GG", meaning="SSI, Gray code", source="5"),
             ),
             open="17",
-            source="5; 6; 6.5 p.31",
+            source="5, 6, 6.5 p.31",
         ),
     ),
     special=(
@@ -117,24 +117,24 @@ ORDER_CODE: Final = OrderCode(
         "serial number are on the label of the body and in the delivery document. Lika asks for both in every "
         "enquiry. Technical data are in the catalogue."
     ),
-    source="5; 5.2; 6; 6.5 p.31",
+    source="5, 5.2, 6, 6.5 p.31",
     also_written=(
         Spelling(
             pattern="{model}{singleturn}/{turns}{output}",
-            where="edition 1.1 of the manual; what its last digit, printed as x, stands for is not known here",
+            where="edition 1.1 of the manual (the meaning of its last digit, printed as x, is unknown)",
             values=(
                 SpelledValue("output", "SC", "I7"),
                 SpelledValue("output", "BG", "BG"),
                 SpelledValue("output", "GG", "GG"),
             ),
             then="[0-9]?",
-            source="am36_1_1_biss: p.21; am36_1_1: p.22",
+            source="am36_1_1_biss: p.21, am36_1_1: p.22",
         ),
         Spelling(
             pattern="{model}{singleturn}/{turns}-{output}",
             where=(
-                "edition 1.1 of the manual, with the hyphen of edition 1.0; what its last digit, printed as x, stands "
-                "for is not known here"
+                "edition 1.1 of the manual, with the hyphen of edition 1.0 (the meaning of its last digit, printed as "
+                "x, is unknown)"
             ),
             values=(
                 SpelledValue("output", "SC", "I7"),
@@ -142,7 +142,7 @@ ORDER_CODE: Final = OrderCode(
                 SpelledValue("output", "GG", "GG"),
             ),
             then="[0-9]?",
-            source="am36_1_1_biss: p.21; 5; 6",
+            source="5, 6, am36_1_1_biss: p.21",
         ),
     ),
 )
@@ -162,7 +162,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "(most significant bit first) and the range (position, error and warning bit) come from public BiSS "
             "documents."
         ),
-        source="6.3.1 p.22; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.3.1 p.22, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Crc(
         name="biss_4",
@@ -177,7 +177,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
             "come from public BiSS documents."
         ),
-        source="6.4; prot: p.9-14; icmu: p.30",
+        source="6.4, prot: p.9-14, icmu: p.30",
     ),
 )
 
@@ -193,7 +193,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Used: Both limits are listed as printed.
 # Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 3 MHz.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1; 5.3; amm5: 5.3]:
+# Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
 # Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs).
 # Used: The minimum is 12 µs. Use a longer pause.
 #
@@ -206,7 +206,7 @@ SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
     alignment=Alignment.MSB_LEFT,
     output_code="by_order_code",
-    signals="EIA RS-422; clock and data have a logic level of typically 5 V",
+    signals="EIA RS-422, clock and data have a logic level of typically 5 V",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3"),
@@ -246,12 +246,12 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum revolutions_4096 (open, wrong limit) [6.5 p.28; 6.5 p.31]:
+# Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
 # Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more than
 # 4,096 set, at most 2,047 revolutions either way while switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 #
-# Erratum biss_timeout_length (open, omission) [6.6 p.32; prot: p.18]:
+# Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out self-adaptable to the clock, 10 µs max.
 # Used: The time-out is at most 10 µs. No rule is given.
 #
@@ -261,7 +261,7 @@ SSI: Final = SsiFacts(
 # with one master. It must never be installed in a network of several slaves.
 # Why: Section 6.6, which gives the clock, is not on a public page.
 #
-# In edition 1.1 [am36_1_1: p.24; am36_1_1: p.29]:
+# In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
 # Not known: register profile_id, register serial_number, register command, register device_type, register device_id,
 # register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
 # Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is known
@@ -446,7 +446,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "together, Save parameters and activate Preset stores the resolution but sets the preset to zero. The "
                 "preset must then be written again."
             ),
-            source="6.5 p.24; 7 p.33",
+            source="6.5 p.24, 7 p.33",
         ),
         "configuration": Register(
             name="configuration",
@@ -462,7 +462,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="zero_above_counting_direction",
                     meaning="always zero",
                     constant=0,
-                    source="6.5 p.26; 4.5 p.15; 7 p.33",
+                    source="6.5 p.26, 4.5 p.15, 7 p.33",
                 ),
                 FieldFacts(
                     name="counting_direction",
@@ -476,16 +476,16 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                         "A high level at the Counting direction input reverses the direction. After a change, a new "
                         "preset must be set."
                     ),
-                    source="6.5 p.26; 4.5 p.15; 7 p.33",
+                    source="6.5 p.26, 4.5 p.15, 7 p.33",
                 ),
                 FieldFacts(
                     name="output_code",
                     printed_name="Output code",
                     meaning="Code of the position",
                     default=1,
-                    source="6.5 p.26; 7 p.33",
+                    source="6.5 p.26, 7 p.33",
                 ),
-                FieldFacts(name="zero_below_output_code", meaning="always zero", constant=0, source="6.5 p.26; 7 p.33"),
+                FieldFacts(name="zero_below_output_code", meaning="always zero", constant=0, source="6.5 p.26, 7 p.33"),
                 FieldFacts(
                     name="enable_preset",
                     printed_name="Enable preset",
@@ -494,13 +494,13 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                         "Zero setting/Preset input"
                     ),
                     default=0,
-                    source="6.5 p.25; 4.4 p.15; 7 p.33",
+                    source="6.5 p.25, 4.4 p.15, 7 p.33",
                 ),
                 FieldFacts(
                     name="zero_below_enable_preset",
                     meaning="always zero",
                     constant=0,
-                    source="6.5 p.25; 4.4 p.15; 7 p.33",
+                    source="6.5 p.25, 4.4 p.15, 7 p.33",
                 ),
             ),
             meaning="Preset function, output code and counting direction",
@@ -508,7 +508,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "A new value takes effect immediately. Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are "
                 "not used. According to the list of defaults they are 0."
             ),
-            source="6.5 p.25; 7 p.33",
+            source="6.5 p.25, 7 p.33",
         ),
         "information_per_revolution": Register(
             name="information_per_revolution",
@@ -528,7 +528,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "zero. Save parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the "
                 "resulting number of bits."
             ),
-            source="6.5 p.27; 7 p.33",
+            source="6.5 p.27, 7 p.33",
         ),
         "number_of_revolutions": Register(
             name="number_of_revolutions",
@@ -556,7 +556,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "revolutions set, the shaft must not turn by more than 2,047 revolutions either way while the encoder "
                 "is off. Otherwise the absolute position is lost."
             ),
-            source="6.5 p.28; 7 p.33",
+            source="6.5 p.28, 7 p.33",
         ),
         "preset": Register(
             name="preset",
@@ -587,7 +587,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "counting direction, of Information per revolution or of Number of revolutions. The preset can be "
                 "used, for instance, to align the zero points of encoder and application."
             ),
-            source="6.5 p.29; 7 p.33",
+            source="6.5 p.29, 7 p.33",
         ),
         "device_type": Register(
             name="device_type",
@@ -681,7 +681,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Case", "Shield"),
         ),
         note="Over BiSS, Clock IN is MA and Data OUT is SLO (section 6).",
-        source="4; 4.1",
+        source="4, 4.1",
     ),
     Connector(
         name="m8_type_cable",
@@ -700,7 +700,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Shield", "Shield"),
         ),
         note="Over BiSS, Clock IN is MA and Data OUT is SLO (section 6).",
-        source="4; 4.2",
+        source="4, 4.2",
     ),
 )
 
@@ -726,7 +726,7 @@ INPUTS: Final[tuple[Input, ...]] = (
             "be 0 (enable), or the input has no effect. Activate it after the counting direction is set, preferably "
             "with the shaft at a standstill. Over BiSS, the Command register does the same."
         ),
-        source="4.4 p.15; Electrical safety p.8",
+        source="4.4 p.15, Electrical safety p.8",
     ),
     Input(
         name="counting_direction",
@@ -748,7 +748,7 @@ INPUTS: Final[tuple[Input, ...]] = (
             "(CCW) and a low level. It counts up clockwise with bit 1 and a high level. After a change of the "
             "direction, set a new zero or preset."
         ),
-        source="4.5 p.15; Electrical safety p.8; 6.5 p.26",
+        source="4.5 p.15, Electrical safety p.8, 6.5 p.26",
     ),
 )
 
@@ -762,7 +762,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "encoder only for the purpose it was designed for. High current, voltage and moving parts can injure or "
             "kill."
         ),
-        source="Safety p.8; 3 p.11",
+        source="Safety p.8, 3 p.11",
     ),
     Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="Safety p.8"),
     Characteristic(
@@ -786,7 +786,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Connect the shield, the connector housing or the frame, or several of them, to a ground free of noise, "
             "on the device's side or on the user's side. The user must find out which connection works best."
         ),
-        source="Electrical safety p.8; 4.3",
+        source="Electrical safety p.8, 4.3",
     ),
     Characteristic(
         name="mechanical_safety",
@@ -803,7 +803,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "recommended. Keep to its misalignment tolerances."
         ),
         only="AM36...",
-        source="Mechanical safety p.9; 3.3",
+        source="Mechanical safety p.9, 3.3",
     ),
     Characteristic(
         name="solid_shaft_mounting",
@@ -841,7 +841,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Switch the supply off while wiring. Cut the wires of unused signals to different lengths and insulate "
             "each of them. If they touch, the device may be damaged beyond repair."
         ),
-        source="Electrical safety p.8; 4",
+        source="Electrical safety p.8, 4",
     ),
     Characteristic(name="supply", value="+10 V DC to +30 V DC", source="4"),
     Characteristic(
@@ -881,7 +881,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
 
 #: Content of figures that is not in the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Drawings with the overall dimensions of AM36 and AMC36.", source="3.1; 3.2"),
+    LostFigure("Drawings with the overall dimensions of AM36 and AMC36.", source="3.1, 3.2"),
     LostFigure("Picture with coupling (1), flange (2) and screws (3).", source="3.3"),
     LostFigure("Picture with collar (3), fixing plate (4) and screw (5).", source="3.4"),
     LostFigure("Frontal view of the connector with its pin numbers.", source="4.1"),
@@ -939,7 +939,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("inputs.zero_setting_preset", "inputs.counting_direction"),
-        source="Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15",
+        source="Electrical safety p.8, 4, 4.4 p.15, 4.5 p.15",
     ),
     Erratum(
         name="order_code_17",
@@ -953,7 +953,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code", "registers.device_id"),
-        source="6; 6.5 p.31",
+        source="6, 6.5 p.31",
     ),
     Erratum(
         name="order_code_edition_1_1",
@@ -973,7 +973,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code",),
-        source="5; 6; am36_1_1_biss: p.21; am36_1_1: p.22",
+        source="5, 6, am36_1_1_biss: p.21, am36_1_1: p.22",
     ),
     Erratum(
         name="output_letters",
@@ -991,7 +991,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("order_code", "parameters.ssi_gray", "interfaces.ssi.ssi_word"),
-        source="5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2",
+        source="5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2",
     ),
     Erratum(
         name="biss_singleturn_resolution",
@@ -1012,7 +1012,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "registers.singleturn_bits_used",
             "interfaces.biss.single_cycle_data",
         ),
-        source="6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29",
+        source="6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29",
     ),
     Erratum(
         name="revolutions_4096",
@@ -1036,7 +1036,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "characteristics.revolutions_while_off",
             "interfaces.biss.measurement",
         ),
-        source="6.5 p.28; 6.5 p.31",
+        source="6.5 p.28, 6.5 p.31",
     ),
     Erratum(
         name="supply_by_order_code",
@@ -1049,7 +1049,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("characteristics.supply", "characteristics.supply_class"),
-        source="Back cover; 4",
+        source="Back cover, 4",
     ),
     Erratum(
         name="cable_impedance",
@@ -1063,7 +1063,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("characteristics.cable_resistance",),
-        source="4.2; asc85: 4.3",
+        source="4.2, asc85: 4.3",
     ),
     Erratum(
         name="ssi_positions_28_bits",
@@ -1083,7 +1083,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("interfaces.ssi.ssi_word",),
-        source="5.2; 6.3.1 p.21",
+        source="5.2, 6.3.1 p.21",
     ),
     Erratum(
         name="ssi_clock_count",
@@ -1096,7 +1096,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2",
+        source="5.1, 5.2",
     ),
     Erratum(
         name="position_order",
@@ -1112,7 +1112,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.ssi.ssi_word", "interfaces.biss.single_cycle_data"),
-        source="5.2; 6.3.1 p.21; 6.5 p.29",
+        source="5.2, 6.3.1 p.21, 6.5 p.29",
     ),
     Erratum(
         name="ssi_cable_400_m",
@@ -1146,7 +1146,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.pause", "interfaces.ssi.monoflop"),
-        source="5.1; 5.3; amm5: 5.3",
+        source="5.1, 5.3, amm5: 5.3",
     ),
     Erratum(
         name="biss_documents",
@@ -1162,7 +1162,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6; 6.4 p.22; prot",
+        source="6, 6.4 p.22, prot",
     ),
     Erratum(
         name="biss_crc_start",
@@ -1175,7 +1175,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("crcs.biss_6", "crcs.biss_4"),
-        source="6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Erratum(
         name="command_default",
@@ -1188,7 +1188,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("registers.command",),
-        source="6.5 p.24; 7 p.33",
+        source="6.5 p.24, 7 p.33",
     ),
     Erratum(
         name="control_data_bit",
@@ -1201,7 +1201,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data",),
-        source="6.2; prot: p.3-5",
+        source="6.2, prot: p.3-5",
     ),
     Erratum(
         name="scd_length_at_run_time",
@@ -1227,7 +1227,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.set_resolution",
             "procedures.restore_defaults",
         ),
-        source="6.3.1 p.21; 6.5 p.31",
+        source="6.3.1 p.21, 6.5 p.31",
     ),
     Erratum(
         name="revolution_bits_rounding",
@@ -1240,7 +1240,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.multiturn_bits_used", "parameters.used_multiturn_bits"),
-        source="6.5 p.28; 6.5 p.31",
+        source="6.5 p.28, 6.5 p.31",
     ),
     Erratum(
         name="profile_id_variant",
@@ -1254,7 +1254,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.profile_id",),
-        source="6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4",
+        source="6.5 p.24, 6.3.1 p.21, prot: p.14, sma21: 6.4, asc85: 6.4",
     ),
     Erratum(
         name="serial_number_coding",
@@ -1273,7 +1273,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.serial_number",),
-        source="6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38",
+        source="6.5 p.24, amm5: 6.4 p.38, asc85: 6.4, amm36: p.38",
     ),
     Erratum(
         name="preset_cleared_when",
@@ -1290,7 +1290,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("procedures.set_resolution", "registers.preset", "registers.command"),
-        source="6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29",
+        source="6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29",
     ),
     Erratum(
         name="enable_preset_polarity",
@@ -1306,7 +1306,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.configuration.enable_preset", "registers.preset", "inputs.zero_setting_preset"),
-        source="6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30",
+        source="6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1: p.30",
     ),
     Erratum(
         name="example_bit_8",
@@ -1319,7 +1319,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.configuration.counting_direction", "examples.configuration_register"),
-        source="6.5 p.25; 6.5",
+        source="6.5 p.25, 6.5",
     ),
     Erratum(
         name="italian_words",
@@ -1332,7 +1332,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.configuration",),
-        source="6.5; Subject Index",
+        source="6.5, Subject Index",
     ),
     Erratum(
         name="resolution_byte_order",
@@ -1345,12 +1345,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.information_per_revolution", "registers.number_of_revolutions"),
-        source="6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15",
+        source="6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15",
     ),
     Erratum(
         name="resolution_byte_by_byte",
         printed=(
-            "A new value is active immediately after transmission. Values that are no power of two cannot be "
+            "A new value is active immediately after transmission. Values that are not a power of two cannot be "
             "accepted."
         ),
         used="The bytes are written in ascending order of address, without another access in between.",
@@ -1366,7 +1366,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "registers.number_of_revolutions",
             "procedures.set_resolution",
         ),
-        source="6.5 p.27; 6.5 p.28; prot: p.9-14",
+        source="6.5 p.27, 6.5 p.28, prot: p.9-14",
     ),
     Erratum(
         name="revolutions_above_max",
@@ -1389,7 +1389,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.preset",),
-        source="6.5 p.29; 7 p.33",
+        source="6.5 p.29, 7 p.33",
     ),
     Erratum(
         name="error_and_warning_unused",
@@ -1405,7 +1405,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.single_cycle_data.error", "interfaces.biss.single_cycle_data.warning"),
-        source="6.3.1 p.21; prot: p.3-5",
+        source="6.3.1 p.21, prot: p.3-5",
     ),
     Erratum(
         name="device_id_shared",
@@ -1418,7 +1418,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.device_id",),
-        source="6.5 p.31; prot: p.14-15",
+        source="6.5 p.31, prot: p.14-15",
     ),
     Erratum(
         name="biss_timeout_length",
@@ -1431,7 +1431,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.timeout",),
-        source="6.6 p.32; prot: p.18",
+        source="6.6 p.32, prot: p.18",
     ),
     Erratum(
         name="preset_example_bit",
@@ -1504,7 +1504,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.configuration.note",),
-        source="am36_1_1: p.24; am36_1_1: p.30",
+        source="am36_1_1: p.24, am36_1_1: p.30",
     ),
     Erratum(
         name="edition_1_1_5",
@@ -1545,7 +1545,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.timeout",
             "procedures",
         ),
-        source="am36_1_1: p.24; am36_1_1: p.29",
+        source="am36_1_1: p.24, am36_1_1: p.29",
     ),
     Erratum(
         name="edition_1_1_7",
@@ -1630,17 +1630,17 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     ),
     Document(
         "am36_1_1",
-        "AMx36 manual, English edition 1.1, Lika Electronic; single pages of it",
+        "AMx36 manual, English edition 1.1, Lika Electronic, single pages",
         url="https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html",
     ),
     Document(
         "am36_1_1_biss",
-        "AMx36 manual, English edition 1.1, Lika Electronic; the page that begins the BiSS section",
+        "AMx36 manual, English edition 1.1, Lika Electronic, the page that begins the BiSS section",
         url="https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html",
     ),
     Document(
         "amm36",
-        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
+        "AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number",
         url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
     ),
     Document("amm5", "AMM5A AMM5B manual, English edition 1.9, Lika Electronic"),

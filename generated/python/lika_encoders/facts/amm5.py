@@ -59,7 +59,7 @@ MANUAL: Final = Manual(
     revision="1.9",
     date="2021-12-09",
     language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
+    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
     editions=(Edition("it", "AMM5A AMM5B", "1.9", date="2021-12-09"),),
     history=(
         Revision("1.0", "First issue.", date="2018-08-10"),
@@ -129,7 +129,7 @@ ORDER_CODE: Final = OrderCode(
                 PartValue(text="SC1", meaning="BiSS C-mode with 1 Vpp sine and cosine", source="6 p.31"),
                 PartValue(text="JP1", meaning="RS-485 serial interface", source="7 p.41"),
             ),
-            source="5 p.27; 6 p.31; 7 p.41; 8 p.49",
+            source="5 p.27, 6 p.31, 7 p.41, 8 p.49",
         ),
     ),
     special=(
@@ -141,7 +141,7 @@ ORDER_CODE: Final = OrderCode(
         "order code and the serial number are on the label of the body and in the delivery document. Lika asks for "
         "both in every enquiry. Technical data are in the catalogue."
     ),
-    source="Cover; 5 p.27; 6 p.31; 7 p.41",
+    source="Cover, 5 p.27, 6 p.31, 7 p.41",
 )
 
 CRCS: Final[tuple[Crc, ...]] = (
@@ -159,7 +159,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "(most significant bit first) and the range (position, error and warning bit) come from public BiSS "
             "documents."
         ),
-        source="6.2.1 p.33; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.2.1 p.33, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Crc(
         name="biss_4",
@@ -174,7 +174,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
             "come from public BiSS documents."
         ),
-        source="6.3 p.34; prot: p.9-14; icmu: p.30",
+        source="6.3 p.34, prot: p.9-14, icmu: p.30",
     ),
     Crc(
         name="rs485_8",
@@ -196,7 +196,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum ssi_output_code (settled, wrong data) [5.1; 5.2]:
+# Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]:
 # Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the order
 # code.
 # Used: Binary.
@@ -213,7 +213,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Used: Both limits are listed as printed.
 # Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4 MHz.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1; 5.3; it: 5.3]:
+# Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
 # Printed: Pause of at least 20 µs (Tp > 20 µs).
 # Used: The minimum is 20 µs. Use a longer pause.
 # Why: "At least" allows 20 µs. The sign ">" does not.
@@ -226,7 +226,7 @@ SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
     alignment=Alignment.MSB_LEFT,
     output_code="binary",
-    signals="EIA RS-422; clock and data have a logic level of typically 5 V",
+    signals="EIA RS-422, clock and data have a logic level of typically 5 V",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3"),
@@ -266,11 +266,11 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum profile_id_missing (open, omission) [6 p.31; 6.4 p.35; prot: p.14-15]:
+# Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
 # Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
 # Used: The outputs have no profile ID.
 #
-# Erratum biss_min_clock (open, wrong limit) [6.5 p.40; prot: p.18]:
+# Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
 # Printed: The clock is 50 kHz at least. The time-out is worked out for 50 kHz as well.
 # Used: The lowest clock is 50 kHz.
 # Why: The BiSS protocol description starts at 80 kHz.
@@ -351,7 +351,7 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42; 7.4 p.43; hpm_sdk:
+# Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
 # samples/drivers/sei/slave/tamagawa/README_en.rst]:
 # Printed: ENID: encoder ID, fixed value = 23h.
 # Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
@@ -359,7 +359,7 @@ BISS: Final = BissFacts(
 # may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is valid. Sync code,
 # data ID, length and CRC do.
 #
-# Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45; ti_sdk:
+# Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
 # Used: The table is followed. Data ID 8 resets singleturn and multiturn data.
@@ -367,11 +367,11 @@ BISS: Final = BissFacts(
 # data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
 # request.
 #
-# Erratum reset_interval (open, omission) [7.4.2 p.45; it: 7.4.2 p.45]:
+# Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
 # Printed: Ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum rs485_reply_time (open, omission) [7.1 p.41; 7.2 p.41; it: 7.1 p.41; it: 7.2 p.41]:
+# Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: Requests and replies, without the time between them.
 # Used: The outputs have no reply time and no time-out. The master chooses its time-out.
 #
@@ -412,7 +412,7 @@ RS485: Final = Rs485Facts(
             control=0x1A,
             purpose=Purpose.CAPTURE,
             meaning="Singleturn, encoder ID, multiturn and alarms",
-            source="7.3.1 p.42; 7.4 p.43",
+            source="7.3.1 p.42, 7.4 p.43",
         ),
         DataIdFacts(
             name="eeprom_write",
@@ -436,7 +436,7 @@ RS485: Final = Rs485Facts(
             control=0xBA,
             purpose=Purpose.RESET,
             meaning="Reset all errors. The reply carries the singleturn position",
-            source="7.3.1 p.42; 7.4.2 p.45",
+            source="7.3.1 p.42, 7.4.2 p.45",
         ),
         DataIdFacts(
             name="reset_singleturn_and_multiturn",
@@ -444,7 +444,7 @@ RS485: Final = Rs485Facts(
             control=0xC2,
             purpose=Purpose.RESET,
             meaning="Reset singleturn and multiturn data to 0. The reply carries the singleturn position",
-            source="7.3.1 p.42; 7.4.2 p.45",
+            source="7.3.1 p.42, 7.4.2 p.45",
         ),
         DataIdFacts(
             name="reset_multiturn_and_errors",
@@ -452,7 +452,7 @@ RS485: Final = Rs485Facts(
             control=0x62,
             purpose=Purpose.RESET,
             meaning="Reset multiturn data and all errors. The reply carries the singleturn position",
-            source="7.3.1 p.42; 7.4.2 p.45",
+            source="7.3.1 p.42, 7.4.2 p.45",
         ),
     ),
     memory_access=(
@@ -539,7 +539,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "replacement with error"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="6.2.1 p.32; 3.4",
+            source="6.2.1 p.32, 3.4",
         ),
         Report(
             name="warning",
@@ -554,14 +554,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "remedy. Steps on the hardware page: Battery replacement without error"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="6.2.1 p.33; 4.3.1 p.23",
+            source="6.2.1 p.33, 4.3.1 p.23",
         ),
         Report(
             name="status_info",
             printed_name="EI_3 ... EI_0",
             meaning="unused bits differ from the manual, which has 0 there. Encoder information.",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
+            source="7.3.2 p.42, it: 7.3.2 p.43",
         ),
         Report(
             name="status_st_error",
@@ -569,7 +569,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="ST error",
             remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
+            source="7.3.2 p.42, it: 7.3.2 p.43",
         ),
         Report(
             name="status_other_error",
@@ -580,14 +580,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             ),
             remedy="Request data ID 3. Its ALMC shows the active error",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
+            source="7.3.2 p.42, it: 7.3.2 p.43",
         ),
         Report(
             name="status_zero",
             printed_name="",
             meaning="unused bits differ from the manual, which has 0 there",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
+            source="7.3.2 p.42, it: 7.3.2 p.43",
         ),
         Report(
             name="alarm_zero_0",
@@ -636,7 +636,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "replacement with error"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
+            source="7.4.1 p.44, 9 p.51, it: 7.4.1 p.45",
         ),
         Report(
             name="battery_alarm",
@@ -647,7 +647,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "hardware page: Battery replacement without error"
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
+            source="7.4.1 p.44, 9 p.51, it: 7.4.1 p.45",
         ),
         Report(
             name="eeprom_write_reply_mem_busy",
@@ -666,7 +666,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="Warning, nW",
             meaning="the manual does not say what this bit means for this order code",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.2.1 p.33; 4.3.1 p.23",
+            source="6.2.1 p.33, 4.3.1 p.23",
         ),
         Report(
             name="mt_error_unexplained",
@@ -707,7 +707,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_active="error active in the system",
                 when_inactive="no active error",
                 names=ReadOnly({"it": "Errore"}),
-                source="6.2.1 p.32; 3.4",
+                source="6.2.1 p.32, 3.4",
             ),
             FieldFacts(
                 name="warning",
@@ -720,7 +720,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_active="warning active in the system",
                 when_inactive="no active warning",
                 names=ReadOnly({"it": "Avvertenza"}),
-                source="6.2.1 p.33; 4.3.1 p.23",
+                source="6.2.1 p.33, 4.3.1 p.23",
             ),
             FieldFacts(
                 name="crc",
@@ -734,30 +734,30 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
         ),
         "eeprom_write_request": (
             FieldFacts(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address", source="7.5 p.46"),
             FieldFacts(
                 name="mem_busy",
@@ -774,15 +774,15 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address", source="7.5 p.46"),
             FieldFacts(
                 name="mem_busy",
@@ -798,21 +798,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
                 unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_st_error",
@@ -820,7 +820,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="ST error",
                 when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_other_error",
@@ -831,9 +831,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
                 ),
                 when_inactive="no BUSY flag, PS error, battery alarm or MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42, it: 7.3.2 p.43"),
             FieldFacts(
                 name="singleturn",
                 printed_name="ABS0, ABS1, ABS2",
@@ -848,21 +848,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
                 unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_st_error",
@@ -870,7 +870,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="ST error",
                 when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_other_error",
@@ -881,9 +881,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
                 ),
                 when_inactive="no BUSY flag, PS error, battery alarm or MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42, it: 7.3.2 p.43"),
             FieldFacts(
                 name="multiturn",
                 printed_name="ABM0, ABM1, ABM2",
@@ -898,21 +898,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
                 unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_st_error",
@@ -920,7 +920,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="ST error",
                 when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_other_error",
@@ -931,9 +931,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
                 ),
                 when_inactive="no BUSY flag, PS error, battery alarm or MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42, it: 7.3.2 p.43"),
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
@@ -946,21 +946,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
                 unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_st_error",
@@ -968,7 +968,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="ST error",
                 when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
             FieldFacts(
                 name="status_other_error",
@@ -979,9 +979,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
                 ),
                 when_inactive="no BUSY flag, PS error, battery alarm or MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
+                source="7.3.2 p.42, it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42, it: 7.3.2 p.43"),
             FieldFacts(
                 name="singleturn",
                 printed_name="ABS0, ABS1, ABS2",
@@ -1055,15 +1055,15 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(
                 name="address",
                 printed_name="ADD6 ... ADD0",
@@ -1086,15 +1086,15 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="sync",
                 meaning="Start of a frame, binary 010",
                 constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
                 meaning="Type of the request, repeated in the reply",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+                source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
             FieldFacts(
                 name="address",
                 printed_name="ADD6 ... ADD0",
@@ -1158,7 +1158,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             names=ReadOnly({"it": "Abilitazione impostazione preset"}),
             meaning="Opens and closes the Preset registers for writing",
             note="The list of defaults (section 10) gives 00, although the register cannot be read.",
-            source="6.4 p.38; it: 6.4 p.38; 10 p.52",
+            source="6.4 p.38, 10 p.52, it: 6.4 p.38",
         ),
         "serial_number": Register(
             name="serial_number",
@@ -1170,7 +1170,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="serial"),),
             names=ReadOnly({"it": "Numero di serie"}),
             meaning="Year and week of production and a serial number, as decimal digits of one binary number",
-            source="6.4 p.38; it: 6.4 p.39",
+            source="6.4 p.38, it: 6.4 p.39",
         ),
         "command": Register(
             name="command",
@@ -1213,7 +1213,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="name", meaning="Lika Electronic (4C 69 in hexadecimal)"),),
             names=ReadOnly({"it": "ID costruttore"}),
             meaning="Manufacturer",
-            source="6.4 p.39; it: 6.4 p.40",
+            source="6.4 p.39, it: 6.4 p.40",
         ),
     }
 )
@@ -1269,7 +1269,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         remedy="Replace the battery as soon as possible, then reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
         names=ReadOnly({"it": "Allarme batteria"}),
-        source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
+        source="7.4.1 p.44, 9 p.51, it: 7.4.1 p.45",
         only=".../65K...",
         by_hand=("battery_replacement_without_error",),
     ),
@@ -1284,7 +1284,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         remedy="Replace the battery, then reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
         names=ReadOnly({"it": "Errore MT"}),
-        source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
+        source="7.4.1 p.44, 9 p.51, it: 7.4.1 p.45",
         only=".../65K...",
         by_hand=("battery_replacement_with_error",),
     ),
@@ -1350,7 +1350,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("White_Green", "0Vdc"),
         ),
         note="No wire is listed for contacts 1 (ground) and 12.",
-        source="4.1.2 p.20; it: 4.1.2 p.21",
+        source="4.1.2 p.20, it: 4.1.2 p.21",
     ),
     Connector(
         name="rs485_connector",
@@ -1432,7 +1432,7 @@ LEDS: Final[tuple[Led, ...]] = (
                 by_hand=("battery_replacement_with_error",),
             ),
         ),
-        source="9 p.51; 3.4; 4.3.2 p.24",
+        source="9 p.51, 3.4, 4.3.2 p.24",
     ),
     Led(
         name="led_2_warning",
@@ -1449,7 +1449,7 @@ LEDS: Final[tuple[Led, ...]] = (
                 by_hand=("battery_replacement_without_error",),
             ),
         ),
-        source="9 p.51; 3.4",
+        source="9 p.51, 3.4",
     ),
 )
 
@@ -1484,7 +1484,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "edition, encoder and disk must be protected against the industrial surroundings in which they are "
             "installed."
         ),
-        source="Preliminary information p.7; 1.3 p.8; it: 1.3 p.9",
+        source="Preliminary information p.7, 1.3 p.8, it: 1.3 p.9",
     ),
     Characteristic(
         name="personnel",
@@ -1519,7 +1519,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "user's side. The user must find out which connection works best. The Italian edition adds that the "
             "connection should be as close to the encoder as possible."
         ),
-        source="1.2 p.8; it: 1.2",
+        source="1.2 p.8, it: 1.2",
     ),
     Characteristic(
         name="mechanical_safety",
@@ -1545,7 +1545,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "ring. Do not bend the disk. Do not expose it to direct sunlight, excessive heat or humidity. Protect it "
             "from scratches. Keep magnets away from the ring in the disk."
         ),
-        source="1.4; 3.3 p.16",
+        source="1.4, 3.3 p.16",
     ),
     Characteristic(
         name="disk_cleaning",
@@ -1554,7 +1554,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "stains, use a soft cloth with a few drops of alcohol. Never use petrol, kerosene, benzene or other "
             "solvents."
         ),
-        source="1.4; 3.3 p.16",
+        source="1.4, 3.3 p.16",
     ),
     Characteristic(
         name="mounting_support",
@@ -1592,7 +1592,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Two screws, M3 × 3 UNI5929, fully sunk. Screws that stick out hit the encoder unit and may damage its "
             "LEDs"
         ),
-        source="3.3; it: 3.3",
+        source="3.3, it: 3.3",
     ),
     Characteristic(name="disk_grub_screw_torque", value="At most 1.3 Nm", source="it: 3.3"),
     Characteristic(
@@ -1601,7 +1601,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Slide the encoder unit over the disk until the screw holes match. The pilot of the flange or the pins "
             "guide it. The enclosure must not touch the disk."
         ),
-        source="3.4; it: 3.4",
+        source="3.4, it: 3.4",
     ),
     Characteristic(
         name="encoder_screws",
@@ -1639,7 +1639,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "for a while and go off if the installation succeeded. If one stays on, repeat the procedure."
         ),
         only=".../1...",
-        source="3.4; 4.3 p.23",
+        source="3.4, 4.3 p.23",
     ),
     Characteristic(
         name="wiring",
@@ -1649,13 +1649,13 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="4 p.20",
     ),
-    Characteristic(name="supply", value="+5 V DC ±5 %", source="4.1.1 p.20; 4.1.3 p.21"),
-    Characteristic(name="cable", value="EC-DF19-LK-TF12-..., ordered separately", source="4.1.2 p.20; 4.1.4 p.22"),
+    Characteristic(name="supply", value="+5 V DC ±5 %", source="4.1.1 p.20, 4.1.3 p.21"),
+    Characteristic(name="cable", value="EC-DF19-LK-TF12-..., ordered separately", source="4.1.2 p.20, 4.1.4 p.22"),
     Characteristic(name="cable_model", value="Lika TF12 encoder cable", source="4.1.5 p.22"),
     Characteristic(
         name="cable_cross_section",
         value="6 × 2 × 28 AWG, twisted pairs",
-        source="4.1.5 p.22; it: 4.1.5 p.22",
+        source="4.1.5 p.22, it: 4.1.5 p.22",
     ),
     Characteristic(name="cable_jacket", value="PVC compound, flame retardant, quality RZ-TM2", source="4.1.5 p.22"),
     Characteristic(
@@ -1724,13 +1724,13 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="sine_cosine",
         value="512 periods per revolution, for speed feedback",
         only="...BG1-..., ...SC1-...",
-        source="Preliminary information p.7; 4.4 p.25; 8 p.49",
+        source="Preliminary information p.7, 4.4 p.25, 8 p.49",
     ),
     Characteristic(
         name="sine_cosine_signals",
         value="A is cosine and B is sine",
         only="...BG1-..., ...SC1-...",
-        source="4.1.1 p.20; 8 p.49",
+        source="4.1.1 p.20, 8 p.49",
     ),
     Characteristic(
         name="sine_cosine_phase",
@@ -1739,7 +1739,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "the flange side (Italian edition)"
         ),
         only="...BG1-..., ...SC1-...",
-        source="8 p.49; it: 8 p.49",
+        source="8 p.49, it: 8 p.49",
     ),
     Characteristic(
         name="sine_cosine_level",
@@ -1748,7 +1748,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "speed of rotation"
         ),
         only="...BG1-..., ...SC1-...",
-        source="8 p.49; 8.1 p.49",
+        source="8 p.49, 8.1 p.49",
     ),
     Characteristic(
         name="sine_cosine_receiver",
@@ -1774,7 +1774,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
             "Pictures of the mounting steps, and the wording of step 1, which is missing in both texts. The English "
             "text also lacks step 2 and most of step 3, so they are taken from the Italian text."
         ),
-        source="3.3 p.16; 3.4; it: 3.3 p.16",
+        source="3.3 p.16, 3.4, it: 3.3 p.16",
     ),
     LostFigure("Pictures of steps 3 to 8, among them the position of the mark on the disk.", source="3.4"),
     LostFigure("Picture of the connector with its pin numbers.", source="4.1 p.20"),
@@ -1821,7 +1821,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("characteristics.mechanical_safety",),
-        source="1.3 p.8; it: 1.3 p.9",
+        source="1.3 p.8, it: 1.3 p.9",
     ),
     Erratum(
         name="ground_wire",
@@ -1837,7 +1837,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("connectors.ssi_biss_cable", "connectors.rs485_cable", "characteristics.ground"),
-        source="4.1.2 p.20; 4.1.4 p.22; 4.2 p.22",
+        source="4.1.2 p.20, 4.1.4 p.22, 4.2 p.22",
     ),
     Erratum(
         name="heading_g1",
@@ -1847,7 +1847,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code", "connectors.ssi_biss_cable"),
-        source="4.1.2 p.20; it: 4.1.2 p.21",
+        source="4.1.2 p.20, it: 4.1.2 p.21",
     ),
     Erratum(
         name="cable_fahrenheit",
@@ -1869,7 +1869,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("characteristics.battery_voltage", "alarms.battery_alarm", "alarms.mt_error"),
-        source="4.3 p.23; 7.4.1 p.44",
+        source="4.3 p.23, 7.4.1 p.44",
         only=".../65K...",
     ),
     Erratum(
@@ -1886,7 +1886,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("interfaces.ssi.output_code", "interfaces.ssi.ssi_word"),
-        source="5.1; 5.2",
+        source="5.1, 5.2",
     ),
     Erratum(
         name="ssi_clock_count",
@@ -1902,7 +1902,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2; it: 5.1",
+        source="5.1, 5.2, it: 5.1",
     ),
     Erratum(
         name="ssi_table_65kkg1",
@@ -1912,7 +1912,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code", "interfaces.ssi.ssi_word"),
-        source="5.2; it: 5.2",
+        source="5.2, it: 5.2",
     ),
     Erratum(
         name="ssi_cpr",
@@ -1938,7 +1938,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.ssi.ssi_word", "interfaces.biss.single_cycle_data"),
-        source="5.2; 6.2.1 p.32; 6.4",
+        source="5.2, 6.2.1 p.32, 6.4",
     ),
     Erratum(
         name="ssi_cable_400_m",
@@ -1971,7 +1971,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.profile",),
-        source="6 p.31; 6.4 p.35; prot: p.14-15",
+        source="6 p.31, 6.4 p.35, prot: p.14-15",
     ),
     Erratum(
         name="control_data_bit",
@@ -1984,7 +1984,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data",),
-        source="6.1 p.31; prot: p.3-5",
+        source="6.1 p.31, prot: p.3-5",
     ),
     Erratum(
         name="scd_length",
@@ -1997,7 +1997,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("interfaces.biss.single_cycle_data",),
-        source="6.2.1 p.32; it: 6.2.1 p.32",
+        source="6.2.1 p.32, it: 6.2.1 p.32",
     ),
     Erratum(
         name="biss_documents",
@@ -2013,7 +2013,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6 p.31; 6.3 p.34; prot",
+        source="6 p.31, 6.3 p.34, prot",
     ),
     Erratum(
         name="biss_crc_start",
@@ -2026,7 +2026,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("crcs.biss_6", "crcs.biss_4"),
-        source="6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Erratum(
         name="error_bits_leds_alarms",
@@ -2052,7 +2052,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "leds.led_1_error",
             "leds.led_2_warning",
         ),
-        source="6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51",
+        source="6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44, 9 p.51",
     ),
     Erratum(
         name="unused_status_bits",
@@ -2070,13 +2070,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "field_groups.alarm_field.alarm_zero_3_4",
             "field_groups.alarm_field.alarm_zero_0",
         ),
-        source="7.3.2 p.42; 7.4 p.43",
+        source="7.3.2 p.42, 7.4 p.43",
     ),
     Erratum(
         name="position_under_error",
         printed=(
-            "BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning "
-            "alone: the position is kept. The effect of the other errors on the position is not given."
+            "BUSY: all position data are 0. \"The battery is spent. The encoder cannot operate.\" Low battery "
+            "(warning alone): the position is kept. The effect of the other errors on the position is not given."
         ),
         used=(
             "The position is not usable with an error, BUSY, PS error or ST error. Latched errors count until they "
@@ -2101,7 +2101,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.single_cycle_data.error",
             "interfaces.biss.single_cycle_data.warning",
         ),
-        source="6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44",
+        source="6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24, 7.3.2 p.42, 7.4.1 p.44",
     ),
     Erratum(
         name="preset_limit",
@@ -2111,7 +2111,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("registers.preset",),
-        source="6.4; it: 6.4",
+        source="6.4, it: 6.4",
     ),
     Erratum(
         name="preset_byte_11",
@@ -2137,7 +2137,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("registers.preset",),
-        source="6.4; it: 6.4",
+        source="6.4, it: 6.4",
     ),
     Erratum(
         name="preset_bits_below_lsb",
@@ -2153,7 +2153,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.preset",),
-        source="6.4; amm80: 6.4 p.40",
+        source="6.4, amm80: 6.4 p.40",
     ),
     Erratum(
         name="preset_binary_digits",
@@ -2165,7 +2165,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("examples.preset_register",),
-        source="6.4; it: 6.4",
+        source="6.4, it: 6.4",
     ),
     Erratum(
         name="biss_bank_select",
@@ -2178,7 +2178,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.preset", "registers.preset_setting_enable"),
-        source="6.4 p.38; prot: p.14-15",
+        source="6.4 p.38, prot: p.14-15",
     ),
     Erratum(
         name="device_id_shared",
@@ -2191,7 +2191,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.device_id",),
-        source="6.4 p.39; prot: p.14-15",
+        source="6.4 p.39, prot: p.14-15",
     ),
     Erratum(
         name="serial_number_order",
@@ -2205,7 +2205,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.serial_number", "examples.serial_number"),
-        source="6.4 p.38; amm36: p.38; amm80: 6.4 p.41",
+        source="6.4 p.38, amm36: p.38, amm80: 6.4 p.41",
     ),
     Erratum(
         name="preset_setting_enable_default",
@@ -2221,7 +2221,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("registers.preset_setting_enable", "registers.command"),
-        source="6.4 p.38; 6.4 p.39; 10 p.52",
+        source="6.4 p.38, 6.4 p.39, 10 p.52",
     ),
     Erratum(
         name="biss_min_clock",
@@ -2231,7 +2231,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.biss.clock",),
-        source="6.5 p.40; prot: p.18",
+        source="6.5 p.40, prot: p.18",
     ),
     Erratum(
         name="control_field_structure",
@@ -2241,7 +2241,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.OMISSION,
         affects=("field_groups.control_field",),
-        source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+        source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
     ),
     Erratum(
         name="encoder_id_23h",
@@ -2260,7 +2260,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.rs485.data_ids",
             "examples.public_all_data_reply",
         ),
-        source="7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
+        source="7.3.1 p.42, 7.4 p.43, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
     ),
     Erratum(
         name="busy_and_errors_in_one_bit",
@@ -2278,7 +2278,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.rs485.singleturn_reply",
             "interfaces.rs485.multiturn_reply",
         ),
-        source="7.3.2 p.42; 7.4.1 p.44",
+        source="7.3.2 p.42, 7.4.1 p.44",
     ),
     Erratum(
         name="mem_busy_on_read",
@@ -2294,7 +2294,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("interfaces.rs485.eeprom_read_reply",),
-        source="7.5 p.46; it: 7.5 p.46",
+        source="7.5 p.46, it: 7.5 p.46",
     ),
     Erratum(
         name="reset_ids_singleturn_value",
@@ -2307,7 +2307,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("interfaces.rs485.data_ids",),
-        source="7.3.1 p.42; 7.4 p.43; 7.4.2 p.45",
+        source="7.3.1 p.42, 7.4 p.43, 7.4.2 p.45",
     ),
     Erratum(
         name="power_on_twice",
@@ -2321,13 +2321,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("alarms.ps_error", "alarms.st_error", "field_groups.status_field.status_st_error"),
-        source="7.4.1 p.44; 4.3.2 p.24",
+        source="7.4.1 p.44, 4.3.2 p.24",
     ),
     Erratum(
         name="blinking_error_led",
         printed=(
             "Section 9: after power-on the LEDs blink for a while and go off if the installation succeeded. LED 1 "
-            "lights up RED with a spent battery. 4.3.2, steps 5 and 17: after power-on the ERROR LED is on or blinks."
+            "\"lights up RED when the battery is spent\". 4.3.2, steps 5 and 17: after power-on the ERROR LED is on "
+            "or blinks."
         ),
         used=(
             "Both apply. An LED that blinks and goes off by itself after power-on reports success. An ERROR LED that "
@@ -2341,7 +2342,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("leds.led_1_error", "characteristics.battery_replacement_with_error"),
-        source="9 p.51; 3.4; 4.3.2 p.24",
+        source="9 p.51, 3.4, 4.3.2 p.24",
         only=".../65K...",
     ),
     Erratum(
@@ -2372,7 +2373,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "leds.led_2_warning",
             "characteristics.connection_order_singleturn",
         ),
-        source="4.3 p.23; 3.4; 6.2.1 p.33; 7.4 p.43; 7.4.1 p.44; 9 p.51",
+        source="4.3 p.23, 3.4, 6.2.1 p.33, 7.4 p.43, 7.4.1 p.44, 9 p.51",
         only=".../1...",
     ),
     Erratum(
@@ -2394,7 +2395,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.reset_errors",
             "procedures.reset_multiturn_and_errors",
         ),
-        source="7.4.1 p.44; 7.4.2 p.45",
+        source="7.4.1 p.44, 7.4.2 p.45",
         only=".../65K...",
     ),
     Erratum(
@@ -2411,7 +2412,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("interfaces.rs485.data_ids", "procedures.reset_singleturn_and_multiturn"),
-        source="7.4.2 p.45; ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md",
+        source="7.4.2 p.45, ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md",
     ),
     Erratum(
         name="mem_busy_position",
@@ -2440,7 +2441,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "examples.public_eeprom_read_request",
         ),
         source=(
-            "7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk: "
+            "7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk: "
             "tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c"
         ),
     ),
@@ -2455,7 +2456,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("crcs.rs485_8",),
-        source="7.6 p.47; it: 7.6 p.47",
+        source="7.6 p.47, it: 7.6 p.47",
     ),
     Erratum(
         name="crc_example_frame",
@@ -2507,7 +2508,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("characteristics.sine_cosine_phase",),
-        source="8 p.49; it: 8 p.49; 4.6 p.26",
+        source="8 p.49, 4.6 p.26, it: 8 p.49",
     ),
     Erratum(
         name="leds_at_power_on",
@@ -2517,7 +2518,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("leds.led_1_error", "leds.led_2_warning"),
-        source="3.4; 9 p.51; it: 3.4; it: 9 p.51",
+        source="3.4, 9 p.51, it: 3.4, it: 9 p.51",
     ),
     Erratum(
         name="preset_default_length",
@@ -2530,7 +2531,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.preset",),
-        source="10 p.52; it: 10 p.53",
+        source="10 p.52, it: 10 p.53",
     ),
     Erratum(
         name="led_list_numbers",
@@ -2540,7 +2541,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("leds.led_1_error", "leds.led_2_warning"),
-        source="9 p.51; it: 9 p.51",
+        source="9 p.51, it: 9 p.51",
     ),
     Erratum(
         name="battery_replacement_position",
@@ -2559,7 +2560,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("characteristics.battery_replacement_with_error",),
-        source="4.3.2 p.24; it: 4.3.2 p.24",
+        source="4.3.2 p.24, it: 4.3.2 p.24",
         only=".../65K...",
     ),
     Erratum(
@@ -2574,7 +2575,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("characteristics.battery_replacement_with_error",),
-        source="4.3.2 p.24; it: 4.3.2 p.24",
+        source="4.3.2 p.24, it: 4.3.2 p.24",
         only=".../65K...",
     ),
     Erratum(
@@ -2594,7 +2595,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.reset_singleturn_and_multiturn",
             "interfaces.rs485.reset_interval",
         ),
-        source="7.4.2 p.45; it: 7.4.2 p.45",
+        source="7.4.2 p.45, it: 7.4.2 p.45",
     ),
     Erratum(
         name="reset_standstill",
@@ -2611,7 +2612,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.reset_multiturn_and_errors",
             "procedures.reset_singleturn_and_multiturn",
         ),
-        source="7.4.2 p.45; it: 7.4.2 p.45",
+        source="7.4.2 p.45, it: 7.4.2 p.45",
     ),
     Erratum(
         name="busy_clear",
@@ -2627,7 +2628,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("alarms.busy", "field_groups.alarm_field.busy"),
-        source="7.4.1 p.44; it: 7.4.1 p.44",
+        source="7.4.1 p.44, it: 7.4.1 p.44",
     ),
     Erratum(
         name="ssi_pause",
@@ -2637,7 +2638,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.pause",),
-        source="5.1; 5.3; it: 5.3",
+        source="5.1, 5.3, it: 5.3",
     ),
     Erratum(
         name="rs485_polarity",
@@ -2651,7 +2652,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("connectors.rs485_connector", "connectors.rs485_cable"),
-        source="4.1.3 p.21; 4.1.4 p.22; it: 4.1.3; it: 4.1.4; sma21: 4.2 p.16",
+        source="4.1.3 p.21, 4.1.4 p.22, it: 4.1.3, it: 4.1.4, sma21: 4.2 p.16",
     ),
     Erratum(
         name="rs485_reply_time",
@@ -2665,7 +2666,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.rs485.data_ids",),
-        source="7.1 p.41; 7.2 p.41; it: 7.1 p.41; it: 7.2 p.41",
+        source="7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41",
     ),
     Erratum(
         name="busy_detection",
@@ -2678,7 +2679,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("alarms.busy",),
-        source="7.4.1 p.44; it: 7.4.1",
+        source="7.4.1 p.44, it: 7.4.1",
     ),
     Erratum(
         name="cable_drain_wire",
@@ -2691,7 +2692,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("characteristics.cable_shield",),
-        source="4.1.5 p.22; it: 4.1.5",
+        source="4.1.5 p.22, it: 4.1.5",
     ),
     Erratum(
         name="preset_at_standstill",
@@ -2710,7 +2711,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("procedures.set_preset", "procedures.store_preset", "procedures.activate_preset"),
-        source="6.4 p.35; it: 6.4 p.35",
+        source="6.4 p.35, it: 6.4 p.35",
     ),
     Erratum(
         name="preset_save_and_activate",
@@ -2723,7 +2724,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("procedures.set_preset", "procedures.store_preset"),
-        source="6.4 p.35; it: 6.4 p.35",
+        source="6.4 p.35, it: 6.4 p.35",
     ),
     Erratum(
         name="edition_before_1_8_1",
@@ -2776,7 +2777,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.serial_number", "examples.serial_number"),
-        source="Document release; amm36: p.38",
+        source="Document release, amm36: p.38",
     ),
     Erratum(
         name="edition_before_1_7_2",
@@ -2790,7 +2791,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.device_id",),
-        source="Document release; amm36_device_id: p.39",
+        source="Document release, amm36_device_id: p.39",
     ),
     Erratum(
         name="edition_before_1_6_1",
@@ -2995,12 +2996,12 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
     Document(
         "amm36",
-        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
+        "AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number",
         url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
     ),
     Document(
         "amm36_device_id",
-        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the device ID",
+        "AMM36 manual, English edition 1.0, Lika Electronic, the page with the device ID",
         url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html",
     ),
     Document(

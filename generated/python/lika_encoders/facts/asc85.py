@@ -54,7 +54,7 @@ MANUAL: Final = Manual(
     revision="1.0",
     date="2017-05-19",
     language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
+    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
     history=(Revision("1.0", "First issue.", date="2017-05-19", hardware="0", software="1"),),
 )
 
@@ -82,7 +82,7 @@ ORDER_CODE: Final = OrderCode(
                 PartValue(text="GG", meaning="SSI, Gray", source="5 p.15"),
                 PartValue(text="SC", meaning="BiSS C-mode", source="6 p.19"),
             ),
-            source="Cover; 5 p.15; 6 p.19",
+            source="Cover, 5 p.15, 6 p.19",
         ),
         Part(
             name="supply",
@@ -101,7 +101,7 @@ ORDER_CODE: Final = OrderCode(
         "code and the serial number are on the label of the body and in the delivery document. Lika asks for both in "
         "every enquiry. Technical data are in the catalogue."
     ),
-    source="Cover; 4 p.13; 5 p.15; 5.2 p.16; 6 p.19",
+    source="Cover, 4 p.13, 5 p.15, 5.2 p.16, 6 p.19",
 )
 
 CRCS: Final[tuple[Crc, ...]] = (
@@ -119,7 +119,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "(most significant bit first) and the range (everything from the position to the warning bit, with the "
             "constant 0 where it is sent) come from public BiSS documents."
         ),
-        source="6.2.1 p.21; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.2.1 p.21, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Crc(
         name="biss_4",
@@ -134,7 +134,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
             "come from public BiSS documents."
         ),
-        source="6.3 p.22; prot: p.9-14; icmu: p.30",
+        source="6.3 p.22, prot: p.9-14, icmu: p.30",
     ),
 )
 
@@ -150,7 +150,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Used: Both limits are listed as printed.
 # Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4 MHz.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]:
+# Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
 # Used: The minimum is 12 µs. Use a longer pause.
 
@@ -158,7 +158,7 @@ SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.17"),
     alignment=Alignment.MSB_LEFT,
     output_code="by_order_code",
-    signals="EIA RS-422; clock and data have a logic level of typically 5 V",
+    signals="EIA RS-422, clock and data have a logic level of typically 5 V",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3 p.17"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3 p.17"),
@@ -198,7 +198,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum biss_timeout (open, omission) [6.5 p.32; prot: p.18; amm5: 6.5 p.40]:
+# Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
 # Used: Only this value is used. There is no rule for other clocks.
 
@@ -470,7 +470,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(FieldFacts(name="function"),),
             meaning="Command register, the write side of Command & status",
-            source="6.4 p.25; 6.4 p.26",
+            source="6.4 p.25, 6.4 p.26",
         ),
         "status": Register(
             name="status",
@@ -564,7 +564,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "bits, or on a position read from the position register at another time. Before reading the position "
                 "register, wait until Position data valid is 1, as in the procedure request_position."
             ),
-            source="6.4 p.25; 6.4 p.27",
+            source="6.4 p.25, 6.4 p.27",
         ),
         "position": Register(
             name="position",
@@ -799,7 +799,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Case", "Shield"),
         ),
         note="+Vdc is the voltage given by the order code. The table has no row for pins 7 and 8.",
-        source="4 p.13; 4.1 p.13",
+        source="4 p.13, 4.1 p.13",
     ),
     Connector(
         name="m23_connector",
@@ -816,7 +816,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Case", "Shield"),
         ),
         note="+Vdc is the voltage given by the order code. The table has no row for pins 5 to 10.",
-        source="4 p.13; 4.2 p.13",
+        source="4 p.13, 4.2 p.13",
     ),
     Connector(
         name="m8_cable",
@@ -835,7 +835,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Shield", "Shield"),
         ),
         note="+Vdc is the voltage given by the order code.",
-        source="4 p.13; 4.3 p.14",
+        source="4 p.13, 4.3 p.14",
     ),
 )
 
@@ -866,7 +866,7 @@ TABLES: Final[tuple[Table, ...]] = (
 CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="scanning", value="Singleturn rotary encoder with optical scanning", source="Cover"),
     Characteristic(name="shaft", value="Thru-bore shaft of 50 mm (1.9685 in)", source="Cover"),
-    Characteristic(name="accuracy", value="±0.005°", source="Cover; Preliminary information p.7"),
+    Characteristic(name="accuracy", value="±0.005°", source="Cover, Preliminary information p.7"),
     Characteristic(name="applications", value="Direct integration into robots, radars and motors", source="Cover"),
     Characteristic(
         name="personnel",
@@ -876,7 +876,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "encoder only for the purpose it was designed for. High current, voltage and moving parts can injure or "
             "kill."
         ),
-        source="1.1 p.8; 3 p.11",
+        source="1.1 p.8, 3 p.11",
     ),
     Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.8"),
     Characteristic(
@@ -900,7 +900,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Connect the shield, the connector housing or the frame, or several of them, to a ground free of noise, "
             "on the device's side or on the user's side. The user must find out which connection works best."
         ),
-        source="1.2 p.8; 4.4 p.14",
+        source="1.2 p.8, 4.4 p.14",
     ),
     Characteristic(
         name="mechanical_safety",
@@ -1030,7 +1030,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("characteristics.mechanical_safety",),
-        source="1.3 p.8; 3.3 p.12; am36: Mechanical safety p.9; amm5: 1.3 p.8",
+        source="1.3 p.8, 3.3 p.12, am36: Mechanical safety p.9, amm5: 1.3 p.8",
     ),
     Erratum(
         name="resistance_by_cross_section",
@@ -1046,7 +1046,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("characteristics.cable_resistance",),
-        source="4.3 p.14; am36: 4.2",
+        source="4.3 p.14, am36: 4.2",
     ),
     Erratum(
         name="torque_maximum",
@@ -1088,7 +1088,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("order_code", "characteristics.supply_1", "characteristics.supply_2"),
-        source="Cover; 4 p.13; 5 p.15",
+        source="Cover, 4 p.13, 5 p.15",
     ),
     Erratum(
         name="ssi_code_letters",
@@ -1105,7 +1105,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("order_code", "parameters.ssi_gray", "interfaces.ssi.ssi_word"),
-        source="Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5",
+        source="Cover, 5.2 p.16, amm5: 5.2, sma21: 4.1, sma21: 5",
     ),
     Erratum(
         name="ssi_clock_count",
@@ -1118,7 +1118,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2",
+        source="5.1, 5.2",
     ),
     Erratum(
         name="ssi_bit_numbers",
@@ -1132,7 +1132,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("interfaces.ssi.ssi_word",),
-        source="5.2; sma21: 5.2",
+        source="5.2, sma21: 5.2",
     ),
     Erratum(
         name="ssi_cable_400_m",
@@ -1166,7 +1166,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.pause", "interfaces.ssi.monoflop"),
-        source="5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3",
+        source="5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3",
     ),
     Erratum(
         name="biss_documents",
@@ -1182,7 +1182,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6 p.19; 6.3 p.21; prot",
+        source="6 p.19, 6.3 p.21, prot",
     ),
     Erratum(
         name="biss_crc_start",
@@ -1197,7 +1197,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity=Severity.OMISSION,
         affects=("crcs.biss_6", "crcs.biss_4"),
         source=(
-            "6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: "
+            "6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35, onstepx: "
             "src/lib/encoder/bissc/Asc85.cpp"
         ),
     ),
@@ -1220,7 +1220,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "alarms.synchronization_error",
             "procedures.read_absolute_data",
         ),
-        source="6.4 p.26; 6.4 p.30; icmr: p.26",
+        source="6.4 p.26, 6.4 p.30, icmr: p.26",
     ),
     Erratum(
         name="control_data_bit",
@@ -1233,7 +1233,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data",),
-        source="6.1 p.19; prot: p.3-5",
+        source="6.1 p.19, prot: p.3-5",
     ),
     Erratum(
         name="scd_length",
@@ -1263,7 +1263,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "registers.profile_id",
             "registers.position",
         ),
-        source="6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp",
+        source="6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx: src/lib/encoder/bissc/Asc85.cpp",
     ),
     Erratum(
         name="profile_id_data_length",
@@ -1281,7 +1281,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.profile_id", "interfaces.biss.single_cycle_data", "examples.profile_id"),
-        source="6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35",
+        source="6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35",
     ),
     Erratum(
         name="profile_variant",
@@ -1294,7 +1294,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("registers.profile_id",),
-        source="6.4 p.23; sma21: 6.4",
+        source="6.4 p.23, sma21: 6.4",
     ),
     Erratum(
         name="serial_number_digits",
@@ -1308,7 +1308,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.serial_number", "examples.serial_number"),
-        source="6.4 p.23; amm5: 6.4 p.38; sma21: 6.4",
+        source="6.4 p.23, amm5: 6.4 p.38, sma21: 6.4",
     ),
     Erratum(
         name="absolute_data_valid_bit",
@@ -1321,7 +1321,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.status.absolute_data_valid", "procedures.read_absolute_data"),
-        source="6.4 p.26; 6.4 p.28; icmr: p.41",
+        source="6.4 p.26, 6.4 p.28, icmr: p.41",
     ),
     Erratum(
         name="internal_data_bus_busy_bit",
@@ -1338,7 +1338,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.save_configuration",
             "procedures.verify_configuration",
         ),
-        source="6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41",
+        source="6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41",
     ),
     Erratum(
         name="warning_sources",
@@ -1356,7 +1356,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "registers.status.warning_message",
             "interfaces.biss.single_cycle_data.warning",
         ),
-        source="6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42",
+        source="6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42",
     ),
     Erratum(
         name="position_under_error",
@@ -1369,7 +1369,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.single_cycle_data.error", "interfaces.biss.single_cycle_data.warning"),
-        source="6.2.1 p.20; 6.4 p.29",
+        source="6.2.1 p.20, 6.4 p.29",
     ),
     Erratum(
         name="position_register_bits",
@@ -1386,7 +1386,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.position",),
-        source="6.2.1 p.20; 6.4 p.29; icmr: p.33",
+        source="6.2.1 p.20, 6.4 p.29, icmr: p.33",
     ),
     Erratum(
         name="error_reset",
@@ -1405,7 +1405,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "procedures.reset_errors",
             "procedures.request_position",
         ),
-        source="6.4 p.29; icmr: p.42",
+        source="6.4 p.29, icmr: p.42",
     ),
     Erratum(
         name="device_id_shared",
@@ -1418,7 +1418,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.device_id", "procedures.identify"),
-        source="6.4 p.31; prot: p.14-15",
+        source="6.4 p.31, prot: p.14-15",
     ),
     Erratum(
         name="biss_timeout",
@@ -1432,7 +1432,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.timeout",),
-        source="6.5 p.32; prot: p.18; amm5: 6.5 p.40",
+        source="6.5 p.32, prot: p.18, amm5: 6.5 p.40",
     ),
     Erratum(
         name="insulating",
@@ -1454,7 +1454,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.status",),
-        source="6.4 p.22; prot: p.14-15",
+        source="6.4 p.22, prot: p.14-15",
     ),
 )
 

@@ -59,7 +59,7 @@ MANUAL: Final = Manual(
     revision="1.2",
     date="2024-05-10",
     language="it",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
+    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
     history=(
         Revision("1.0", "First issue.", date="2023-07-17"),
         Revision("1.1", "Encoder inharmonious error removed.", date="2023-11-10"),
@@ -79,16 +79,16 @@ ORDER_CODE: Final = OrderCode(
                 PartValue(
                     text="G1",
                     meaning="SSI, MSB aligned to the left, Gray, with incremental AB /AB signals (Line Driver RS-422)",
-                    source="4.1 p.15; 5 p.19",
+                    source="4.1 p.15, 5 p.19",
                 ),
                 PartValue(
                     text="SC",
                     meaning="BiSS C-mode with incremental AB /AB signals (Line Driver RS-422)",
-                    source="4.1 p.15; 6 p.24",
+                    source="4.1 p.15, 6 p.24",
                 ),
-                PartValue(text="JP", meaning="RS-485 serial interface (Panasonic®)", source="4.2 p.16; 7 p.37"),
+                PartValue(text="JP", meaning="RS-485 serial interface (Panasonic®)", source="4.2 p.16, 7 p.37"),
             ),
-            source="Cover; Informazioni preliminari p.8; 4.1 p.15; 8 p.44",
+            source="Cover, Informazioni preliminari p.8, 4.1 p.15, 8 p.44",
         ),
         Part(
             name="supply",
@@ -96,7 +96,7 @@ ORDER_CODE: Final = OrderCode(
             values=(PartValue(text="1", meaning="+5 V DC ±5 %"), PartValue(text="4", meaning="+5 V DC to +30 V DC")),
             open="[0-9]",
             open_only_with=ReadOnly({"output": ("BG", "GG", "G1", "SC",)}),
-            source="4.1 p.15; 4.2 p.16",
+            source="4.1 p.15, 4.2 p.16",
         ),
         Part(
             name="resolution",
@@ -108,7 +108,7 @@ ORDER_CODE: Final = OrderCode(
                 PartValue(text="0002", meaning="2 µm"),
                 PartValue(text="0001", meaning="1 µm"),
             ),
-            source="4.10 p.18; 5.2 p.20; 6.2 p.25; 6.4 p.28; 7.3.3.2",
+            source="4.10 p.18, 5.2 p.20, 6.2 p.25, 6.4 p.28, 7.3.3.2",
         ),
     ),
     special=(
@@ -121,7 +121,7 @@ ORDER_CODE: Final = OrderCode(
         "the serial number are on the label of the body and in the delivery document. Lika asks for both in every "
         "enquiry. Technical data are in the catalogue. The order code of the tape is in its data sheet."
     ),
-    source="Cover; 4.1 p.15; 4.10 p.18; 5 p.19; 6 p.24; 7 p.37",
+    source="Cover, 4.1 p.15, 4.10 p.18, 5 p.19, 6 p.24, 7 p.37",
 )
 
 CRCS: Final[tuple[Crc, ...]] = (
@@ -139,7 +139,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "(most significant bit first) and the range (position, error and warning bit) come from public BiSS "
             "documents."
         ),
-        source="6.2 p.26; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.2 p.26, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Crc(
         name="biss_4",
@@ -154,7 +154,7 @@ CRCS: Final[tuple[Crc, ...]] = (
             "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
             "come from public BiSS documents."
         ),
-        source="6.3 p.27; prot: p.9-14; icmu: p.30",
+        source="6.3 p.27, prot: p.9-14, icmu: p.30",
     ),
     Crc(
         name="rs485_8",
@@ -186,7 +186,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Used: Both limits are listed as printed.
 # Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 1 MHz.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1; 5.3 p.22]:
+# Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
 # Used: The minimum is 16 µs. Use a longer pause.
 # Why: "At least" allows 16 µs. The sign ">" does not.
@@ -195,7 +195,7 @@ SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
     alignment=Alignment.MSB_LEFT,
     output_code="by_order_code",
-    signals="RS-422; clock and data have a logic level of typically 5 V",
+    signals="RS-422, clock and data have a logic level of typically 5 V",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3 p.22"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3 p.22"),
@@ -235,7 +235,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum offset_in_the_padding (open, wrong data) [6.2 p.25; 6.4 p.32]:
+# Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
 # Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions of 20
 # bits.
 # Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field of 24
@@ -244,7 +244,7 @@ SSI: Final = SsiFacts(
 # The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the position carry data. The zeros
 # of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm this.
 #
-# Erratum profile_variants (open, wrong data) [6.4 p.28; asc85: 6.4 p.23]:
+# Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
 # 24 bits.
 # Used: Each is used as printed.
@@ -252,7 +252,7 @@ SSI: Final = SsiFacts(
 # the position, and one more bit has one plus less. A master that takes the length of the data from the profile ID would
 # miss 4, 2 or 1 bits here.
 #
-# Erratum biss_timeout (open, omission) [6.5 p.34; prot: p.18; asc85: 6.5 p.32]:
+# Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts itself to the clock, 16 µs at most. No rule is printed.
 # Used: The time-out is at most 16 µs.
 
@@ -315,16 +315,16 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum zero_setting_rs485 (open, wrong limit) [3.3; 7.3.1 p.38; 7.3.3.2 p.41]:
+# Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
 # Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and RS-485.
 # 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
 #
-# Erratum reset_interval (open, omission) [7.3.2 p.38; 7.3.3.2 p.41]:
+# Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
 # Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum rs485_reply_time (open, omission) [7.1 p.37; 7.2 p.37]:
+# Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
 # Printed: Requests and replies, without the time between them.
 # Used: The outputs have no reply time and no time-out. The master chooses its time-out.
 
@@ -337,7 +337,7 @@ RS485: Final = Rs485Facts(
             control=0xA2,
             purpose=Purpose.CAPTURE,
             meaning="24-bit position and error code",
-            source="7.3.1 p.38; 7.3.3 p.39",
+            source="7.3.1 p.38, 7.3.3 p.39",
         ),
         DataIdFacts(
             name="wide_position",
@@ -345,7 +345,7 @@ RS485: Final = Rs485Facts(
             control=0x2A,
             purpose=Purpose.CAPTURE,
             meaning="48-bit position",
-            source="7.3.1 p.38; 7.3.3 p.39",
+            source="7.3.1 p.38, 7.3.3 p.39",
         ),
         DataIdFacts(
             name="identification",
@@ -353,7 +353,7 @@ RS485: Final = Rs485Facts(
             control=0x52,
             purpose=Purpose.CAPTURE,
             meaning="24-bit position, encoder ID and error code",
-            source="7.3.1 p.38; 7.3.3 p.39",
+            source="7.3.1 p.38, 7.3.3 p.39",
         ),
         DataIdFacts(
             name="reset_errors",
@@ -361,7 +361,7 @@ RS485: Final = Rs485Facts(
             control=0xDA,
             purpose=Purpose.RESET,
             meaning="Reset all errors. The reply carries 24-bit position and error code",
-            source="7.3.1 p.38; 7.3.3.2 p.41",
+            source="7.3.1 p.38, 7.3.3.2 p.41",
         ),
         DataIdFacts(
             name="reset_position",
@@ -369,7 +369,7 @@ RS485: Final = Rs485Facts(
             control=0x7A,
             purpose=Purpose.RESET,
             meaning="Reset the position to 0. The reply carries 24-bit position and error code",
-            source="7.3.1 p.38; 7.3.3.2 p.41",
+            source="7.3.1 p.38, 7.3.3.2 p.41",
         ),
     ),
     timings=(
@@ -418,7 +418,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="dd0 ... dd3",
             meaning="unused bits differ from the manual, which has 0 there. Information, not used in this encoder.",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.38; a4: p.298",
+            source="7.3.2 p.38, a4: p.298",
         ),
         Report(
             name="status_alarm",
@@ -428,7 +428,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "correct. Not stored. The bit clears as soon as the cause is gone."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.38; a4: p.298",
+            source="7.3.2 p.38, a4: p.298",
         ),
         Report(
             name="status_error",
@@ -438,14 +438,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "stop. Stored in the encoder until the errors are reset."
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.2 p.38; a4: p.298",
+            source="7.3.2 p.38, a4: p.298",
         ),
         Report(
             name="status_zero",
             printed_name="",
             meaning="unused bits differ from the manual, which has 0 there",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.38; a4: p.298",
+            source="7.3.2 p.38, a4: p.298",
         ),
         Report(
             name="overspeed",
@@ -453,7 +453,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="speed too high",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.2 p.38",
+            source="7.3.3.1 p.40, 7.3.2 p.38",
         ),
         Report(
             name="initialization_error",
@@ -464,7 +464,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "started again"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.3.2 p.41",
+            source="7.3.3.1 p.40, 7.3.3.2 p.41",
         ),
         Report(
             name="hardware_error",
@@ -472,7 +472,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="error in the EEPROM",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.2 p.38",
+            source="7.3.3.1 p.40, 7.3.2 p.38",
         ),
         Report(
             name="encoder_inharmonious_error",
@@ -482,14 +482,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "known"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
+            source="7.3.3 p.39, 7.3.3.1 p.40",
         ),
         Report(
             name="higher_track_error",
             printed_name="Higher track error",
             meaning="active, although the manual says that this encoder does not have it",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
+            source="7.3.3 p.39, 7.3.3.1 p.40",
         ),
         Report(
             name="low_amplitude_error",
@@ -497,21 +497,21 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="amplitude of the signal too low",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.2 p.38",
+            source="7.3.3.1 p.40, 7.3.2 p.38",
         ),
         Report(
             name="signal_strength_alarm",
             printed_name="Signal on the strength alarm",
             meaning="active, although the manual says that this encoder does not have it",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
+            source="7.3.3 p.39, 7.3.3.1 p.40",
         ),
         Report(
             name="temperature_alarm",
             printed_name="Temperature alarm",
             meaning="active, although the manual says that this encoder does not have it",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
+            source="7.3.3 p.39, 7.3.3.1 p.40",
         ),
     )
 )
@@ -597,7 +597,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 constant=2,
                 names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -605,14 +605,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="cc0 ... cc3",
                 meaning="Type of the request, repeated in the reply",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
                 name="parity",
                 printed_name="cc4",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
         ),
@@ -624,7 +624,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 constant=2,
                 names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -632,14 +632,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="cc0 ... cc3",
                 meaning="Type of the request, repeated in the reply",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
                 name="parity",
                 printed_name="cc4",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -647,7 +647,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="dd0 ... dd3",
                 meaning="Information, not used in this encoder",
                 unused=0,
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_alarm",
@@ -659,7 +659,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "correct"
                 ),
                 when_inactive="no encoder alarm",
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_error",
@@ -671,9 +671,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "must stop"
                 ),
                 when_inactive="no encoder error",
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38, a4: p.298"),
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
@@ -687,7 +687,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="speed too high",
                 when_inactive="no overspeed",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="initialization_error",
@@ -695,7 +695,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="error during the initialization, or absolute position not found",
                 when_inactive="no initialization error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="hardware_error",
@@ -703,7 +703,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="error in the EEPROM",
                 when_inactive="no hardware error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="encoder_inharmonious_error",
@@ -715,7 +715,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "not known"
                 ),
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="higher_track_error",
@@ -723,7 +723,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="low_amplitude_error",
@@ -731,7 +731,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="amplitude of the signal too low",
                 when_inactive="no low amplitude error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="signal_strength_alarm",
@@ -739,7 +739,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="temperature_alarm",
@@ -747,7 +747,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
@@ -759,7 +759,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 constant=2,
                 names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -767,14 +767,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="cc0 ... cc3",
                 meaning="Type of the request, repeated in the reply",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
                 name="parity",
                 printed_name="cc4",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -782,7 +782,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="dd0 ... dd3",
                 meaning="Information, not used in this encoder",
                 unused=0,
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_alarm",
@@ -794,7 +794,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "correct"
                 ),
                 when_inactive="no encoder alarm",
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_error",
@@ -806,9 +806,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "must stop"
                 ),
                 when_inactive="no encoder error",
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38, a4: p.298"),
             FieldFacts(
                 name="position",
                 printed_name="ABS0 ... ABS5",
@@ -826,7 +826,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 constant=2,
                 names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -834,14 +834,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="cc0 ... cc3",
                 meaning="Type of the request, repeated in the reply",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
                 name="parity",
                 printed_name="cc4",
                 source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
+                    "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
             ),
             FieldFacts(
@@ -849,7 +849,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="dd0 ... dd3",
                 meaning="Information, not used in this encoder",
                 unused=0,
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_alarm",
@@ -861,7 +861,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "correct"
                 ),
                 when_inactive="no encoder alarm",
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_error",
@@ -873,9 +873,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "must stop"
                 ),
                 when_inactive="no encoder error",
-                source="7.3.2 p.38; a4: p.298",
+                source="7.3.2 p.38, a4: p.298",
             ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38, a4: p.298"),
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
@@ -896,7 +896,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="speed too high",
                 when_inactive="no overspeed",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="initialization_error",
@@ -904,7 +904,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="error during the initialization, or absolute position not found",
                 when_inactive="no initialization error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="hardware_error",
@@ -912,7 +912,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="error in the EEPROM",
                 when_inactive="no hardware error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="encoder_inharmonious_error",
@@ -924,7 +924,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                     "not known"
                 ),
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="higher_track_error",
@@ -932,7 +932,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="low_amplitude_error",
@@ -940,7 +940,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="amplitude of the signal too low",
                 when_inactive="no low amplitude error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="signal_strength_alarm",
@@ -948,7 +948,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(
                 name="temperature_alarm",
@@ -956,7 +956,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
+                source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
@@ -1011,7 +1011,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             names=ReadOnly({"it": "Comando"}),
             meaning="Saves the parameters, activates preset or offset, or restores the defaults",
             note="After a command, the register returns to 00 by itself.",
-            source="6.4 p.29; 12 p.51",
+            source="6.4 p.29, 12 p.51",
         ),
         "configuration": Register(
             name="configuration",
@@ -1061,7 +1061,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             names=ReadOnly({"it": "Configurazione"}),
             meaning="Preset or offset, output code and counting direction",
             note="A new setting is active immediately after its transmission. Save it with the Command register.",
-            source="6.4 p.30; 12 p.51",
+            source="6.4 p.30, 12 p.51",
         ),
         "absolute_resolution": Register(
             name="absolute_resolution",
@@ -1127,7 +1127,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "24-bit or 25-bit field less the number of positions of the resolution: F0 00 00h at 50 µm, C0 00 00h "
                 "at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm."
             ),
-            source="6.4 p.32; 12 p.51",
+            source="6.4 p.32, 12 p.51",
         ),
         "device_type": Register(
             name="device_type",
@@ -1209,7 +1209,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Temperature alarm",
         field="temperature_alarm",
         implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
+        source="7.3.3 p.39, 7.3.3.1 p.40",
     ),
     Alarm(
         name="signal_strength_alarm",
@@ -1217,7 +1217,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Signal on the strength alarm",
         field="signal_strength_alarm",
         implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
+        source="7.3.3 p.39, 7.3.3.1 p.40",
     ),
     Alarm(
         name="low_amplitude_error",
@@ -1228,7 +1228,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the errors with data ID B",
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.2 p.38",
+        source="7.3.3.1 p.40, 7.3.2 p.38",
     ),
     Alarm(
         name="higher_track_error",
@@ -1236,7 +1236,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Higher track error",
         field="higher_track_error",
         implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
+        source="7.3.3 p.39, 7.3.3.1 p.40",
     ),
     Alarm(
         name="encoder_inharmonious_error",
@@ -1244,7 +1244,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Encoder inharmonious error",
         field="encoder_inharmonious_error",
         implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
+        source="7.3.3 p.39, 7.3.3.1 p.40",
     ),
     Alarm(
         name="hardware_error",
@@ -1255,7 +1255,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the errors with data ID B",
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.2 p.38",
+        source="7.3.3.1 p.40, 7.3.2 p.38",
     ),
     Alarm(
         name="initialization_error",
@@ -1272,7 +1272,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
             "again"
         ),
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.3.2 p.41",
+        source="7.3.3.1 p.40, 7.3.3.2 p.41",
     ),
     Alarm(
         name="overspeed",
@@ -1283,7 +1283,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the errors with data ID B",
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.2 p.38",
+        source="7.3.3.1 p.40, 7.3.2 p.38",
     ),
 )
 
@@ -1309,7 +1309,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Housing", "Shield"),
         ),
         note="The connector has no contacts for the incremental signals. +Vdc is the voltage given by the order code.",
-        source="4.1 p.15; 4.3 p.16",
+        source="4.1 p.15, 4.3 p.16",
     ),
     Connector(
         name="ssi_biss_m12_12",
@@ -1332,7 +1332,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("Housing", "Shield"),
         ),
         note="+Vdc is the voltage given by the order code.",
-        source="4.1 p.15; 4.4 p.16",
+        source="4.1 p.15, 4.4 p.16",
     ),
     Connector(
         name="ssi_biss_cable",
@@ -1373,7 +1373,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("8", "not connected"),
             Contact("Housing", "Shield"),
         ),
-        source="4.2 p.16; 4.3 p.16",
+        source="4.2 p.16, 4.3 p.16",
     ),
     Connector(
         name="rs485_m12_12",
@@ -1395,7 +1395,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("12", "not connected"),
             Contact("Housing", "Shield"),
         ),
-        source="4.2 p.16; 4.4 p.16",
+        source="4.2 p.16, 4.4 p.16",
     ),
     Connector(
         name="rs485_cable",
@@ -1456,7 +1456,7 @@ LEDS: Final[tuple[Led, ...]] = (
                 ),
             ),
         ),
-        source="9 p.47; 9.1 p.47",
+        source="9 p.47, 9.1 p.47",
     ),
 )
 
@@ -1484,7 +1484,7 @@ TABLES: Final[tuple[Table, ...]] = (
             "The travel is also printed in the preliminary information and in 5.2. Maximum number of positions: 25 "
             "bits, 33,554,432, over SSI and BiSS, and 24 bits, 16,777,216, over RS-485."
         ),
-        source="4.10 p.18; Informazioni preliminari p.8; Cover",
+        source="4.10 p.18, Informazioni preliminari p.8, Cover",
     ),
     Table(
         name="ab_signals",
@@ -1581,22 +1581,22 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "south fields and may carry two tracks: the absolute track on one side and a track for the incremental "
             "signals on the other (certain models, Figure 1). Its mounting is described in its own documentation."
         ),
-        source="Informazioni preliminari p.8; 3.2 p.11",
+        source="Informazioni preliminari p.8, 3.2 p.11",
     ),
     Characteristic(name="tape_resistance", value="Immune to dust and liquids", source="Cover"),
-    Characteristic(name="pole_pitch", value="2 mm", source="Cover; 4.10 p.18; 8"),
+    Characteristic(name="pole_pitch", value="2 mm", source="Cover, 4.10 p.18, 8"),
     Characteristic(
         name="tape_orientation",
         value=(
             "The tape has one mounting direction in all cases. The system cannot work if it is mounted differently "
             "from Figure 1"
         ),
-        source="3.2 p.11; 3.3; 8 p.44",
+        source="3.2 p.11, 3.3, 8 p.44",
     ),
     Characteristic(
         name="tape_cover",
         value="MTA-A154 may have a cover strip that protects the magnetic surface (see its order code)",
-        source="3.2 p.11; 3.3 p.12",
+        source="3.2 p.11, 3.3 p.12",
     ),
     Characteristic(
         name="personnel",
@@ -1606,7 +1606,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "encoder only for the purpose it was designed for. High currents, voltages and moving parts can injure or "
             "kill."
         ),
-        source="1.1 p.9; 3 p.11; 4 p.15",
+        source="1.1 p.9, 3 p.11, 4 p.15",
     ),
     Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.9"),
     Characteristic(
@@ -1636,7 +1636,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "free of noise, on the device's side or on the user's side, or both. The user must find out which "
             "connection works best."
         ),
-        source="1.2 p.9; 4.6 p.17",
+        source="1.2 p.9, 4.6 p.17",
     ),
     Characteristic(
         name="mechanical_safety",
@@ -1653,7 +1653,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Mount the device where it is sheltered from machining chips, above all metal chips. Otherwise provide "
             "for cleaning (brushes, scrapers, compressed air), so that sensor and tape do not seize."
         ),
-        source="1.3 p.10; 3.2 p.11",
+        source="1.3 p.10, 3.2 p.11",
     ),
     Characteristic(
         name="mounting_tolerances",
@@ -1661,7 +1661,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Keep gap, flatness and parallelism between sensor and tape within the limits of Figure 2 over the whole "
             "travel. Sensor and tape must not touch."
         ),
-        source="3.2 p.11; 3.3 p.12",
+        source="3.2 p.11, 3.3 p.12",
     ),
     Characteristic(
         name="mounting_screws",
@@ -1687,7 +1687,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "According to the manual, only the BiSS models have that function. With SSI, the master sets its own zero "
             "if the application needs one."
         ),
-        source="3.3; 5.5 p.23",
+        source="3.3, 5.5 p.23",
     ),
     Characteristic(
         name="tape_length",
@@ -1704,9 +1704,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Switch the supply off while wiring. Cut the wires of unused signals to different lengths and insulate "
             "each of them. If they touch, the device may be damaged beyond repair."
         ),
-        source="1.2 p.9; 4 p.15",
+        source="1.2 p.9, 4 p.15",
     ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only="SMA21-xx1-...", source="4.1 p.15; 4.2 p.16"),
+    Characteristic(name="supply_1", value="+5 V DC ±5 %", only="SMA21-xx1-...", source="4.1 p.15, 4.2 p.16"),
     Characteristic(name="supply_4", value="+5 V DC to +30 V DC", only="SMA21-xx4-...", source="4.1 p.15"),
     Characteristic(name="cable_model", value="Lika High-Flex twisted encoder cable type T12", source="4.5 p.16"),
     Characteristic(
@@ -1747,7 +1747,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "direction is fixed with SSI and RS-485. Over BiSS it can be inverted (register Configuration), but only "
             "for the absolute position, not for the incremental signals."
         ),
-        source="3.2 p.11; 4.7 p.17; 8",
+        source="3.2 p.11, 4.7 p.17, 8",
     ),
     Characteristic(
         name="inputs",
@@ -1774,7 +1774,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "speed feedback. The tape then has the second track."
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
-        source="Informazioni preliminari p.8; 4.1 p.15; 4.8 p.17; 8 p.44",
+        source="Informazioni preliminari p.8, 4.1 p.15, 4.8 p.17, 8 p.44",
     ),
     Characteristic(
         name="incremental_resolution",
@@ -1847,7 +1847,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
             "Pictures of the two connectors with their pin numbers, contact side. The text does not give the coding "
             "of the one with 12 pins."
         ),
-        source="4.3 p.16; 4.4 p.16",
+        source="4.3 p.16, 4.4 p.16",
     ),
     LostFigure(
         "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text describes it as well.",
@@ -1894,7 +1894,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("order_code",),
-        source="Cover; Informazioni preliminari p.8; 5 p.19",
+        source="Cover, Informazioni preliminari p.8, 5 p.19",
     ),
     Erratum(
         name="order_code_key",
@@ -1911,7 +1911,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("order_code", "parameters.ssi_gray"),
-        source="4.1 p.15; 5.1; 5.2 p.20",
+        source="4.1 p.15, 5.1, 5.2 p.20",
     ),
     Erratum(
         name="biss_documents",
@@ -1927,7 +1927,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6 p.24; 6.3 p.27; prot",
+        source="6 p.24, 6.3 p.27, prot",
     ),
     Erratum(
         name="biss_crc_start",
@@ -1940,7 +1940,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("crcs.biss_6", "crcs.biss_4"),
-        source="6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+        source="6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
     Erratum(
         name="command_default",
@@ -1953,7 +1953,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("registers.command",),
-        source="6.4 p.29; 12 p.51",
+        source="6.4 p.29, 12 p.51",
     ),
     Erratum(
         name="tape_length",
@@ -1966,7 +1966,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("tables.lengths", "characteristics.tape_length"),
-        source="3.4 p.14; 4.10 p.18; Informazioni preliminari p.8",
+        source="3.4 p.14, 4.10 p.18, Informazioni preliminari p.8",
     ),
     Erratum(
         name="zero_setting_rs485",
@@ -1982,7 +1982,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("characteristics.zero_setting", "procedures.reset_position", "interfaces.rs485.data_ids"),
-        source="3.3; 7.3.1 p.38; 7.3.3.2 p.41",
+        source="3.3, 7.3.1 p.38, 7.3.3.2 p.41",
     ),
     Erratum(
         name="bending_radius",
@@ -1992,7 +1992,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("characteristics.cable_bending_radius", "characteristics.cable_bending_radius_mounted"),
-        source="3.3 p.12; 4.5 p.16",
+        source="3.3 p.12, 4.5 p.16",
     ),
     Erratum(
         name="ssi_clock_count",
@@ -2009,7 +2009,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2 p.20",
+        source="5.1, 5.2 p.20",
     ),
     Erratum(
         name="ssi_cable_400_m",
@@ -2042,7 +2042,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.ssi.ssi_word", "interfaces.biss.single_cycle_data"),
-        source="5.2 p.20; 6.4 p.31",
+        source="5.2 p.20, 6.4 p.31",
     ),
     Erratum(
         name="control_data_bit",
@@ -2055,7 +2055,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("interfaces.biss.control_data",),
-        source="6.1 p.24; prot: p.3-5",
+        source="6.1 p.24, prot: p.3-5",
     ),
     Erratum(
         name="scd_length",
@@ -2098,7 +2098,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "parameters.offset_selected",
             "parameters.scd_value_bits",
         ),
-        source="6.2 p.25; 6.4 p.32",
+        source="6.2 p.25, 6.4 p.32",
     ),
     Erratum(
         name="position_below_zero",
@@ -2123,7 +2123,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.rs485.position_reply",
             "interfaces.rs485.wide_position_reply",
         ),
-        source="6.4 p.32; 7.3.3.2 p.41",
+        source="6.4 p.32, 7.3.3.2 p.41",
     ),
     Erratum(
         name="warning_level",
@@ -2133,7 +2133,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.single_cycle_data",),
-        source="6.2 p.26; 9.1",
+        source="6.2 p.26, 9.1",
     ),
     Erratum(
         name="profile_variants",
@@ -2150,7 +2150,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.profile_id", "parameters.profile_id", "interfaces.biss.profile"),
-        source="6.4 p.28; asc85: 6.4 p.23",
+        source="6.4 p.28, asc85: 6.4 p.23",
     ),
     Erratum(
         name="serial_number_coding",
@@ -2164,7 +2164,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.serial_number",),
-        source="6.4 p.29; amm5: 6.4 p.38",
+        source="6.4 p.29, amm5: 6.4 p.38",
     ),
     Erratum(
         name="resolution_set",
@@ -2174,7 +2174,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.absolute_resolution", "registers.preset_offset"),
-        source="6.4 p.31; 6.4 p.32",
+        source="6.4 p.31, 6.4 p.32",
     ),
     Erratum(
         name="preset_direction",
@@ -2236,7 +2236,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.device_id", "procedures.identify"),
-        source="6.4 p.34; prot: p.14-15",
+        source="6.4 p.34, prot: p.14-15",
     ),
     Erratum(
         name="release_coding",
@@ -2262,7 +2262,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.timeout",),
-        source="6.5 p.34; prot: p.18; asc85: 6.5 p.32",
+        source="6.5 p.34, prot: p.18, asc85: 6.5 p.32",
     ),
     Erratum(
         name="configuration_bit_8",
@@ -2275,7 +2275,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.configuration.counting_direction", "examples.configuration_register"),
-        source="6.6.1 p.35; 6.4 p.30",
+        source="6.6.1 p.35, 6.4 p.30",
     ),
     Erratum(
         name="reply_format_df7",
@@ -2285,7 +2285,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("interfaces.rs485.wide_position_reply", "interfaces.rs485.identification_reply"),
-        source="7.2 p.37; 7.3.3 p.39",
+        source="7.2 p.37, 7.3.3 p.39",
     ),
     Erratum(
         name="control_field_structure",
@@ -2298,7 +2298,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.OMISSION,
         affects=("field_groups.control_field",),
-        source="7.3.1 p.38; 7.2.2 p.37; stmbl: src/comps/smartabs.c",
+        source="7.3.1 p.38, 7.2.2 p.37, stmbl: src/comps/smartabs.c",
     ),
     Erratum(
         name="alarm_storage",
@@ -2314,7 +2314,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("field_groups.status_field.status_alarm", "field_groups.alarm_field"),
-        source="7.3.2 p.38; 7.3.3",
+        source="7.3.2 p.38, 7.3.3",
     ),
     Erratum(
         name="position_under_error",
@@ -2342,7 +2342,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.single_cycle_data.error",
             "interfaces.biss.single_cycle_data.warning",
         ),
-        source="6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47",
+        source="6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47",
     ),
     Erratum(
         name="abs_range_48",
@@ -2352,7 +2352,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.rs485.wide_position_reply",),
-        source="7.3.3; a4: p.298",
+        source="7.3.3, a4: p.298",
     ),
     Erratum(
         name="abs_range_24",
@@ -2395,7 +2395,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.rs485.position_reply",
             "interfaces.rs485.identification_reply",
         ),
-        source="4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2",
+        source="4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2",
     ),
     Erratum(
         name="reset_interval",
@@ -2409,7 +2409,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("procedures.reset_errors", "procedures.reset_position", "interfaces.rs485.reset_interval"),
-        source="7.3.2 p.38; 7.3.3.2 p.41",
+        source="7.3.2 p.38, 7.3.3.2 p.41",
     ),
     Erratum(
         name="shaft",
@@ -2471,7 +2471,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "field_groups.status_field.status_zero",
             "interfaces.rs485.wide_position_reply",
         ),
-        source="7.3.4; 7.3.2 p.38",
+        source="7.3.4, 7.3.2 p.38",
     ),
     Erratum(
         name="data_id_5_example_position",
@@ -2484,7 +2484,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("examples.reply_of_data_id_5",),
-        source="7.3.4; 4.10 p.18",
+        source="7.3.4, 4.10 p.18",
     ),
     Erratum(
         name="error_bit_level",
@@ -2497,7 +2497,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("field_groups.status_field.status_error", "leds.diagnostics"),
-        source="9 p.47; 9.1; 7.3.2 p.38",
+        source="9 p.47, 9.1, 7.3.2 p.38",
     ),
     Erratum(
         name="ab_frequency",
@@ -2541,7 +2541,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.preset_offset",),
-        source="6.4; 12 p.51",
+        source="6.4, 12 p.51",
     ),
     Erratum(
         name="unimplemented_alarms",
@@ -2555,7 +2555,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("field_groups.status_field", "field_groups.alarm_field"),
-        source="7.3.2 p.38; 7.3.3 p.39; 7.3.3.1 p.40",
+        source="7.3.2 p.38, 7.3.3 p.39, 7.3.3.1 p.40",
     ),
     Erratum(
         name="position_check_default",
@@ -2568,7 +2568,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("registers.position_check",),
-        source="6.4 p.33; 12 p.51",
+        source="6.4 p.33, 12 p.51",
     ),
     Erratum(
         name="ssi_pause",
@@ -2578,7 +2578,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.pause",),
-        source="5.1; 5.3 p.22",
+        source="5.1, 5.3 p.22",
     ),
     Erratum(
         name="rs485_reply_time",
@@ -2592,7 +2592,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.rs485.data_ids",),
-        source="7.1 p.37; 7.2 p.37",
+        source="7.1 p.37, 7.2 p.37",
     ),
     Erratum(
         name="edition_before_1_2_1",
