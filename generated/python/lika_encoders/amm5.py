@@ -2543,7 +2543,8 @@ class EepromWriteReply(NamedTuple):
     Attributes:
         eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted.
+        mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted. Remedy: Send the
+            request again.
         data: EDF: Byte of the request, or 00h while busy.
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
@@ -2705,7 +2706,8 @@ class EepromReadReply(NamedTuple):
     Attributes:
         eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read.
+        mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read. Remedy: Send the
+            request again.
         data: EDF: Byte read, or 00h while busy.
 
     In the manual: Encoder → Master: CF ADF EDF CRC.

@@ -774,9 +774,10 @@ class SingleCycleData(NamedTuple):
         position: Position: Position within one revolution, most significant bit first. Unit: counts.
         error: Error, nE: Normal or fault status of the encoder. The error register shows the active error. True at 0:
             error active in the system. False at 1: no active error. While it is True, the position is not usable.
+            Remedy: Read the error register (69h). It shows the active errors.
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
             at 0: warning active in the system. False at 1: no active warning. While it is True, the position is usable,
-            with a warning.
+            with a warning. Remedy: Read the error register (69h). It shows the active errors.
 
     In the manual: Single Cycle Data SCD.
 

@@ -1342,7 +1342,7 @@ class PositionReply(NamedTuple):
             bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. False at 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable.
+            usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
             Right-aligned in 24 bits, zeros above it.
         overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
@@ -1633,7 +1633,7 @@ class WidePositionReply(NamedTuple):
             bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. False at 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable.
+            usable. Remedy: Reset the errors with data ID B.
         position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it is a length. Unit: counts. Signed,
             in two's complement.
         unused: Unused bits that differ from the manual, as 1. 0 if none differs.
@@ -1848,7 +1848,7 @@ class IdentificationReply(NamedTuple):
             bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. False at 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable.
+            usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
             Right-aligned in 24 bits, zeros above it.
         overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not

@@ -528,14 +528,14 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "eeprom_write_reply_mem_busy",
             "MEM BUSY",
             "writing, request not executed",
-            "",
+            "Send the request again",
             "7.5 p.46"
         },
         {
             "eeprom_read_reply_mem_busy",
             "MEM BUSY",
             "memory busy, request not executed",
-            "",
+            "Send the request again",
             "7.5 p.46"
         },
         {
@@ -2290,7 +2290,10 @@ static inline uint32_t lika_amm5_complete_reply_reports(
 /** Values of the frame EEPROM write reply. */
 typedef struct lika_amm5_eeprom_write_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
-    /** MEM BUSY. Active at 1: writing, request not executed. Inactive at 0: request accepted. */
+    /**
+     * MEM BUSY. Active at 1: writing, request not executed. Inactive at 0: request accepted.
+     * Remedy: Send the request again.
+     */
     bool mem_busy;
     uint8_t data; /**< EDF: Byte of the request, or 00h while busy. */
 } lika_amm5_eeprom_write_reply;
@@ -2413,7 +2416,10 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
 /** Values of the frame EEPROM read reply. */
 typedef struct lika_amm5_eeprom_read_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
-    /** MEM BUSY. Active at 1: memory busy, request not executed. Inactive at 0: byte read. */
+    /**
+     * MEM BUSY. Active at 1: memory busy, request not executed. Inactive at 0: byte read. Remedy:
+     * Send the request again.
+     */
     bool mem_busy;
     uint8_t data; /**< EDF: Byte read, or 00h while busy. */
 } lika_amm5_eeprom_read_reply;

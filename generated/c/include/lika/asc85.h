@@ -389,7 +389,7 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
             "Error, nE",
             "error active in the system. Normal or fault status of the encoder. The error "
             "register shows the active error.",
-            "",
+            "Read the error register (69h). It shows the active errors.",
             "6.2.1 p.20"
         },
         {
@@ -397,7 +397,7 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
             "Warning, nW",
             "warning active in the system. Normal or fault status of the encoder. The error "
             "register shows the active warning.",
-            "",
+            "Read the error register (69h). It shows the active errors.",
             "6.2.1 p.20"
         },
         { "", "", "", "", "" }
@@ -718,13 +718,15 @@ typedef struct lika_asc85_single_cycle_data {
     /**
      * Error, nE: Normal or fault status of the encoder. The error register shows the active error.
      * Active at 0: error active in the system. Inactive at 1: no active error. While it is active,
-     * the position is not usable.
+     * the position is not usable. Remedy: Read the error register (69h). It shows the active
+     * errors.
      */
     bool error;
     /**
      * Warning, nW: Normal or fault status of the encoder. The error register shows the active
      * warning. Active at 0: warning active in the system. Inactive at 1: no active warning. While
-     * it is active, the position is usable, with a warning.
+     * it is active, the position is usable, with a warning. Remedy: Read the error register (69h).
+     * It shows the active errors.
      */
     bool warning;
 } lika_asc85_single_cycle_data;

@@ -517,7 +517,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "ea1",
             "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or "
             "the motor must stop. Stored in the encoder until the errors are reset.",
-            "",
+            "Reset the errors with data ID B",
             "7.3.2 p.38, a4: p.298"
         },
         {
@@ -1273,7 +1273,7 @@ typedef struct lika_sma21_position_reply {
      * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. Inactive at
      * 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
@@ -1520,7 +1520,7 @@ typedef struct lika_sma21_wide_position_reply {
      * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. Inactive at
      * 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
@@ -1712,7 +1712,7 @@ typedef struct lika_sma21_identification_reply {
      * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. Inactive at
      * 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable.
+     * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**

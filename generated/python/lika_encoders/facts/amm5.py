@@ -653,12 +653,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="eeprom_write_reply_mem_busy",
             printed_name="MEM BUSY",
             meaning="writing, request not executed",
+            remedy="Send the request again",
             source="7.5 p.46",
         ),
         Report(
             name="eeprom_read_reply_mem_busy",
             printed_name="MEM BUSY",
             meaning="memory busy, request not executed",
+            remedy="Send the request again",
             source="7.5 p.46",
         ),
         Report(

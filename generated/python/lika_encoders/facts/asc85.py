@@ -264,6 +264,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "error active in the system. Normal or fault status of the encoder. The error register shows the "
                 "active error."
             ),
+            remedy="Read the error register (69h). It shows the active errors.",
             makes_position=Verdict.NOT_USABLE,
             source="6.2.1 p.20",
         ),
@@ -274,6 +275,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "warning active in the system. Normal or fault status of the encoder. The error register shows the "
                 "active warning."
             ),
+            remedy="Read the error register (69h). It shows the active errors.",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="6.2.1 p.20",
         ),

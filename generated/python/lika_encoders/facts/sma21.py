@@ -437,6 +437,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must "
                 "stop. Stored in the encoder until the errors are reset."
             ),
+            remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
             source="7.3.2 p.38, a4: p.298",
         ),
