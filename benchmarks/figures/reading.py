@@ -55,7 +55,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     ("about_access", r"does == 'Writes'", "the verb of a sentence"),
     ("_row", r".*\b(family|stem)\)", "an order code as the manual prints it"),
     ("laid_out|_lines|_broken|_split", ".*", "a line of C, broken where the language allows it, whatever it says"),
-    ("documented|_documented", ".*", "a comment of C, opened as Doxygen reads it, whatever it says"),
+    ("documented|_documented|_one_or_more|comment", ".*", "a comment of C, whatever it says"),
     ("broken|_broken|_items|_in_pieces", ".*", "a line of Python, broken at its brackets, whatever it says"),
     ("|_row|imports|_named", r"(names|needed|optional)\.split\(\)", "a list of words"),
     ("__str__", r"\{first\.operator, .*", "the operators of an expression"),

@@ -699,7 +699,7 @@
     const noise = flips.length ? [element("p", {},
       `If only some frames fail, one bit was disturbed on the line: the CRC matches with ${which} inverted. `
       + "In that case, no change is needed.")] : [];
-    const reasons = explained(found).map((item) => `${item.text} (by coincidence in 1 of ${item.oneIn} frames)`);
+    const reasons = explained(found).map((item) => `${item.text} (matches by chance in 1 of ${item.oneIn} frames)`);
     const crcFault = found.at?.layout.crc && found.problems.some((item) => ["crc", "length"].includes(item.fault));
     const match = "these changes make the CRC match:";
     const start = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;

@@ -87,7 +87,7 @@ def test_the_command(tmp_path: Path, ours: bytes, capsys: pytest.CaptureFixture[
     strict.write_bytes(ours.replace(b'Version CDATA #FIXED "1.0"', b'Version CDATA #FIXED "2.0"'))
     out = ["generate", "-o", str(tmp_path / "out"), "--target", "biss", "--biss-dtd"]
     assert main([*out, str(good)]) == 0
-    assert f"valid by {good}: {tmp_path / 'out' / NAME}" in capsys.readouterr().out
+    assert f"valid against {good}: {tmp_path / 'out' / NAME}" in capsys.readouterr().out
     assert main([*out, str(strict)]) == 1
     error = capsys.readouterr().err
     line = next(

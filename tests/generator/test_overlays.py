@@ -271,4 +271,5 @@ def test_an_overlay_alone_lies_over_what_ships(tmp_path: Path, capsys: pytest.Ca
     out = capsys.readouterr().out
     assert "Slow here." in out
     assert "Includes the overlay mine, “Measured here”." in out
-    assert "Why: Measured. [6.4]" in " ".join(out.split())
+    assert "Overlay mine [6.4]: In the spec: " in " ".join(out.split())
+    assert "Why: Measured." in out

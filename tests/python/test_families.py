@@ -25,6 +25,7 @@ from codewheel.model import (
     Text,
     Unused,
 )
+from codewheel.order_codes.labels import UnknownOrderCode, find
 from codewheel.targets.python.context import Context
 from codewheel.targets.python.names import CLASS_NAMES, attribute
 
@@ -204,8 +205,8 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
                 labels += [spelled(device, {**variant.parts, part.name: text}) for text in texts]
         for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
             try:
-                match = labels.find(device, label)
-            except labels.UnknownOrderCode:
+                match = find(device, label)
+            except UnknownOrderCode:
                 with pytest.raises(lika.OrderCodeError):
                     module.lookup(label)
                 continue

@@ -55,7 +55,7 @@ def test_old_counts_are_not_generated(folder: Path, capsys: pytest.CaptureFixtur
     (counts,) = (folder / "new").glob("*.coverage.json")
     counts.write_text(counts.read_text(encoding="utf-8").replace('"once": ', '"once": 1'), encoding="utf-8")
     assert generate() == 1
-    assert "coverage-file: the counts are not those of the readings" in capsys.readouterr().err
+    assert "coverage-file: the counts do not match the readings" in capsys.readouterr().err
     main(["check", "new", "--coverage", "--write"])
     assert generate() == 0
 

@@ -254,7 +254,7 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
     changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
     assert main(["check"]) == 0
     assert main(["check", "--coverage"]) == 1
-    assert "twice.coverage.json:1:1: coverage-file: the counts are not those of the readings" in capsys.readouterr().out
+    assert "twice.coverage.json:1:1: coverage-file: the counts do not match the readings" in capsys.readouterr().out
     kept.write_text("{}", encoding="utf-8")
     assert main(["check"]) == 1
     assert "twice.coverage.json:1:1: coverage-file: the file is not as written" in capsys.readouterr().out
