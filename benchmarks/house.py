@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from figures.functions import LONGEST, Function, functions
-from figures.imports import circles, graph, rooms
+from figures.imports import cycles, graph, packages
 from figures.kinds import comparisons
-from figures.reading import Look, looks
+from figures.reading import Search, searches
 from figures.statements import ORIGINS, by_output, printed
 from figures.tree import COLUMNS, Checkout, unpack
 
@@ -40,14 +40,14 @@ class Figure:
 def measure(checkout: Checkout) -> Iterator[Figure]:
     """Yield every figure of a checkout, in order of the table."""
     arrows = graph(checkout.modules)
-    yield _circles("cycles of modules that import each other", circles(arrows))
-    yield _circles("cycles of packages", circles(rooms(arrows)))
+    yield _cycles("cycles of modules that import each other", cycles(arrows))
+    yield _cycles("cycles of packages", cycles(packages(arrows)))
     flat = checkout.flat_modules()
     yield Figure("modules in no package", _count(flat), flat)
     yield from _shares(checkout)
     yield from _lines("lines of targets", checkout.lines_of_targets())
     yield from _lines("lines of templates", checkout.lines_of_templates())
-    yield from _looks(checkout)
+    yield from _searches(checkout)
     yield _kinds(checkout)
     wide = list(checkout.wide_lines())
     yield _counted_by(f"lines over {COLUMNS} columns", {place: place.partition("/")[0] for place in wide})
@@ -59,12 +59,12 @@ def _count(items: Sequence[object]) -> str:
     return f"{len(items):,}"
 
 
-def _circles(title: str, found: Sequence[Sequence[str]]) -> Figure:
-    shown = f"{len(found)} ({'; '.join(_circle(item) for item in found)})" if found else "0"
+def _cycles(title: str, found: Sequence[Sequence[str]]) -> Figure:
+    shown = f"{len(found)} ({'; '.join(_cycle(item) for item in found)})" if found else "0"
     return Figure(title, shown, [", ".join(item) for item in found])
 
 
-def _circle(names: Sequence[str]) -> str:
+def _cycle(names: Sequence[str]) -> str:
     """Return a cycle in few words: all of its names, or the first ones."""
     return ", ".join(names) if len(names) <= 3 else f"{names[0]}, {names[1]} and {len(names) - 2} more"
 
@@ -88,16 +88,16 @@ def _lines(title: str, counts: Counter[str]) -> Iterator[Figure]:
     yield Figure(f"{title}: all", f"{counts.total():,}")
 
 
-def _looks(checkout: Checkout) -> Iterator[Figure]:
-    found = looks(checkout)
+def _searches(checkout: Checkout) -> Iterator[Figure]:
+    found = searches(checkout)
     code = [f"{item.place} {item.function}: {_short(item)}" for item in found if not item.reason]
     other = [f"{item.place} {item.function}: {_short(item)} ({item.reason})" for item in found if item.reason]
     yield Figure("places that read back generated text", _count(code), code)
     yield Figure("searches in names, manual text and comments", _count(other), other)
 
 
-def _short(look: Look) -> str:
-    text = " ".join(look.expression.split())
+def _short(search: Search) -> str:
+    text = " ".join(search.expression.split())
     return text if len(text) <= 100 else f"{text[:97]}..."
 
 

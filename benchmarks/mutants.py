@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mutation.campaign import drawn, tried
-from mutation.report import Outcome, file_name, page, survivors, table
+from mutation.report import Outcome, file_name, note, page, survivors, table
 from mutation.trial import Trial
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "mutants.md"
@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if asked.write:
         files = sorted({file_name(mutant.file) for mutant in found})
         PAGE.write_text(page(outcome, "make mutants", files), encoding="utf-8")
-    print("\n".join(["", *table(outcome), ""] + ([] if asked.write else list(survivors(outcome)))))
+    print("\n".join(["", *table(outcome), "", *note(outcome), ""] + ([] if asked.write else list(survivors(outcome)))))
     print(f"{len(chosen)} of {len(found)} mutants in {time.monotonic() - started:.0f} seconds")
     return _judged(outcome)
 
@@ -59,7 +59,7 @@ def _judged(outcome: Outcome) -> int:
         wrong.append(f"{strict.texts + strict.code} wrong values pass in classes where none is allowed")
     if sums["all facts"].wrong > MOST:
         wrong.append(f"{sums['all facts'].wrong:.1%} of the wrong values pass, at most {MOST:.0%} may")
-    wrong += [f"no reason: {item.place} {item.said} ({item.effect})" for item in outcome.gaps]
+    wrong += [f"no reason: {item.place} {item.difference} ({item.effect})" for item in outcome.gaps]
     print("\n".join(wrong), file=sys.stderr)
     return 1 if wrong else 0
 

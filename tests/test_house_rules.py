@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from figures.imports import Graph, circles, graph, rooms
-from figures.reading import looks
+from figures.imports import Graph, cycles, graph, packages
+from figures.reading import searches
 from figures.tree import COLUMNS, Checkout
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -17,18 +17,18 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @cache
 def checkout() -> Checkout:
-    """What is read of it is read once; not at collection, where every worker would read all modules."""
+    """Read the checkout once, but not at collection, when every worker would read all modules."""
     return Checkout(ROOT)
 
 
 @cache
 def arrows() -> Graph:
-    """The imports of each module."""
+    """Return the imports of each module."""
     return graph(checkout().modules)
 
 
 def reached(name: str) -> set[str]:
-    """The module and all that it imports, at once or by way of others."""
+    """Return a module and all that it imports, directly or indirectly."""
     found, waiting = set[str](), [name]
     while waiting:
         module = waiting.pop()
@@ -38,7 +38,7 @@ def reached(name: str) -> set[str]:
     return found
 
 
-def test_the_map_names_each_room() -> None:
+def test_the_map_names_each_package() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     named = re.findall(r"`generator/(\w+)/` \|", text)
     folders = [path.parent.name for path in (ROOT / "generator").glob("*/__init__.py")]
@@ -56,8 +56,8 @@ def test_files_that_the_recipes_name_exist() -> None:
 
 @pytest.mark.slow
 def test_no_target_reads_back_what_it_has_written() -> None:
-    """A look into names or into text of manuals is one that ``figures.reading`` allows, with a reason."""
-    found = [f"{item.place} {item.function}: {item.expression}" for item in looks(checkout()) if not item.reason]
+    """``figures.reading`` allows searches in names and in text of manuals, each with a reason."""
+    found = [f"{item.place} {item.function}: {item.expression}" for item in searches(checkout()) if not item.reason]
     assert found == []
 
 
@@ -68,8 +68,8 @@ def test_no_line_is_too_wide_to_read() -> None:
 
 
 @pytest.mark.slow
-def test_there_is_no_circle() -> None:
-    assert circles(arrows()) == []
+def test_there_is_no_cycle() -> None:
+    assert cycles(arrows()) == []
 
 
 def test_no_test_names_a_place_of_the_machine() -> None:
@@ -90,7 +90,7 @@ def test_no_test_names_a_place_of_the_machine() -> None:
 
 
 @pytest.mark.parametrize(
-    ("room", "may"),
+    ("package", "may"),
     [
         ("model", set()),
         ("say", {"model"}),
@@ -101,13 +101,13 @@ def test_no_test_names_a_place_of_the_machine() -> None:
         ("lock", set()),
     ],
 )
-def test_what_a_room_may_import(room: str, may: set[str]) -> None:
-    """The plan knows no target and no wording; the reference codec, by which it is tested, does not know the plan."""
-    assert rooms(arrows())[room] <= may
+def test_what_a_package_may_import(package: str, may: set[str]) -> None:
+    """The plan knows no target and no wording. The reference codec tests it, so it does not know the plan."""
+    assert packages(arrows())[package] <= may
 
 
 def test_only_commands_know_of_second_readings() -> None:
-    """What outputs say of them comes with the model, as counts."""
+    """Outputs get the counts of second readings from the model."""
     users = {
         module.partition(".")[0] for module, others in arrows().items() for other in others if "readings." in other
     }

@@ -58,20 +58,20 @@ def _imported_from(node: ast.ImportFrom, package: Sequence[str], names: Set[str]
             yield found
 
 
-def rooms(modules: Graph) -> Graph:
-    """Return the same by the first part of the names. A folder is a package, and so is a module in no folder."""
+def packages(modules: Graph) -> Graph:
+    """Return the imports between packages. A folder is a package, and so is a module in no folder."""
     found: dict[str, set[str]] = {}
     for name, imported in modules.items():
-        room = name.partition(".")[0]
-        found.setdefault(room, set()).update({other.partition(".")[0] for other in imported} - {room})
+        package = name.partition(".")[0]
+        found.setdefault(package, set()).update({other.partition(".")[0] for other in imported} - {package})
     return found
 
 
-def circles(arrows: Graph) -> list[list[str]]:
+def cycles(arrows: Graph) -> list[list[str]]:
     """Return the cycles, the largest first: names that all reach each other."""
     reached = {name: _reached(name, arrows) for name in arrows}
     found = {tuple(sorted(other for other in reached[name] if name in reached[other])) for name in arrows}
-    return sorted((list(circle) for circle in found if circle), key=lambda circle: (-len(circle), circle))
+    return sorted((list(cycle) for cycle in found if cycle), key=lambda cycle: (-len(cycle), cycle))
 
 
 def _reached(name: str, arrows: Graph) -> set[str]:

@@ -32,7 +32,7 @@ _ANSWERS = re.compile(r"bool|(frozen)?set\[str\]")
 
 
 @dataclass(frozen=True)
-class Look:
+class Search:
     """A search in text: its place, function and expression. ``reason`` says why it does not search in code."""
 
     place: str
@@ -78,14 +78,14 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
 )
 
 
-def looks(checkout: Checkout) -> list[Look]:
+def searches(checkout: Checkout) -> list[Search]:
     """Return every search in text. Allowed ones have a reason."""
     modules = [item for item in checkout.modules if _language(item.path) in LANGUAGES]
     templates = [item for item in checkout.templates if Path(item.path).parts[1] in LANGUAGES]
-    found = [look for item in modules for look in _in_module(item, frozenset())]
-    helpers = {look.function for look in found if not look.reason} & _answering(modules)
-    found = [look for item in modules for look in _in_module(item, helpers)]
-    return found + [look for item in templates for look in _in_template(item)]
+    found = [search for item in modules for search in _in_module(item, frozenset())]
+    helpers = {search.function for search in found if not search.reason} & _answering(modules)
+    found = [search for item in modules for search in _in_module(item, helpers)]
+    return found + [search for item in templates for search in _in_template(item)]
 
 
 def _language(path: str) -> str:
@@ -96,25 +96,25 @@ def _language(path: str) -> str:
     return parts[2] if len(parts) > 3 else Path(parts[2]).stem.partition("_")[0]
 
 
-def _look(place: str, function: str, expression: str) -> Look:
+def _search(place: str, function: str, expression: str) -> Search:
     reasons = (
         reason
         for where, how, reason in ALLOWED
         if re.fullmatch(where, function) and re.fullmatch(how, expression, re.DOTALL)
     )
-    return Look(place, function, expression, next(reasons, ""))
+    return Search(place, function, expression, next(reasons, ""))
 
 
-def _in_module(module: Source, helpers: Set[str]) -> Iterator[Look]:
+def _in_module(module: Source, helpers: Set[str]) -> Iterator[Search]:
     """Yield the searches of a module, and its calls of ``helpers``."""
     for function, node in _outermost(module.tree, helpers):
-        yield _look(module.at(node.lineno), function, ast.unparse(node))
+        yield _search(module.at(node.lineno), function, ast.unparse(node))
 
 
 def _outermost(tree: ast.AST, helpers: Set[str], function: str = "") -> Iterator[tuple[str, ast.expr]]:
     """Yield every outermost expression that searches in text, with the name of the function around it."""
     for child in ast.iter_child_nodes(tree):
-        if isinstance(child, (ast.Call, ast.Compare)) and (_looks_into(child) or _is_call_of(child, helpers)):
+        if isinstance(child, (ast.Call, ast.Compare)) and (_searches_in(child) or _is_call_of(child, helpers)):
             yield function, child
         else:
             inner = child.name if isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef)) else function
@@ -125,7 +125,7 @@ def _is_call_of(node: ast.expr, helpers: Set[str]) -> bool:
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in helpers
 
 
-def _looks_into(node: ast.Call | ast.Compare) -> bool:
+def _searches_in(node: ast.Call | ast.Compare) -> bool:
     if isinstance(node, ast.Call):
         return isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS
     if isinstance(node.ops[0], (ast.In, ast.NotIn)) and _strings(node.left):
@@ -150,18 +150,18 @@ def _answering(modules: Sequence[Source]) -> set[str]:
     }
 
 
-def _in_template(template: Source) -> Iterator[Look]:
+def _in_template(template: Source) -> Iterator[Search]:
     lines = template.text.splitlines()
     tree = Environment().parse(template.text)
-    found = [node.lineno for node in tree.find_all(nodes.Compare) if _looks_into_there(node)]
+    found = [node.lineno for node in tree.find_all(nodes.Compare) if _template_searches_in(node)]
     methods = (node.node for node in tree.find_all(nodes.Call))
     found += [node.lineno for node in methods if isinstance(node, nodes.Getattr) and node.attr in _METHODS]
     found += [node.lineno for node in tree.find_all(nodes.Filter) if node.name == "replace"]
     for line in sorted(found):
-        yield _look(template.at(line), "", lines[line - 1].strip())
+        yield _search(template.at(line), "", lines[line - 1].strip())
 
 
-def _looks_into_there(node: nodes.Compare) -> bool:
+def _template_searches_in(node: nodes.Compare) -> bool:
     if node.ops[0].op in ("in", "notin") and _strings_there(node.expr):
         return True
     sides = (node.expr, *(item.expr for item in node.ops))

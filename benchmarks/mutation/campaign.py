@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from .slips import Mutant
+from .mistakes import Mutant
 from .trial import Trial, Verdict
 
 #: Number of mutants that a process gets at a time.
@@ -26,10 +26,10 @@ class Tried:
 def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
     """Draw this many mutants, evenly over files and classes of facts, and within these over the mistakes."""
     draw = random.Random(seed)
-    slips: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
+    mistakes: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
     for mutant in mutants:
-        slips[mutant.file, mutant.place.fact][mutant.slip].append(mutant)
-    columns = [list(_in_turns([_shuffled(item, draw) for item in kinds.values()])) for kinds in slips.values()]
+        mistakes[mutant.file, mutant.place.fact][mutant.mistake].append(mutant)
+    columns = [list(_in_turns([_shuffled(item, draw) for item in kinds.values()])) for kinds in mistakes.values()]
     return [mutant for _, mutant in zip(range(number), _in_turns(columns), strict=False)]
 
 

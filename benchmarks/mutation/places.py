@@ -10,11 +10,13 @@ from typing import Any
 from codewheel.language.document import Document, Path
 from codewheel.language.schema import load_schema
 
+#: Keys of facts that are only prose for the tool, with everything below them.
+PROSE_FACTS = ("characteristics", "leds", "tables", "lost_figures", "documents")
 #: Classes of facts by their keys without lists. The first match counts. Capitals stand for a key of any name.
 _CLASSES = (
     ("erratum", r"errata\b.*"),
     ("example", r"examples\b.*"),
-    ("prose fact", r"(characteristics|leds|tables|lost_figures|documents)\b.*"),
+    ("prose fact", rf"({'|'.join(PROSE_FACTS)})\b.*"),
     ("source", r".*\b(source|alignment_source|output_code_source)"),
     ("manual", r"(codewheel|device|manufacturer|title|manual\b.*|python_package|version|trademarks|vendor)"),
     ("BiSS manufacturer ID", r"biss_id"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from .mistakes import Mutant
 from .places import PROSE
-from .slips import Mutant
 
 #: Reasons by class of fact, keys, mistake, and name of the file. The first match counts.
 _REASONS = (
@@ -23,7 +23,7 @@ _REASONS = (
     (
         "a witness is missing",
         "A value that only helps to find mistakes in other facts can be omitted. It then finds none.",
-        {"fact": "printed once more", "slip": "(item|key) lost"},
+        {"fact": "printed once more", "mistake": "(item|key) omitted"},
     ),
     (
         "read once: another edition",
@@ -33,7 +33,7 @@ _REASONS = (
     (
         "names of two groups with the same bits",
         "The two groups have the same fields. Only their descriptions differ.",
-        {"keys": r"field_groups\.name", "slip": "exchanged with the next"},
+        {"keys": r"field_groups\.name", "mistake": "swapped with the next"},
     ),
     (
         "how a number is written",
@@ -43,7 +43,7 @@ _REASONS = (
     (
         "left out, and then not generated",
         "Without the ID of the manufacturer there is no description for BiSS masters, which users notice.",
-        {"fact": "BiSS manufacturer ID", "slip": "key lost"},
+        {"fact": "BiSS manufacturer ID", "mistake": "key omitted"},
     ),
     (
         "a witness, not a fact",
@@ -67,7 +67,7 @@ def _fitting(mutant: Mutant) -> Iterator[str]:
     of = {
         "fact": mutant.place.fact,
         "keys": mutant.place.keys,
-        "slip": mutant.slip,
+        "mistake": mutant.mistake,
         "file": mutant.file.rpartition("/")[2].removesuffix(".yaml"),
     }
     for name, _, wanted in _REASONS:

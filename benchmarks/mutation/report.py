@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,8 @@ from codewheel.language.second_reading import is_second
 
 from .campaign import Tried
 from .effects import Effect
-from .places import PROSE, STRICT, WITNESSES
+from .mistakes import code_span
+from .places import PROSE, PROSE_FACTS, STRICT, WITNESSES
 from .reasons import explanation, reason
 from .trial import Trial
 
@@ -54,7 +56,7 @@ class Passed:
 
     reason: str
     place: str
-    said: str
+    difference: str
     effect: str
 
 
@@ -73,7 +75,7 @@ class Outcome:
         self.crashes: list[str] = []
         for item in found:
             self._add(trial, item)
-        self.passed.sort(key=lambda item: (item.reason, item.place, item.said))
+        self.passed.sort(key=lambda item: (item.reason, item.place, item.difference))
 
     def _add(self, trial: Trial, item: Tried) -> None:
         mutant, word = item.mutant, item.verdict.word
@@ -84,7 +86,7 @@ class Outcome:
         elif word in _EQUIVALENT:
             row.same += 1
         elif word == "crash":
-            self.crashes.append(f"{trial.place(mutant)}: {mutant.said}: {item.verdict.crash}")
+            self.crashes.append(f"{trial.place(mutant)}: {mutant.difference}: {item.verdict.crash}")
         else:
             self._add_passed(trial, item, row)
 
@@ -97,7 +99,7 @@ class Outcome:
         else:
             row.code += 1
         name = reason(mutant)
-        self.passed.append(Passed(name, trial.place(mutant), f"{mutant.slip}: {mutant.said}", effect.value))
+        self.passed.append(Passed(name, trial.place(mutant), f"{mutant.mistake}: {mutant.difference}", effect.value))
 
     @property
     def gaps(self) -> list[Passed]:
@@ -114,10 +116,18 @@ class Outcome:
 
     def sums(self) -> Iterator[tuple[str, Row]]:
         """Yield the sums below the table."""
-        known = set(self.rows) - {"second readings"}
-        yield "classes with *", self.of(known & STRICT)
-        yield "all facts", self.of(known - PROSE - WITNESSES)
-        yield "all", self.of(known)
+        yield "classes with *", self.of(self._known & STRICT)
+        yield "all facts", self.of(self._known - PROSE - WITNESSES)
+        yield "all", self.of(self._known)
+
+    @property
+    def not_in_all_facts(self) -> list[str]:
+        """Return the classes that the sum ``all facts`` leaves out."""
+        return sorted(self._known & (PROSE | WITNESSES))
+
+    @property
+    def _known(self) -> set[str]:
+        return set(self.rows) - {"second readings"}
 
 
 def table(outcome: Outcome) -> list[str]:
@@ -133,6 +143,26 @@ def _sorted(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: (name not in STRICT, name in PROSE | WITNESSES, name.casefold()))
 
 
+def note(outcome: Outcome) -> list[str]:
+    """Return the text below the table, in lines: the classes that the sum ``all facts`` leaves out."""
+    classes = outcome.not_in_all_facts
+    if not classes:
+        return []
+    with_them = dict(outcome.sums())["all"].wrong
+    text = (
+        f"The row **all facts** leaves out the classes {_listed(map('*{}*'.format, classes))}. With them,"
+        f" {with_them:.1%} of the wrong values pass, as the row **all** shows."
+    )
+    if "prose fact" in classes:
+        text += f" The class *prose fact* consists of {_listed(map(code_span, PROSE_FACTS))}."
+    return textwrap.wrap(text, 120, break_on_hyphens=False)
+
+
+def _listed(words: Iterable[str]) -> str:
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def survivors(outcome: Outcome) -> Iterator[str]:
     """Yield every mutant that passes, by reason, as Markdown."""
     counts = Counter(item.reason for item in outcome.passed)
@@ -142,7 +172,8 @@ def survivors(outcome: Outcome) -> Iterator[str]:
         if name:
             yield explanation(name)
             yield ""
-        yield from (f"- `{item.place}` {item.said} ({item.effect})" for item in outcome.passed if item.reason == name)
+        passed = (item for item in outcome.passed if item.reason == name)
+        yield from (f"- {code_span(item.place)} {item.difference} ({item.effect})" for item in passed)
         yield ""
 
 
@@ -152,16 +183,16 @@ def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
 # Mutants
 
 This page shows which mistakes of a transcriber `check` detects. `{command}` plants mistakes, one at a time, in
-{", ".join(files)}, and runs `check` on each. The command writes this page, so do not edit it.
+{_listed(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
 
-A mistake is a lost, swapped or misread digit, a number that is off by one, a flipped bit or boolean, another
-word of a list or another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or
-the value of the next item. Mutants in the column *same* change no output, or only an order without a meaning. Those in
-*left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents only and in code.
-*Wrong* is their share. In classes with * a wrong value moves a position, breaks a check or an access, or comes at the
-wrong time. No such mutant may pass.
+A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean,
+another word of a list, another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or
+a value swapped with that of the next item. Mutants in the column *same* change no output, or only an order without a
+meaning. Those in *left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents
+only and in code. *Wrong* is their share of all mutants except the *same* ones. In classes with * a wrong value moves a
+position, breaks a check or an access, or comes at the wrong time. No such mutant may pass.
 """
-    return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
+    return "\n".join([head, *table(outcome), "", *note(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 
 
 def file_name(path: str) -> str:

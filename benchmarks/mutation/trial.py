@@ -23,7 +23,7 @@ from codewheel.readings.reading import Reading
 from codewheel.readings.second import Readings, Second, compare_readings, explain, read_beside, second_of, sound_specs
 
 from .effects import Effect, Outputs
-from .slips import Mutant, mutants, mutated
+from .mistakes import Mutant, mutants, mutated
 
 #: Rules of ``check --coverage`` in addition to those of ``check``: facts that are no longer read twice.
 READ_ONCE = "read once"

@@ -1,4 +1,4 @@
-"""Mutants: what slips make of a spec, and that none passes ``check`` where it moves a position or breaks an access."""
+"""Mutants of specs. None passes ``check`` if it moves a position or breaks an access."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from mutation.campaign import drawn, tried
 from mutation.effects import Effect
+from mutation.mistakes import Mutant, code_span, mutants, mutated
 from mutation.places import STRICT, places
-from mutation.report import Outcome, Row
-from mutation.slips import Mutant, mutants, mutated
+from mutation.report import Outcome, Row, note
 from mutation.trial import Trial
 
 pytestmark = pytest.mark.slow
@@ -30,39 +30,39 @@ def trial() -> Trial:
 
 @pytest.mark.slow
 def test_no_wrong_value_passes_where_it_moves_a_position_or_breaks_an_access(trial: Trial) -> None:
-    """A small campaign, the same each time. Each class is there with slips of several kinds."""
+    """Run a small campaign, the same each time, with mistakes of several kinds in each class."""
     strict = [mutant for mutant in trial.mutants(SPECS) if mutant.place.fact in STRICT and not mutant.is_left_out]
     chosen = drawn(strict, OF_EACH * len(SPECS) * len(STRICT), seed=12)
     outcome = Outcome(trial, tried(trial, chosen, jobs=1))
     assert set(outcome.rows) == STRICT
     assert min(row.mutants for row in outcome.rows.values()) >= OF_EACH
-    assert [(item.place, item.said) for item in outcome.passed] == []
+    assert [(item.place, item.difference) for item in outcome.passed] == []
     assert outcome.crashes == []
 
 
 def test_a_fact_that_is_left_out_of_a_second_reading_is_missed(trial: Trial) -> None:
-    """By ``check --coverage``, whose counts lie beside each spec."""
-    mutant = found(trial, "amm5.second", ("interfaces", "ssi", "clock"), "max_hz", "one more or less")
+    """``check --coverage`` notices it by the counts next to each spec."""
+    mutant = found(trial, "amm5.second", ("interfaces", "ssi", "clock"), "max_hz", "off by one")
     assert trial.verdict(mutant).rules == ("readings-disagree",)
-    mutant = found(trial, "am36.second", ("supply",), "supply", "key lost")
+    mutant = found(trial, "am36.second", ("supply",), "supply", "key omitted")
     assert trial.verdict(mutant).rules == ("read once",)
 
 
-def found(trial: Trial, name: str, path: tuple[str | int, ...], key: str, slip: str) -> Mutant:
+def found(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mistake: str) -> Mutant:
     return next(
         item
         for item in trial.mutants([name])
-        if item.slip == slip and item.place.path[: len(path)] == path and item.place.path[-1] == key
+        if item.mistake == mistake and item.place.path[: len(path)] == path and item.place.path[-1] == key
     )
 
 
 @pytest.mark.slow
-def test_a_wrong_value_that_passes_is_told_by_what_it_does(trial: Trial) -> None:
-    title = found(trial, "am36", ("title",), "title", "digit mistaken")
+def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
+    title = found(trial, "am36", ("title",), "title", "digit misread")
     assert trial.verdict(title).word == "code"  # The name of the family for people is data of the Python package.
-    meaning = found(trial, "am36", ("parameters", "modulus"), "source", "digit mistaken")
+    meaning = found(trial, "am36", ("parameters", "modulus"), "source", "digit misread")
     assert trial.verdict(meaning).word == "texts"
-    order = found(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key lost")
+    order = found(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key omitted")
     assert trial.verdict(order).word == "refused"
 
 
@@ -87,40 +87,42 @@ def made_up(tmp_path: pathlib.Path) -> Document:
     return document
 
 
-def slips_of(document: Document, *path: str | int) -> dict[str, list[object]]:
-    """The values that slips leave at a place, by the kind of slip; the first change of each."""
+def mistakes_of(document: Document, *path: str | int) -> dict[str, list[object]]:
+    """Return the values that mistakes leave at a place, by mistake: the first change of each."""
     made: dict[str, list[object]] = {}
     for mutant in mutants(document):
         if mutant.place.path == path:
-            made.setdefault(mutant.slip, []).append(mutant.changes[0][1])
+            made.setdefault(mutant.mistake, []).append(mutant.changes[0][1])
     return made
 
 
-def test_slips_of_a_number_follow_how_it_is_written(made_up: Document) -> None:
-    made = slips_of(made_up, "crcs", 0, "poly")
+def test_mistakes_of_a_number_follow_how_it_is_written(made_up: Document) -> None:
+    made = mistakes_of(made_up, "crcs", 0, "poly")
     assert made["digit lost"] == [0x03, 0x13, 0x10]
     assert made["digits swapped"] == [0x013, 0x130]
-    assert made["digit mistaken"] == [0x703, 0x183, 0x163, 0x108]
-    assert made["one more or less"] == [0x102, 0x104]
+    assert made["digit misread"] == [0x703, 0x183, 0x163, 0x108]
+    assert made["off by one"] == [0x102, 0x104]
     assert len(made["bit flipped"]) == 9
 
 
-def test_slips_of_words_booleans_and_items(made_up: Document) -> None:
-    assert slips_of(made_up, "crcs", 0, "refin")["boolean turned"] == [True]
-    assert slips_of(made_up, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
+def test_mistakes_of_words_booleans_and_items(made_up: Document) -> None:
+    assert mistakes_of(made_up, "crcs", 0, "refin")["boolean flipped"] == [True]
+    assert mistakes_of(made_up, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
     exchanged = next(
         item
         for item in mutants(made_up)
-        if item.place.path == ("registers", 0, "address") and item.slip == "exchanged with the next"
+        if item.place.path == ("registers", 0, "address") and item.mistake == "swapped with the next"
     )
     assert [item["address"] for item in mutated(made_up, exchanged)["registers"]] == [0x49, 0x48]
-    lost = next(item for item in mutants(made_up) if item.slip == "item lost" and item.place.path == ("registers", 0))
+    lost = next(
+        item for item in mutants(made_up) if item.mistake == "item omitted" and item.place.path == ("registers", 0)
+    )
     assert [item["name"] for item in mutated(made_up, lost)["registers"]] == ["two"]
     assert [item["name"] for item in made_up.data["registers"]] == ["one", "two"]
 
 
 def test_every_value_has_a_class(trial: Trial) -> None:
-    """Of the specs only the list of what is alike in all devices of a manufacturer has none: it is no fact."""
+    """Only ``alike`` has none. It lists parts shared by all devices of a manufacturer and is not a fact."""
     unclassed = {place.keys for document in trial.documents for place in places(document) if place.fact == "other"}
     assert unclassed == {"alike", "alike.crcs", "alike.registers"}
 
@@ -142,13 +144,50 @@ def test_the_table_counts_wrong_values_alone() -> None:
     assert row.cells() == ("12", "5", "2", "2", "2", "1", "30.0%")
 
 
+def test_the_note_says_what_the_sum_of_all_facts_leaves_out(trial: Trial) -> None:
+    outcome = Outcome(trial, [])
+    assert note(outcome) == []
+    outcome.rows = {
+        "clock": Row(mutants=20, refused=20),
+        "prose": Row(mutants=10, refused=7, texts=3),
+        "prose fact": Row(mutants=12, refused=5, same=2, texts=2, code=3),
+        "second readings": Row(mutants=50, refused=40, code=10),
+    }
+    assert dict(outcome.sums())["all facts"].wrong == 0
+    assert " ".join(note(outcome)) == (
+        "The row **all facts** leaves out the classes *prose* and *prose fact*. With them, 20.0% of the wrong values"
+        " pass, as the row **all** shows. The class *prose fact* consists of `characteristics`, `leds`, `tables`,"
+        " `lost_figures` and `documents`."
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "span"),
+    [
+        ("5.3 mm; 5.6 mm", "`5.3 mm; 5.6 mm`"),
+        ("a `b` c", "``a `b` c``"),
+        ("``b`", "``` ``b` ```"),
+        ("", '`""`'),
+    ],
+)
+def test_values_are_code_spans(text: str, span: str) -> None:
+    assert code_span(text) == span
+
+
+def test_an_omitted_value_is_not_a_code_span(made_up: Document) -> None:
+    shown = {item.mistake: item.difference for item in mutants(made_up) if item.place.path == ("registers", 0)}
+    assert shown["item omitted"] == "`{'name': 'one', 'address': 72, 'access': 'read_only'}` -> nothing"
+    shown = {item.mistake: item.difference for item in mutants(made_up) if item.place.path == ("movement",)}
+    assert shown["another word"] == "`rotary` -> `linear`"
+
+
 def test_the_worst_effect_is_last() -> None:
     assert [effect.value for effect in Effect] == ["nothing", "order", "second reading", "texts", "code"]
 
 
 @pytest.mark.slow
 def test_no_name_in_a_measurement_stops_the_tool(trial: Trial) -> None:
-    """Two to the power of a large parameter has no value that anybody needs; it is a problem like any other."""
+    """Two to the power of a large parameter is reported as a problem and does not crash the tool."""
     place = ("interfaces", "biss", "measurement", "highest")
     verdicts = [trial.verdict(item) for item in trial.mutants(["sma21"]) if item.place.path == place]
     assert len(verdicts) > 5

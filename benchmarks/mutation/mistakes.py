@@ -30,18 +30,18 @@ class Mutant:
 
     file: str
     place: Place
-    slip: str
+    mistake: str
     changes: tuple[Change, ...]
 
     @property
-    def said(self) -> str:
-        """Return the mistake in one line, as a comparison of the files would show it."""
+    def difference(self) -> str:
+        """Return the mistake in one line of Markdown, as a comparison of the files would show it."""
         return f"{_shown(self.place.value)} -> {_shown(self.changes[0][1])}"
 
     @property
     def is_left_out(self) -> bool:
         """Return whether a value is omitted rather than wrong."""
-        return self.slip in ("item lost", "key lost")
+        return self.mistake in ("item omitted", "key omitted")
 
 
 #: Digits that are easily confused, in print and in handwriting.
@@ -61,8 +61,8 @@ _HEX_TEXTS = frozenset(("bytes",))
 def mutants(document: Document) -> Iterator[Mutant]:
     """Yield every mistake in one place of a document, in the order of the file."""
     for place in places(document):
-        for slip, changes in _slips(place, document):
-            yield Mutant(document.file, place, slip, changes)
+        for mistake, changes in _mistakes(place, document):
+            yield Mutant(document.file, place, mistake, changes)
 
 
 def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
@@ -85,7 +85,7 @@ def _replaced(node: Any, path: Path, new: Any) -> Any:
     return {**node, step: new if not rest else _replaced(node[step], rest, new)}
 
 
-def _slips(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
+def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
     value, path = place.value, place.path
     in_prose = place.fact in PROSE
     if isinstance(value, dict):
@@ -93,15 +93,15 @@ def _slips(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change
             yield from _labels(place)
     elif not isinstance(value, list):
         of_value = _of_value(place, document)
-        yield from ((slip, ((path, new),)) for slip, new in of_value if new != value)
+        yield from ((mistake, ((path, new),)) for mistake, new in of_value if new != value)
         if not in_prose:
             yield from _exchanged(place, document)
     if in_prose:
         return
     if isinstance(path[-1], int) or place.keys.endswith(".NAME"):
-        yield "item lost", ((path, Gone.GONE),)
+        yield "item omitted", ((path, Gone.GONE),)
     elif place.optional:
-        yield "key lost", ((path, Gone.GONE),)
+        yield "key omitted", ((path, Gone.GONE),)
     if isinstance(path[-1], int) and _ORDERED.fullmatch(place.keys):
         items, index = _found(document.data, path[:-1]), path[-1]
         if index + 1 < len(items):
@@ -111,7 +111,7 @@ def _slips(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change
 def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
     value, schema = place.value, place.schema
     if isinstance(value, bool):
-        yield "boolean turned", not value
+        yield "boolean flipped", not value
     elif isinstance(value, int):
         yield from _of_number(value, _written(place, document))
     elif isinstance(value, str) and "enum" in schema:
@@ -135,9 +135,9 @@ def _written(place: Place, document: Document) -> str:
 
 
 def _of_number(value: int, written: str) -> Iterator[tuple[str, int]]:
-    for slip, text in _of_digits(written):
-        yield slip, int(text, 16 if text.startswith("0x") else 10)
-    yield from (("one more or less", value + step) for step in (-1, 1) if value + step >= 0)
+    for mistake, text in _of_digits(written):
+        yield mistake, int(text, 16 if text.startswith("0x") else 10)
+    yield from (("off by one", value + step) for step in (-1, 1) if value + step >= 0)
     yield from (("bit flipped", value ^ 1 << bit) for bit in range(max(value.bit_length(), 1)))
 
 
@@ -153,9 +153,9 @@ def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
             yield "digits swapped", before + after[0] + digit + after[1:]
         for other in _ALIKE.get(digit.upper(), ""):
             if hexadecimal or other.isdecimal():
-                yield "digit mistaken", before + other + after
+                yield "digit misread", before + other + after
     if digits.endswith("0") and len(digits) > 1 and not bare:
-        yield "zero too many", written + "0"
+        yield "extra zero", written + "0"
 
 
 def _of_text(text: str, bare: bool) -> Iterator[tuple[str, str]]:
@@ -163,12 +163,12 @@ def _of_text(text: str, bare: bool) -> Iterator[tuple[str, str]]:
     if set(text) <= {"0", "1"} and len(text) > 2:
         yield from (("bit flipped", text[:at] + str(1 - int(text[at])) + text[at + 1 :]) for at in range(len(text)))
     for found in (re.compile("[0-9A-Fa-f]+") if bare else _IN_TEXT).finditer(text):
-        for slip, digits in _of_digits(found[0], bare):
-            yield slip, text[: found.start()] + digits + text[found.end() :]
+        for mistake, digits in _of_digits(found[0], bare):
+            yield mistake, text[: found.start()] + digits + text[found.end() :]
         if not bare and not found[0].startswith("0x"):
             number = int(found[0])
             yield from (
-                ("one more or less", f"{text[: found.start()]}{number + step}{text[found.end() :]}")
+                ("off by one", f"{text[: found.start()]}{number + step}{text[found.end() :]}")
                 for step in (-1, 1)
                 if number + step >= 0
             )
@@ -187,16 +187,16 @@ def _of_expression(text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[s
 def _labels(place: Place) -> Iterator[tuple[str, tuple[Change, ...]]]:
     """Yield mistakes in the texts of labels, which are keys."""
     for label in place.value:
-        made = [(slip, text) for found in _IN_TEXT.finditer(label) for slip, text in _of_label(label, found)]
-        for slip, text in made:
+        made = [(mistake, text) for found in _IN_TEXT.finditer(label) for mistake, text in _of_label(label, found)]
+        for mistake, text in made:
             if text and text not in place.value:
                 values = {text if key == label else key: item for key, item in place.value.items()}
-                yield slip, ((place.path, values),)
+                yield mistake, ((place.path, values),)
 
 
 def _of_label(label: str, found: re.Match[str]) -> Iterator[tuple[str, str]]:
-    for slip, digits in _of_digits(found[0]):
-        yield slip, label[: found.start()] + digits + label[found.end() :]
+    for mistake, digits in _of_digits(found[0]):
+        yield mistake, label[: found.start()] + digits + label[found.end() :]
 
 
 def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
@@ -213,7 +213,7 @@ def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Ch
         other = (*owner, following, *rest)
         found = _found(document.data, other)
         if found is not None and found != place.value and not isinstance(found, (dict, list)):
-            yield "exchanged with the next", ((path, found), (other, place.value))
+            yield "swapped with the next", ((path, found), (other, place.value))
         return
 
 
@@ -241,4 +241,11 @@ def _shown(value: Any) -> str:
     if isinstance(value, Gone):
         return value.value
     text = " ".join(str(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return code_span(text if len(text) <= 60 else f"{text[:57]}...")
+
+
+def code_span(text: str) -> str:
+    """Return a text as a code span of Markdown. Its fence is longer than any run of backticks in the text."""
+    fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
+    space = " " if text.startswith("`") or text.endswith("`") else ""
+    return f"{fence}{space}{text}{space}{fence}" if text else '`""`'
