@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 
-from ...model import Choice
-from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, telling, worth
+from ...model.never import assert_never
+from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, parities, telling, worth
+from ...plan.refusals import powers_of_two
 from ...plan.reports import Only, Reporting
+from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .codec import Coder
 from .expr import Expr
 from .literals import Call, Code, Literal, Member, Sometimes, record
@@ -44,17 +46,36 @@ class Shape:
         return Code(str(value if isinstance(value, Expr) else self.coder.number(value)))  # type: ignore[arg-type]
 
     def _columns(self) -> Iterator[Call]:
-        names = self.coder.names
+        names, powers = self.coder.names, powers_of_two(self.plan)
         for part in self.plan.parts:
-            field, kind = part.field, kind_of(part)
-            runs = tuple((names.attribute(run.name), run.divisor, run.modulus) for run in field.runs)
+            field = part.field
             needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
-            zero_means = 0 if isinstance(field.kind, Choice) else field.number.zero_means
-            made = "" if kind == "number" else kind
-            power_of_two = (not isinstance(field.kind, Choice) and field.number.power_of_two) or None
-            yield record(
-                "Column", needed, kind=made, zero_means=zero_means or None, power_of_two=power_of_two, runs=runs
-            )
+            meant = self._meant(meaning_of(field))
+            yield record("Column", needed, **meant, power_of_two=field.name in powers or None)
+
+    def _meant(self, meaning: Meaning) -> dict[str, Literal]:
+        """Return the members of a column that define its value."""
+        match meaning:
+            case Raw():
+                return {}
+            case TwosComplement():
+                return {"kind": "signed"}
+            case ZeroMeans(number):
+                return {"zero_means": number}
+            case Active(low):
+                return {"kind": "not_flag" if low else "flag"}
+            case Named():
+                return {"kind": "choice"}
+            case DigitRuns(runs):
+                names = self.coder.names
+                return {
+                    "kind": "digits",
+                    "runs": tuple((names.attribute(run.name), run.divisor, run.modulus) for run in runs),
+                }
+            case Characters():
+                return {"kind": "text"}
+            case _:
+                assert_never(meaning)
 
     def _joins(self) -> Iterator[Call]:
         names = self.coder.names
