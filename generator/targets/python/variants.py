@@ -214,7 +214,6 @@ class Variants:
 
     def _held(self, register: Register, held: Held) -> Call:
         parameter, width = held.parameter, held.field.widest
-        zero_means = held.field.number.zero_means
         needed: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
             "interface": Code(f"Interface.{register.interface.upper()}"),
@@ -224,6 +223,6 @@ class Variants:
             "low": held.field.low.constant,
             "width": width,
             "min": parameter.min or 0,
-            "max": parameter.max if parameter.max is not None else max((1 << width) - 1, zero_means),
+            "max": parameter.max if parameter.max is not None else held.most,
         }
-        return record("Held", needed, zero_means=zero_means or None)
+        return record("Held", needed, zero_means=held.stands_for or None)
