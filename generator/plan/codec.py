@@ -326,7 +326,7 @@ def only_value(layout: Layout, item: Field) -> int | None:
     return layout.selects[0] if item is fixed_selector(layout) else None
 
 
-def constants(codec: Codec) -> dict[str, int]:
+def constant_values(codec: Codec) -> dict[str, int]:
     """Return the constants of a frame and their values, by name, with the zeros that pad other fields."""
     found = {item.field.name: item.value for item in codec.checks if isinstance(item, AlwaysIs)}
     return found | {item.padding.name: 0 for item in codec.checks if isinstance(item, ZerosAbove)}

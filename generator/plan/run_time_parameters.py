@@ -14,7 +14,6 @@ class Held:
     """A parameter in a register.
 
     ``low`` and ``high`` are None if no value of the field is beyond them. ``most`` is the highest valid value.
-    ``stands_for`` is the meaning of zero bits, or 0 if they mean 0.
     """
 
     parameter: Parameter
@@ -23,7 +22,6 @@ class Held:
     low: int | None
     high: int | None
     most: int
-    stands_for: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,5 +48,4 @@ def _held(register: Register, parameter: Parameter) -> Held:
     least, most = (1 if zero_means else 0), max((1 << field.widest) - 1, zero_means)
     low = parameter.min if parameter.min is not None and parameter.min > least else None
     high = parameter.max if parameter.max is not None and parameter.max < most else None
-    highest = most if high is None else high
-    return Held(parameter, field, bits_of(register.layout, field), low, high, highest, zero_means)
+    return Held(parameter, field, bits_of(register.layout, field), low, high, most if high is None else high)

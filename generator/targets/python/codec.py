@@ -332,8 +332,8 @@ def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low: Expr = number(0)
     high: Expr = Operation(scope.power(limits.width), "-", number(1))
-    if limits.zero_means:
-        low, high = number(1), number(limits.zero_means)
+    if limits.stands_for:
+        low, high = number(1), number(limits.stands_for)
     if limits.signed:
         half = scope.power(limits.width - Expression(1))
         low, high = Negative(half), Operation(half, "-", number(1))

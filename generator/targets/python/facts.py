@@ -26,24 +26,14 @@ from ...model import (
     assert_never,
     cite,
 )
-from ...plan.codec import Codec, codec_of, constants
+from ...plan.codec import Codec, codec_of, constant_values
 from ...plan.refusals import powers_of_two
 from ...plan.reports import reports_of, worth_of
-from ...plan.values import (
-    Active,
-    Characters,
-    DigitRuns,
-    Meaning,
-    Named,
-    Raw,
-    TwosComplement,
-    ZeroMeans,
-    is_number,
-    meaning_of,
-)
+from ...plan.values import is_number, meaning_of
 from ...say.lines import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
 from .literals import Call, Code, Hex, Literal, Member, call, quoted, record
+from .meanings import of_facts
 
 #: Tables that every module has, even empty.
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
@@ -348,33 +338,14 @@ def _field(codec: Codec, item: Field) -> Call:
         "name",
         "printed_name meaning unit active when_active when_inactive default constant unused signed zero_means"
         " power_of_two implemented reserved explained_by names note source",
-        **{**_NOT_MEANT, **_meant(meaning_of(item))},
+        **of_facts(meaning_of(item)),
         when_active=when_active,
         when_inactive=when_inactive,
-        constant=constants(codec).get(item.name),
+        constant=constant_values(codec).get(item.name),
         unused=reserved.get(item.name),
         power_of_two=item.name in powers_of_two(codec) or None,
         implemented=_unless(item.implemented),
     )
-
-
-#: The facts that ``_meant`` can return, as members without a value.
-_NOT_MEANT: Mapping[str, Literal] = {"active": None, "signed": None, "zero_means": None}
-
-
-def _meant(meaning: Meaning) -> dict[str, Literal]:
-    """Return the facts about the value of a field's bits."""
-    match meaning:
-        case TwosComplement():
-            return {"signed": True}
-        case ZeroMeans(number):
-            return {"zero_means": number}
-        case Active(low):
-            return {"active": "low" if low else "high"}
-        case Raw() | Named() | DigitRuns() | Characters():
-            return {}
-        case _:
-            assert_never(meaning)
 
 
 def _fields(codec: Codec) -> tuple[Call, ...]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 
-from ...model.never import assert_never
 from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, parities, telling, worth
 from ...plan.refusals import powers_of_two
 from ...plan.reports import Only, Reporting
-from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import meaning_of
 from .codec import Coder
 from .expr import Expr
 from .literals import Call, Code, Literal, Member, Sometimes, record
+from .meanings import of_column
 from .reports import holding
 
 
@@ -50,32 +50,8 @@ class Shape:
         for part in self.plan.parts:
             field = part.field
             needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
-            meant = self._meant(meaning_of(field))
+            meant = of_column(meaning_of(field), names)
             yield record("Column", needed, **meant, power_of_two=field.name in powers or None)
-
-    def _meant(self, meaning: Meaning) -> dict[str, Literal]:
-        """Return the members of a column that define its value."""
-        match meaning:
-            case Raw():
-                return {}
-            case TwosComplement():
-                return {"kind": "signed"}
-            case ZeroMeans(number):
-                return {"zero_means": number}
-            case Active(low):
-                return {"kind": "not_flag" if low else "flag"}
-            case Named():
-                return {"kind": "choice"}
-            case DigitRuns(runs):
-                names = self.coder.names
-                return {
-                    "kind": "digits",
-                    "runs": tuple((names.attribute(run.name), run.divisor, run.modulus) for run in runs),
-                }
-            case Characters():
-                return {"kind": "text"}
-            case _:
-                assert_never(meaning)
 
     def _joins(self) -> Iterator[Call]:
         names = self.coder.names

@@ -11,12 +11,14 @@ from ...model.expressions import Expression
 from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
 from ...plan.run_time_parameters import Held, held_parameters
+from ...plan.values import meaning_of
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .fast import Fast
 from .literals import Call, Code, Literal, record
+from .meanings import of_number
 from .names import FUNCTIONS, attribute, camel, encoder_name
 
 
@@ -225,4 +227,4 @@ class Variants:
             "min": parameter.min or 0,
             "max": parameter.max if parameter.max is not None else held.most,
         }
-        return record("Held", needed, zero_means=held.stands_for or None)
+        return record("Held", needed, **of_number(meaning_of(held.field)))
