@@ -128,6 +128,11 @@ class FrameCrc:
     divides: bool
     steps: tuple[FoldStep, ...]
 
+    @property
+    def inverted(self) -> int:
+        """Bits of the CRC that are sent inverted, as a mask."""
+        return self.crc.xorout
+
 
 @dataclass(frozen=True, slots=True)
 class Gray:

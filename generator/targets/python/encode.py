@@ -26,6 +26,7 @@ from ...plan.values import (
     Active,
     Characters,
     DigitRuns,
+    Meaning,
     Named,
     Raw,
     TwosComplement,
@@ -179,11 +180,22 @@ class Maker:
     @staticmethod
     def whole_depends(whole: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code."""
-        signed = (item for item in whole.fields if isinstance(meaning_of(item), TwosComplement))
-        return whole.depends or not all(item.width.is_constant for item in signed)
+        cut = (item for item in whole.fields if _is_cut(meaning_of(item)))
+        return whole.depends or not all(item.width.is_constant for item in cut)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
+
+
+def _is_cut(meaning: Meaning) -> bool:
+    """Return whether ``_bits`` cuts a number to the width of the field."""
+    match meaning:
+        case TwosComplement():
+            return True
+        case Raw() | ZeroMeans() | Active() | Named() | DigitRuns() | Characters():
+            return False
+        case _:
+            assert_never(meaning)
 
 
 def _is_absent(term: Term) -> bool:

@@ -150,9 +150,9 @@ class Fast:
 
     def _conditions(self) -> Iterator[str]:
         if self.plan.in_bytes and self.plan.crc is not None:
-            xorout = self.plan.crc.crc.xorout
+            inverted = self.plan.crc.inverted
             every = " ^ ".join(f"b{place}" for place in range(self.plan.length))
-            yield f"({every}) != 0x{xorout:02X}" if xorout else every
+            yield f"({every}) != 0x{inverted:02X}" if inverted else every
         for item in self._checked:
             if isinstance(item, ZerosAbove):
                 width, whole = self._once.of(item.bits.width), self.read.of_bytes(item.field.pieces)
