@@ -128,6 +128,11 @@ class FrameCrc:
     divides: bool
     steps: tuple[FoldStep, ...]
 
+    @property
+    def inverted(self) -> int:
+        """Bits of the CRC that are sent inverted, as a mask."""
+        return self.crc.xorout
+
 
 @dataclass(frozen=True, slots=True)
 class Gray:
@@ -324,6 +329,12 @@ def only_value(layout: Layout, item: Field) -> int | None:
     if isinstance(item.kind, Constant):
         return item.kind.value
     return layout.selects[0] if item is fixed_selector(layout) else None
+
+
+def constant_values(codec: Codec) -> dict[str, int]:
+    """Return the constants of a frame and their values, by name, with the zeros that pad other fields."""
+    found = {item.field.name: item.value for item in codec.checks if isinstance(item, AlwaysIs)}
+    return found | {item.padding.name: 0 for item in codec.checks if isinstance(item, ZerosAbove)}
 
 
 def bits_of(layout: Layout, item: Field) -> Bits:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..model import Choice, Decimal, Flag, Layout, Text, Verdict
+from ..model import Layout, Verdict
 from ..model.expressions import Expression
 from .codec import AlwaysIs, AtMost, Check, Codec, Fixed, IsOneOf, ParityIs, ParityOf, Part, Reserved, ZerosAbove
 from .reports import Judgement, Only, Reporting
@@ -73,21 +73,6 @@ def conditions(codec: Codec) -> Iterator[Condition]:
                 yield Condition(Place(field.low, field.width), item, values)
             case AtMost(field=field, limit=limit):
                 yield Condition(Place(field.low, field.width), item, limit=limit)
-
-
-def kind_of(part: Part) -> str:
-    """Return the kind of a field as one word."""
-    match part.field.kind:
-        case Flag(active_low=active_low):
-            return "not_flag" if active_low else "flag"
-        case Choice():
-            return "choice"
-        case Decimal():
-            return "digits"
-        case Text():
-            return "text"
-        case _:
-            return "signed" if part.field.number.signed else "number"
 
 
 def worth(judgement: Judgement) -> Iterator[Worth]:

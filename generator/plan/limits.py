@@ -15,7 +15,7 @@ class Limits:
 
     ``member`` is the limited field or join, or empty if they limit the whole register. ``low`` and ``high`` are None if
     the manual gives none. ``binds_low`` and ``binds_high`` are true if a value that fits can be beyond them. A value
-    fits if it has ``width`` bits, with or without sign. ``zero_means`` is the meaning of 0 if it is above these values.
+    fits if it has ``width`` bits, with or without sign. ``stands_for`` is the meaning of 0 if it is above these values.
     """
 
     member: str
@@ -25,7 +25,7 @@ class Limits:
     high: Expression | None
     binds_low: bool
     binds_high: bool
-    zero_means: int
+    stands_for: int
 
     @property
     def binding(self) -> tuple[tuple[str, Expression], ...]:

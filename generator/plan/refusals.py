@@ -102,6 +102,11 @@ def refusals(codec: Codec) -> Iterator[Refusal]:
     yield from (WholeDisagrees(item) for item in codec.wholes)
 
 
+def powers_of_two(codec: Codec) -> frozenset[str]:
+    """Return the names of the fields whose numbers must be powers of two."""
+    return frozenset(item.field.name for item in refusals(codec) if isinstance(item, NoPowerOfTwo))
+
+
 def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     """Return the check of a register's limits if they apply to a member.
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from ..model import Device, Field, Flag, Interface, Layout, Unused, Verdict
+from ..model import Device, Field, Flag, Interface, Layout, Verdict
+from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
+from ..model.never import assert_never
 from .codec import Codec, Part, Reserved, codec_of
 
 
@@ -122,6 +124,22 @@ def _sent(device: Device) -> Iterator[tuple[Interface, Layout]]:
 def _telling(codec: Codec) -> Iterator[Part | Reserved]:
     yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
     yield from codec.reserved
+
+
+def explained(field: Field) -> Only | None:
+    """Return the order codes for which the manual explains a flag, or None if it does so for all."""
+    return next(only for _, only in _by_code(field))
+
+
+def worth_of(field: Field) -> Verdict | None:
+    """Return the verdict on the position while a flag is active or unused bits differ, or None without a position."""
+    match field.kind:
+        case Flag(makes_position=verdict) | Unused(makes_position=verdict):
+            return verdict
+        case Number() | Choice() | Constant() | CrcValue() | Parity() | Decimal() | Text():
+            return None
+        case _:
+            assert_never(field.kind)
 
 
 def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:

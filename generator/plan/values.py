@@ -62,6 +62,28 @@ class Characters:
 Meaning = Raw | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Characters
 
 
+def is_number(meaning: Meaning) -> bool:
+    """Return whether the value is one number: neither a truth value, a name, runs of digits, nor a text."""
+    match meaning:
+        case Raw() | TwosComplement() | ZeroMeans():
+            return True
+        case Active() | Named() | DigitRuns() | Characters():
+            return False
+        case _:
+            assert_never(meaning)
+
+
+def is_named(meaning: Meaning) -> bool:
+    """Return whether the value is one of several names."""
+    match meaning:
+        case Named():
+            return True
+        case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+            return False
+        case _:
+            assert_never(meaning)
+
+
 def meaning_of(field: Field) -> Meaning:
     """Return the meaning of the bits of a field.
 

@@ -17,12 +17,17 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
     return None
 
 
+def states(field: Field) -> tuple[str, str]:
+    """Return what the active and the inactive flag mean, both empty for any other field."""
+    return (field.kind.when_active, field.kind.when_inactive) if isinstance(field.kind, Flag) else ("", "")
+
+
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual."""
     if isinstance(field.kind, Unused):
         wrong = f"unused bits differ from the manual, which has {short(field.kind.value)} there"
         return f"{wrong}. {sentence(field.meaning)}" if field.meaning else wrong
-    active = field.kind.when_active if isinstance(field.kind, Flag) else ""
+    active, _ = states(field)
     if not field.implemented:
         return active or "active, although the manual says that this encoder does not have it"
     texts = [text for text in (active, field.meaning) if text]

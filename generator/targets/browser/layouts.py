@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ...model import Alarm, Device, Field, Flag, Layout, Register, RegisterMeaning, cite
+from ...model import Alarm, Device, Field, Layout, Register, RegisterMeaning, cite
 from ...model.expressions import Expression
+from ...model.never import assert_never
 from ...order_codes.editions import edition_before, tests_of
 from ...order_codes.parameters import needed_parameters
 from ...plan.codec import (
@@ -17,19 +18,20 @@ from ...plan.codec import (
     IsOneOf,
     ParityIs,
     ParityOf,
-    Part,
     Turned,
     ZerosAbove,
     codec_of,
 )
-from ...plan.columns import Condition, Place, conditions, kind_of
+from ...plan.columns import Condition, Place, conditions
 from ...plan.limits import Limits, limits_of
-from ...plan.reports import Judgement, Only, Reporting, Speaks
+from ...plan.refusals import powers_of_two
+from ...plan.reports import Judgement, Only, Reporting, Speaks, explained
+from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.fault import of_older_edition
 from ...say.name import title
 from ...say.place import register_at
 from ...say.register import facts
-from ...say.report import alarm_of, meaning, remedy, source
+from ...say.report import alarm_of, meaning, remedy, source, states
 from ...say.text import BY_NAME, told
 from .plain import Data, bound, expression, kept, number
 
@@ -66,7 +68,7 @@ def register(device: Device, item: Register) -> Data:
         writable=item.writable,
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits(one, limits_of(device, item, one)) for one in meanings],
-        tells=[_told(field, field.name, alarm, _explained(field)) for field, alarm in alarms if alarm is not None],
+        tells=[_told(field, field.name, alarm, explained(field)) for field, alarm in alarms if alarm is not None],
         strange=[*_strange(device, item)],
     )
 
@@ -98,27 +100,50 @@ def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
 
 
 def _fields(codec: Codec) -> Iterator[Data]:
-    sent = {item.field.name: item.value for item in codec.terms}
+    sent, powers = {item.field.name: item.value for item in codec.terms}, powers_of_two(codec)
     for item in codec.layout.fields:
-        kind = kind_of(Part(item, codec.bits_of(item.name), shared=False))
-        flag = item.kind if isinstance(item.kind, Flag) else Flag()
-        yield kept(
-            name=item.name,
-            printed=item.printed_name,
-            low=expression(item.low),
-            width=expression(item.width),
-            kind="" if kind == "number" else kind,
-            meaning=item.meaning,
-            on=flag.when_active,
-            off=flag.when_inactive,
-            only=flag.only_while,
-            values=[_cut(number(one.value), one.name, one.meaning) for one in item.values],
-            zero=number(item.number.zero_means),
-            power=item.number.power_of_two,
-            runs=[_cut(run.name, number(run.divisor), number(run.modulus), run.meaning) for run in item.runs],
-            unit=item.unit,
-            equals=_stated(item),
-        ) | _sent(sent.get(item.name))
+        (on, off), only = states(item), explained(item)
+        # In the order in which they are written.
+        row = {
+            "name": item.name,
+            "printed": item.printed_name,
+            "low": expression(item.low),
+            "width": expression(item.width),
+            "kind": "",
+            "meaning": item.meaning,
+            "on": on,
+            "off": off,
+            "only": only.parameter if only is not None else "",
+            "values": [],
+            "zero": 0,
+            "power": item.name in powers,
+            "runs": [],
+            "unit": item.unit,
+            "equals": _stated(item),
+        }
+        yield kept(**row | _meant(meaning_of(item))) | _sent(sent.get(item.name))
+
+
+def _meant(meant: Meaning) -> Data:
+    """Return how the script converts the bits of a field."""
+    match meant:
+        case Raw():
+            return {}
+        case TwosComplement():
+            return {"kind": "signed"}
+        case ZeroMeans(stands_for):
+            return {"zero": number(stands_for)}
+        case Active(low):
+            return {"kind": "not_flag" if low else "flag"}
+        case Named(values):
+            return {"kind": "choice", "values": [_cut(number(one.value), one.name, one.meaning) for one in values]}
+        case DigitRuns(runs):
+            cut = [_cut(run.name, number(run.divisor), number(run.modulus), run.meaning) for run in runs]
+            return {"kind": "digits", "runs": cut}
+        case Characters():
+            return {"kind": "text"}
+        case _:
+            assert_never(meant)
 
 
 def _cut(*row: Any) -> list[Any]:
@@ -209,11 +234,6 @@ def _told(field: Field, name: str, alarm: Alarm | None, only: Only | None = None
         others=only.parameter if only is not None and not only.holds else "",
         source=cite(source(field, alarm)),
     )
-
-
-def _explained(field: Field) -> Only | None:
-    """Return the order codes for which the manual explains a flag, if not for all."""
-    return Only(field.kind.only_while, True) if isinstance(field.kind, Flag) and field.kind.only_while else None
 
 
 def _limits(meant: RegisterMeaning | None, limits: Limits) -> Data:

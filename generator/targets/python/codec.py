@@ -6,16 +6,30 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ...model import Choice, Decimal, Digits, Fault, Field, Flag, Layout, Number, Register, Text, Unused
+from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
+from ...model.never import assert_never
 from ...plan.codec import AtMost, IsOneOf, Part, Whole, ZerosAbove, codec_of
 from ...plan.crcs import Carrier
 from ...plan.limits import Limits, limits_of
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    is_named,
+    is_number,
+    meaning_of,
+)
 from ...say.name import words
 from ...say.words import sentence
 from . import text
 from .bits import Reader
 from .context import Asked, Context
+from .decode import Taker
 from .encode import Maker
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
 from .literals import quoted
@@ -58,6 +72,7 @@ class Coder:
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
         self.read = Reader(context.scope, self.plan)
+        self.take = Taker(context.scope, self.read, self.names, self.enum)
         self.make = Maker(context.scope, self.plan, self.names)
 
     def number(self, value: Expression) -> Expr:
@@ -104,7 +119,14 @@ class Coder:
     @property
     def finds_ranges(self) -> bool:
         """True if ``decode`` can raise RangeError."""
-        return Fault.RANGE in self.plan.faults() or any(part.field.values for part in self.plan.parts)
+        named = any(is_named(meaning_of(part.field)) for part in self.plan.parts)
+        return named or Fault.RANGE in self.plan.faults()
+
+    @property
+    def chosen(self) -> list[Part]:
+        """Named values, which ``decode`` looks up after all checks."""
+        parts = self.plan.parts
+        return [item for item in parts if is_named(meaning_of(item.field)) and not self.selects(item.field)]
 
     # -- attributes
 
@@ -124,13 +146,29 @@ class Coder:
         return _with_defaults([item for field in parts for item in self._of_part(field)] + self._unused)
 
     def _of_part(self, field: Field) -> Iterator[Attribute]:
-        name = self.names.attribute
-        if isinstance(field.kind, Decimal):
-            yield from (Attribute(name(run.name), "int", self._of_run(field, run)) for run in field.runs)
-        else:
-            variants = () if field.width.is_constant else self.context.device.variants
-            missing = any(field.width.value(item.parameters) == 0 for item in variants)
-            yield Attribute(name(field.name), self._type(field), self.about(field, missing), self._usual(field))
+        match meaning_of(field):
+            case Raw():
+                # The value in the manual for a number of a frame.
+                stated = field.equals if self.register is None and not self.selects(field) else None
+                yield self._attribute(field, "int", coded(stated) if isinstance(stated, int) else "")
+            case TwosComplement() | ZeroMeans():
+                yield self._attribute(field, "int")
+            case Active():
+                yield self._attribute(field, "bool", "False")
+            case Named():
+                yield self._attribute(field, self.enum(field))
+            case DigitRuns(runs):
+                name = self.names.attribute
+                yield from (Attribute(name(run.name), "int", self._of_run(field, run)) for run in runs)
+            case Characters():
+                yield self._attribute(field, "str")
+            case meaning:
+                assert_never(meaning)
+
+    def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
+        variants = () if field.width.is_constant else self.context.device.variants
+        missing = any(field.width.value(item.parameters) == 0 for item in variants)
+        return Attribute(self.names.attribute(field.name), type_, self.about(field, missing), default)
 
     def _of_run(self, field: Field, run: Digits) -> str:
         """Return the description of a run of digits: that of the field if the run has its name."""
@@ -138,27 +176,6 @@ class Coder:
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
         return text.of_field(self.context.device, field, may_be_missing)
-
-    def _type(self, field: Field) -> str:
-        match field.kind:
-            case Flag():
-                return "bool"
-            case Choice():
-                return self.context.enum(field)
-            case Text():
-                return "str"
-            case _:
-                return "int"
-
-    def _usual(self, field: Field) -> str:
-        """Return the default of an attribute: False for a flag, the value in the manual for a number of a frame."""
-        match field.kind:
-            case Flag():
-                return "False"
-            case Number(signed=False, zero_means=0) if self.register is None and isinstance(field.equals, int):
-                return "" if self.selects(field) else coded(field.equals)
-            case _:
-                return ""
 
     # -- names
 
@@ -248,7 +265,7 @@ class Coder:
         """Attribute that is the position. Empty if the frame has none, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         name = measurement.of if measurement is not None else "position"
-        numbers = {part.field.name for part in self.plan.parts if isinstance(part.field.kind, Number)}
+        numbers = {part.field.name for part in self.plan.parts if is_number(meaning_of(part.field))}
         return self.names.attribute(name) if name in numbers.union(item.name for item in self.layout.joins) else ""
 
     @cached_property
@@ -297,8 +314,9 @@ class Coder:
             about, of = text.of_layout(device, interface, self.layout), "frame"
         attributes = [(item.name, sentence(item.alternative.meaning)) for item in self.asked]
         attributes += [(item.name, item.meaning) for item in self.attributes]
+        reserved = {item.field.name for item in self.plan.reserved}
         checked = [item for item in self.layout.fields if not item.carries_data and not item.padding_of]
-        checked = [item for item in checked if not isinstance(item.kind, Unused)]
+        checked = [item for item in checked if item.name not in reserved]
         bits = [(text.of_unused(item.field, item.place), self.about(item.field)) for item in self.plan.reserved]
         other = ("Checked by decode()", [(item.name, self.about(item)) for item in checked])
         return text.of_class(about, of if self.takes_variant else "", attributes, ("Bits of unused", bits), other)
@@ -314,8 +332,8 @@ def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low: Expr = number(0)
     high: Expr = Operation(scope.power(limits.width), "-", number(1))
-    if limits.zero_means:
-        low, high = number(1), number(limits.zero_means)
+    if limits.stands_for:
+        low, high = number(1), number(limits.stands_for)
     if limits.signed:
         half = scope.power(limits.width - Expression(1))
         low, high = Negative(half), Operation(half, "-", number(1))

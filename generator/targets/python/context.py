@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...model import Alternative, Choice, Crc, Device, Field, Layout, Register
+from ...model import Alternative, Crc, Device, Field, Layout, Register
 from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
 from ...plan.reports import Reporting, reportings
+from ...plan.values import is_named, meaning_of
 from ...say.words import sentence
 from .expr import Scope
 from .names import (
@@ -36,7 +37,7 @@ def byte_order(owner: Layout | Register) -> str:
 def is_one_choice(register: Register) -> bool:
     """Return whether a register consists of one choice of named values."""
     only = register.layout.fields[0]
-    return bool(register.values) and isinstance(only.kind, Choice) and only.width == register.layout.bits
+    return bool(register.values) and is_named(meaning_of(only)) and only.width == register.layout.bits
 
 
 def _values(field: Field) -> _Values:
@@ -104,7 +105,7 @@ class Context:
         found: dict[_Values, Field] = {}
         for layout in self.coded_layouts():
             for item in layout.fields:
-                if isinstance(item.kind, Choice):
+                if is_named(meaning_of(item)):
                     found.setdefault(_values(item), item)
         return found
 

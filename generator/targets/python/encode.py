@@ -4,10 +4,36 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from ...model import Decimal, Digits, Field, Flag, Number, Text
+from ...model import Field
 from ...model.expressions import Expression
+from ...model.never import assert_never
 from ...plan.codec import Codec, Fixed, Given, ParityOf, Term, Turned, Whole
-from ...plan.refusals import DigitsDisagree, Refusal, WholeDisagrees, depends, refusals
+from ...plan.refusals import (
+    DigitsDisagree,
+    DigitTooHigh,
+    NoPowerOfTwo,
+    NotOneOf,
+    NotSigned,
+    NotZeroFor,
+    OutsideLimits,
+    Refusal,
+    TooWide,
+    WholeDisagrees,
+    depends,
+    refusals,
+)
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Meaning,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    is_named,
+    meaning_of,
+)
 from .bits import others
 from .expr import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
 from .names import ClassNames
@@ -88,17 +114,39 @@ class Maker:
     def _bits(self, field: Field, number: Expr) -> Expr:
         """Return the bits of a field. ``number`` is its local variable."""
         own = Atom(f"self.{self.names.attribute(field.name)}")
-        match field.kind:
-            case Flag(active_low=active_low):
-                return Not(own) if active_low else call("bool", own)
-            case Decimal():
-                return self.digits(field)
-            case Text():
-                return call("text_number", f'"{field.name}"', own, str(field.width.constant // 8))
-            case Number(signed=True):
-                return Operation(number, "&", self.scope.ones(field.width))
-            case _:
+        match meaning_of(field):
+            case Raw() | ZeroMeans() | Named():
                 return number
+            case TwosComplement():
+                return Operation(number, "&", self.scope.ones(field.width))
+            case Active(low):
+                return Not(own) if low else call("bool", own)
+            case DigitRuns():
+                return self.digits(field)
+            case Characters():
+                return call("text_number", f'"{field.name}"', own, str(field.width.constant // 8))
+            case meaning:
+                assert_never(meaning)
+
+    def is_choice(self, op: Refusal) -> bool:
+        """Return whether the check looks a value up by name, also if all values of the bits have one."""
+        match op:
+            case NotOneOf(field):
+                return field.name != self.codec.layout.selector
+            case TooWide(field):
+                return is_named(meaning_of(field))
+            case (
+                NotSigned()
+                | NotZeroFor()
+                | NoPowerOfTwo()
+                | DigitTooHigh()
+                | DigitsDisagree()
+                | WholeDisagrees()
+                | OutsideLimits()
+            ):
+                return False
+            case _:
+                assert_never(op)
 
     def digits(self, field: Field) -> Expr:
         """Return the number that runs of decimal digits form."""
@@ -111,10 +159,14 @@ class Maker:
         return joined("|", reversed(parts))
 
     def _unchecked(self, field: Field) -> Expr:
-        number, zero_means = self._index(field.name), field.number.zero_means
-        if not zero_means:
-            return self._bits(field, number)
-        return Atom(f"(0 if self.{self.names.attribute(field.name)} == {zero_means} else {number})")
+        number = self._index(field.name)
+        match meaning_of(field):
+            case ZeroMeans(stands_for):
+                return Atom(f"(0 if self.{self.names.attribute(field.name)} == {stands_for} else {number})")
+            case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+                return self._bits(field, number)
+            case meaning:
+                assert_never(meaning)
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits."""
@@ -128,16 +180,22 @@ class Maker:
     @staticmethod
     def whole_depends(whole: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code."""
-        return whole.depends or not all(item.width.is_constant for item in whole.fields if item.number.signed)
+        cut = (item for item in whole.fields if _is_cut(meaning_of(item)))
+        return whole.depends or not all(item.width.is_constant for item in cut)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
-def digit(value: Expr, field: Field, run: Digits) -> Expr:
-    """Return a run of decimal digits from the number of its field."""
-    found = value if run.divisor == 1 else Operation(value, "//", number(run.divisor))
-    return found if run is field.runs[0] else Operation(found, "%", number(run.modulus))
+def _is_cut(meaning: Meaning) -> bool:
+    """Return whether ``_bits`` cuts a number to the width of the field."""
+    match meaning:
+        case TwosComplement():
+            return True
+        case Raw() | ZeroMeans() | Active() | Named() | DigitRuns() | Characters():
+            return False
+        case _:
+            assert_never(meaning)
 
 
 def _is_absent(term: Term) -> bool:

@@ -9,16 +9,13 @@ from ...model import (
     Alarm,
     Biss,
     Clock,
-    Constant,
     ControlField,
     Crc,
     Device,
     Field,
-    Flag,
     Interface,
     Layout,
     Manual,
-    Number,
     OrderCode,
     Register,
     RegisterMeaning,
@@ -26,14 +23,17 @@ from ...model import (
     Spelling,
     Ssi,
     Timeout,
-    Unused,
     assert_never,
     cite,
 )
-from ...plan.reports import reports_of
+from ...plan.codec import Codec, codec_of, constant_values
+from ...plan.refusals import powers_of_two
+from ...plan.reports import reports_of, worth_of
+from ...plan.values import is_number, meaning_of
 from ...say.lines import plain
-from ...say.report import alarm_of, meaning, remedy, source
+from ...say.report import alarm_of, meaning, remedy, source, states
 from .literals import Call, Code, Hex, Literal, Member, call, quoted, record
+from .meanings import of_facts
 
 #: Tables that every module has, even empty.
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
@@ -232,7 +232,7 @@ def reports(device: Device) -> list[Call]:
 
 
 def _report(name: str, item: Field, alarm: Alarm | None) -> Call:
-    worth = item.kind.makes_position if isinstance(item.kind, (Flag, Unused)) else None
+    worth = worth_of(item)
     return record(
         "Report",
         {"name": name, "printed_name": item.printed_name, "meaning": meaning(item, alarm)},
@@ -329,45 +329,47 @@ def _rs485(item: Rs485) -> Call:
 # -- fields and registers
 
 
-def _field(item: Field) -> Call:
-    flag = item.kind if isinstance(item.kind, Flag) else Flag()
-    active = ("low" if flag.active_low else "high") if isinstance(item.kind, Flag) else ""
+def _field(codec: Codec, item: Field) -> Call:
+    when_active, when_inactive = states(item)
+    reserved = {reserved.field.name: reserved.value for reserved in codec.reserved}
     return _row(
         "FieldFacts",
         item,
         "name",
         "printed_name meaning unit active when_active when_inactive default constant unused signed zero_means"
         " power_of_two implemented reserved explained_by names note source",
-        active=active,
-        when_active=flag.when_active,
-        when_inactive=flag.when_inactive,
-        constant=item.kind.value if isinstance(item.kind, Constant) else None,
-        unused=item.kind.value if isinstance(item.kind, Unused) else None,
-        signed=item.number.signed or None,
-        zero_means=item.number.zero_means or None,
-        power_of_two=item.number.power_of_two or None,
+        **of_facts(meaning_of(item)),
+        when_active=when_active,
+        when_inactive=when_inactive,
+        constant=constant_values(codec).get(item.name),
+        unused=reserved.get(item.name),
+        power_of_two=item.name in powers_of_two(codec) or None,
         implemented=_unless(item.implemented),
     )
 
 
-def _fields(layout: Layout) -> tuple[Call, ...]:
-    """Return the facts of each field. Empty for a register that is a single number."""
+def _fields(codec: Codec) -> tuple[Call, ...]:
+    """Return the facts of each field."""
+    return tuple(_field(codec, item) for item in codec.layout.fields)
+
+
+def _is_one_number(layout: Layout) -> bool:
+    """Return whether a register is a single number of the same name."""
     first = layout.fields[0]
-    if len(layout.fields) == 1 and first.name == layout.name and isinstance(first.kind, Number):
-        return ()
-    return tuple(map(_field, layout.fields))
+    own = len(layout.fields) == 1 and first.name == layout.name and first.carries_data
+    return own and is_number(meaning_of(first))
 
 
 def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
     """Return the facts of the fields of frames, by the name of the frame."""
-    return {layout.name: tuple(map(_field, layout.fields)) for _, layout in device.layouts()}
+    return {layout.name: _fields(codec_of(device, layout)) for _, layout in device.layouts()}
 
 
 def register_rows(device: Device) -> dict[str, Call]:
-    return {item.name: _register(item) for item in device.registers}
+    return {item.name: _register(device, item) for item in device.registers}
 
 
-def _register(item: Register) -> Call:
+def _register(device: Device, item: Register) -> Call:
     return _row(
         "Register",
         item,
@@ -380,7 +382,7 @@ def _register(item: Register) -> Call:
         wait_ms=item.wait_at_least_ms,
         volatile=item.volatile or None,
         meanings=tuple(map(_meaning, item.meanings)),
-        fields=_fields(item.layout),
+        fields=() if _is_one_number(item.layout) else _fields(codec_of(device, item.layout)),
     )
 
 

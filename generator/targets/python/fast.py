@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ...model import Choice, Decimal, Flag, Text
 from ...model.expressions import Expression
+from ...model.never import assert_never
 from ...plan.codec import AlwaysIs, Bits, Check, IsOneOf, ParityIs, Part, ZerosAbove, parity
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader
 from .codec import Coder
 from .expr import Atom, Expr, Scope, coded, mask
@@ -54,13 +55,24 @@ class Fast:
     def applies(self) -> bool:
         """True if the frames have a fast decoder. Others use only the decoder with all checks."""
         plan = self.plan
-        plain = not plan.alternatives and not any(isinstance(item.field.kind, (Decimal, Text)) for item in plan.parts)
+        plain = not plan.alternatives and all(map(self._is_plain, plan.parts))
         known = all(isinstance(item, (AlwaysIs, ZerosAbove)) for item in self._checked)
-        chosen = all(self.coder.selects(p.field) for p in plan.parts if isinstance(p.field.kind, Choice))
         if not plan.in_bytes:
-            return plain and known and chosen and not any(isinstance(item, ZerosAbove) for item in self._checked)
+            return plain and known and not any(isinstance(item, ZerosAbove) for item in self._checked)
         fits = not plan.by_word and (plan.crc is None or self.coder.crc_is_unrolled)
-        return plain and known and chosen and fits and bool(self.heads) and plan.length > 1
+        return plain and known and fits and bool(self.heads) and plan.length > 1
+
+    def _is_plain(self, part: Part) -> bool:
+        """Return whether ``_value`` converts the bits of a part. The name of a selector follows from the first byte."""
+        match meaning_of(part.field):
+            case Raw() | TwosComplement() | ZeroMeans() | Active():
+                return True
+            case Named():
+                return self.coder.selects(part.field)
+            case DigitRuns() | Characters():
+                return False
+            case meaning:
+                assert_never(meaning)
 
     # -- first byte of a frame of bytes
 
@@ -107,10 +119,14 @@ class Fast:
         shown = next((item for item in self.plan.parts if self.coder.selects(item.field)), None)
         if shown is None:
             return []
-        if not isinstance(shown.field.kind, Choice):
-            return [(byte, coded(value)) for byte, value in self.heads]
-        names = {item.value: f"{self.coder.enum(shown.field)}.{item.name.upper()}" for item in shown.field.values}
-        return [(byte, names[value]) for byte, value in self.heads if value in names]
+        match meaning_of(shown.field):
+            case Named(values):
+                names = {item.value: f"{self.coder.enum(shown.field)}.{item.name.upper()}" for item in values}
+                return [(byte, names[value]) for byte, value in self.heads if value in names]
+            case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+                return [(byte, coded(value)) for byte, value in self.heads]
+            case meaning:
+                assert_never(meaning)
 
     # -- values computed once, and checks of each frame
 
@@ -134,9 +150,9 @@ class Fast:
 
     def _conditions(self) -> Iterator[str]:
         if self.plan.in_bytes and self.plan.crc is not None:
-            xorout = self.plan.crc.crc.xorout
+            inverted = self.plan.crc.inverted
             every = " ^ ".join(f"b{place}" for place in range(self.plan.length))
-            yield f"({every}) != 0x{xorout:02X}" if xorout else every
+            yield f"({every}) != 0x{inverted:02X}" if inverted else every
         for item in self._checked:
             if isinstance(item, ZerosAbove):
                 width, whole = self._once.of(item.bits.width), self.read.of_bytes(item.field.pieces)
@@ -155,17 +171,30 @@ class Fast:
     def _value(self, part: Part) -> str:
         if self.coder.selects(part.field):
             return "heads[b0]"
-        if isinstance(part.field.kind, Flag):
-            # The lowest bits are also in a shorter number.
-            low = part.bits.low
-            is_low = self.tables and low.is_constant and low.constant < TABLE_BITS
-            bit = self.read.bit(part.bits, "low" if is_low else "")
-            return f"not {bit}" if part.field.kind.active_low else f"({bit}) != 0"
+        match meaning_of(part.field):
+            case Raw():
+                return self._bits(part)
+            case TwosComplement():
+                return f"signed({self._bits(part)}, {self._once.of(part.field.width)})"
+            case ZeroMeans(stands_for):
+                return f"({self._bits(part)}) or {stands_for}"
+            case Active(low):
+                bit = self._bit(part)
+                return f"not {bit}" if low else f"({bit}) != 0"
+            case Named() | DigitRuns() | Characters() as meaning:
+                raise ValueError(f"{part.field.name} has no fast decoder: {meaning}")
+            case meaning:
+                assert_never(meaning)
+
+    def _bits(self, part: Part) -> str:
         padded = {item.field.name for item in self._checked if isinstance(item, ZerosAbove)}
-        bits = self._local(part.field.name) if part.field.name in padded else str(self.read.bits(part.bits))
-        if part.field.number.signed:
-            return f"signed({bits}, {self._once.of(part.field.width)})"
-        return f"({bits}) or {part.field.number.zero_means}" if part.field.number.zero_means else bits
+        return self._local(part.field.name) if part.field.name in padded else str(self.read.bits(part.bits))
+
+    def _bit(self, part: Part) -> Expr:
+        # The lowest bits are also in a shorter number.
+        low = part.bits.low
+        is_low = self.tables and low.is_constant and low.constant < TABLE_BITS
+        return self.read.bit(part.bits, "low" if is_low else "")
 
     @property
     def named(self) -> dict[str, str]:

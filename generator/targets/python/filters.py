@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ...model import kinds
 from ...plan import codec, steps
 from ...plan.refusals import Refusal
 from ...render import tests_for
 from ...say.words import sentence
 from .context import byte_order
 from .docstrings import docstring
-from .encode import digit
 from .expr import Expr, coded, grouped, mask
 from .lines import broken
 from .literals import constant, literal, quoted, table
@@ -36,7 +34,6 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "byte_order": byte_order,
     "coded": coded,
     "encoder": encoder_name,
-    "digit": digit,
     "grouped": grouped,
     "interface": interface_name,
     "mask": mask,
@@ -54,7 +51,6 @@ FUNCTIONS: Mapping[str, Callable[..., object]] = {
     "table": table,
 }
 TESTS = tests_for(
-    kinds.Kind,
     codec.Check,
     Refusal,
     steps.Operation,

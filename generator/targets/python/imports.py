@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from ...model import Choice, Decimal, Flag, Text
 from ...model.never import assert_never
 from ...plan.codec import AlwaysIs, AtMost, Check, IsOneOf, ParityIs, ParityOf, ZerosAbove
 from ...plan.crcs import Carrier, Form
@@ -21,6 +20,18 @@ from ...plan.refusals import (
     WholeDisagrees,
 )
 from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stated, Undecodable, Verifies, Waits, Writes
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Meaning,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    is_named,
+    meaning_of,
+)
 from .codec import Coder
 from .literals import Call, functions
 from .module import Enumeration, Module
@@ -138,20 +149,57 @@ def _of_operations(coder: Coder) -> Iterator[str]:
         else:
             yield _of(op)
     for part in coder.plan.parts:
-        yield _if(isinstance(part.field.kind, Choice) and not coder.selects(part.field), "choice")
-        yield _if(part.field.number.signed, "signed")
+        yield _to_decode(meaning_of(part.field), coder.selects(part.field))
     for term in coder.plan.terms:
         for of in term.value.of if isinstance(term.value, ParityOf) else (term.field,):
-            yield _if(isinstance(of.kind, Decimal), "index")
-            yield _if(isinstance(of.kind, Text), "text_number")
+            yield _to_encode(meaning_of(of))
+
+
+def _to_decode(meaning: Meaning, selects: bool) -> str:
+    """Return the names that convert bits to a value. ``selects`` is true for the value that selects the frame."""
+    match meaning:
+        case TwosComplement():
+            return "signed"
+        case Named():
+            return _if(not selects, "choice")
+        case Raw() | ZeroMeans() | Active() | DigitRuns() | Characters():
+            return ""
+        case _:
+            assert_never(meaning)
+
+
+def _to_encode(meaning: Meaning) -> str:
+    """Return the names that convert a checked value to bits."""
+    match meaning:
+        case DigitRuns():
+            return "index"
+        case Characters():
+            return "text_number"
+        case Raw() | TwosComplement() | ZeroMeans() | Active() | Named():
+            return ""
+        case _:
+            assert_never(meaning)
+
+
+def _to_join(meaning: Meaning) -> str:
+    """Return the names for a value that is part of a joined number."""
+    match meaning:
+        case Raw() | TwosComplement() | ZeroMeans() | DigitRuns():
+            return "index"
+        case Named():
+            return "choice index"
+        case Characters():
+            return "text_number"
+        case Active():
+            return ""
+        case _:
+            assert_never(meaning)
 
 
 def _of_joins(coder: Coder) -> Iterator[str]:
     yield _if(coder.plan.wholes, "check_width")
     for field in (field for whole in coder.plan.wholes for field in whole.fields):
-        yield _if(isinstance(field.kind, Text), "text_number")
-        yield _if(isinstance(field.kind, Choice), "choice")
-        yield _if(not isinstance(field.kind, (Flag, Text)), "index")
+        yield _to_join(meaning_of(field))
 
 
 def _of(op: Check | Refusal | Beyond | Undecodable) -> str:
@@ -163,7 +211,7 @@ def _of(op: Check | Refusal | Beyond | Undecodable) -> str:
         case IsOneOf() | NotOneOf():
             return "choice"
         case TooWide(field):
-            return "choice" if isinstance(field.kind, Choice) else "check_width"
+            return "choice" if is_named(meaning_of(field)) else "check_width"
         case NotSigned():
             return "check_signed"
         case NotZeroFor():

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from ...model import Argument, Decimal, Field, Procedure, Register
+from ...model import Argument, Field, Procedure, Register
+from ...model.never import assert_never
 from ...plan.refusals import NotOneOf, TooWide
 from ...plan.steps import (
     ArgumentRefusal,
@@ -23,11 +24,12 @@ from ...plan.steps import (
     Writes,
     run_of,
 )
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import text
 from .codec import Coder, between, differ
 from .context import Context
+from .decode import digits
 from .docstrings import Block
-from .encode import digit
 from .expr import Atom, Expr, moved
 from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, meaning_limits
 
@@ -148,9 +150,13 @@ class Steps:
         """Return the attributes, with values, for an argument that is one member of a register."""
         coder, name = self.coders[register.name], Atom(self.argument(value.argument))
         field = next((item for item in register.layout.fields if item.name == value.member), None)
-        if field is None or not isinstance(field.kind, Decimal):
-            return [(coder.names.attribute(value.member), name)]
-        return [(coder.names.attribute(run.name), digit(name, field, run)) for run in field.runs]
+        match meaning_of(field) if field is not None else Raw():
+            case DigitRuns(runs):
+                return [(coder.names.attribute(run.name), part) for run, part in digits(name, runs)]
+            case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
+                return [(coder.names.attribute(value.member), name)]
+            case meaning:
+                assert_never(meaning)
 
     def joins(self, value: AsMember, register: Register) -> bool:
         return any(item.name == value.member for item in register.layout.joins)

@@ -8,23 +8,31 @@ from functools import cached_property
 from math import prod
 
 from ...model import (
-    Choice,
     CrcExample,
-    Decimal,
     Field,
-    Flag,
     Layout,
     ModifyStep,
-    Number,
     PlacedLayout,
     PollStep,
     ProcedureExample,
     RegisterExample,
-    Text,
     Variant,
+    assert_never,
     number_to_bytes,
 )
 from ...plan.measurement import counts
+from ...plan.refusals import powers_of_two
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    is_number,
+    meaning_of,
+)
 from ...reference import codec
 from ...say.report import alarm_of, meaning
 from .codec import Coder
@@ -107,15 +115,18 @@ class Readme:
             return None
         layout = coder.layout
         placed = layout.place(variant.parameters)
+        powers = powers_of_two(coder.plan)
         values = {
-            item.name: _made_up(item.field, item.width, layout) for item in placed.fields if item.field.carries_data
+            item.name: 1 << item.width // 2 if item.name in powers else _made_up(item.field, item.width, layout)
+            for item in placed.fields
+            if item.field.carries_data
         }
         number = codec.encode(self.device, placed, values)
         plain = codec.from_gray(placed, number)
         shown = {
             item.name: values[item.name]
             for item in placed.fields
-            if isinstance(item.field.kind, Number) and not coder.selects(item.field)
+            if item.field.carries_data and is_number(meaning_of(item.field)) and not coder.selects(item.field)
         } | {join.name: codec.join_value(placed, join, plain) for join in layout.joins}
         made = Shown(
             variant.code,
@@ -260,18 +271,28 @@ def _made_up(item: Field, width: int, layout: Layout) -> int | str | bool:
     """Return an invented value for a field."""
     if item.name == layout.selector:
         return layout.selects[0]
-    if isinstance(item.kind, Flag):
-        return False
-    if isinstance(item.kind, Choice):
-        return item.values[0].value
-    if isinstance(item.kind, Text):
-        return "A" * (width // 8)
-    if isinstance(item.kind, Decimal):
-        return 1
-    if item.number.power_of_two:
-        return 1 << width // 2
-    bits = width - 1 if item.number.signed else width
-    return max(123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1), 1 if item.number.zero_means else 0)
+    match meaning_of(item):
+        case Raw():
+            return _invented(width)
+        case TwosComplement():
+            return _invented(width - 1)
+        case ZeroMeans():
+            return max(_invented(width), 1)
+        case Active():
+            return False
+        case Named(values):
+            return values[0].value
+        case DigitRuns():
+            return 1
+        case Characters():
+            return "A" * (width // 8)
+        case meaning:
+            assert_never(meaning)
+
+
+def _invented(bits: int) -> int:
+    """Return a number of this width."""
+    return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
 
 
 def _tuple(items: Sequence[str]) -> str:

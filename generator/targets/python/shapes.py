@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 
-from ...model import Choice
-from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, telling, worth
+from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, parities, telling, worth
+from ...plan.refusals import powers_of_two
 from ...plan.reports import Only, Reporting
+from ...plan.values import meaning_of
 from .codec import Coder
 from .expr import Expr
 from .literals import Call, Code, Literal, Member, Sometimes, record
+from .meanings import of_column
 from .reports import holding
 
 
@@ -44,17 +46,12 @@ class Shape:
         return Code(str(value if isinstance(value, Expr) else self.coder.number(value)))  # type: ignore[arg-type]
 
     def _columns(self) -> Iterator[Call]:
-        names = self.coder.names
+        names, powers = self.coder.names, powers_of_two(self.plan)
         for part in self.plan.parts:
-            field, kind = part.field, kind_of(part)
-            runs = tuple((names.attribute(run.name), run.divisor, run.modulus) for run in field.runs)
+            field = part.field
             needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
-            zero_means = 0 if isinstance(field.kind, Choice) else field.number.zero_means
-            made = "" if kind == "number" else kind
-            power_of_two = (not isinstance(field.kind, Choice) and field.number.power_of_two) or None
-            yield record(
-                "Column", needed, kind=made, zero_means=zero_means or None, power_of_two=power_of_two, runs=runs
-            )
+            meant = of_column(meaning_of(field), names)
+            yield record("Column", needed, **meant, power_of_two=field.name in powers or None)
 
     def _joins(self) -> Iterator[Call]:
         names = self.coder.names

@@ -11,12 +11,14 @@ from ...model.expressions import Expression
 from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
 from ...plan.run_time_parameters import Held, held_parameters
+from ...plan.values import meaning_of
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .fast import Fast
 from .literals import Call, Code, Literal, record
+from .meanings import of_number
 from .names import FUNCTIONS, attribute, camel, encoder_name
 
 
@@ -214,7 +216,6 @@ class Variants:
 
     def _held(self, register: Register, held: Held) -> Call:
         parameter, width = held.parameter, held.field.widest
-        zero_means = held.field.number.zero_means
         needed: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
             "interface": Code(f"Interface.{register.interface.upper()}"),
@@ -224,6 +225,6 @@ class Variants:
             "low": held.field.low.constant,
             "width": width,
             "min": parameter.min or 0,
-            "max": parameter.max if parameter.max is not None else max((1 << width) - 1, zero_means),
+            "max": parameter.max if parameter.max is not None else held.most,
         }
-        return record("Held", needed, zero_means=zero_means or None)
+        return record("Held", needed, **of_number(meaning_of(held.field)))

@@ -1,0 +1,52 @@
+"""Members of records that tell how the bits of a field become its value."""
+
+from __future__ import annotations
+
+from ...model.never import assert_never
+from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans
+from .literals import Literal
+from .names import ClassNames
+
+
+def of_column(meaning: Meaning, names: ClassNames) -> dict[str, Literal]:
+    """Return the members of ``Column``, of which a plain number has none."""
+    match meaning:
+        case Raw() | ZeroMeans():
+            return of_number(meaning)
+        case TwosComplement():
+            return {"kind": "signed"}
+        case Active(low):
+            return {"kind": "not_flag" if low else "flag"}
+        case Named():
+            return {"kind": "choice"}
+        case DigitRuns(runs):
+            return {"kind": "digits", "runs": tuple((names.attribute(r.name), r.divisor, r.modulus) for r in runs)}
+        case Characters():
+            return {"kind": "text"}
+        case _:
+            assert_never(meaning)
+
+
+def of_number(meaning: Meaning) -> dict[str, Literal]:
+    """Return the members of a record for a number without a sign."""
+    match meaning:
+        case ZeroMeans(number):
+            return {"zero_means": number}
+        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+            return {}
+        case _:
+            assert_never(meaning)
+
+
+def of_facts(meaning: Meaning) -> dict[str, Literal]:
+    """Return the members of ``FieldFacts``, with None for those that say nothing about the field."""
+    none: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
+    match meaning:
+        case Raw() | ZeroMeans() | Named() | DigitRuns() | Characters():
+            return none | of_number(meaning)
+        case TwosComplement():
+            return none | {"signed": True}
+        case Active(low):
+            return none | {"active": "low" if low else "high"}
+        case _:
+            assert_never(meaning)
