@@ -17,7 +17,7 @@ from codewheel.targets.c.files import generate
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent
-BISS_6 = Crc("biss_6", 6, 0x03, 0, False, False, 0x3F, "fold", "", "", ())
+BISS_6 = Crc("biss_6", 6, 0x03, 0, False, False, 0x3F, "", ())
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ PLATFORMS = ("avr8", "arm32-wchar_t4", "unix64")
 
 def deviations() -> set[str]:
     """The rules of the first table, which is the one of what the add-on finds."""
-    table = DEVIATIONS.read_text(encoding="utf-8").partition("These deviations are known besides")[0]
+    table = DEVIATIONS.read_text(encoding="utf-8").partition("These further deviations are known")[0]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("|")
     ][2:]
