@@ -23,6 +23,11 @@ class Report:
     number: int
     field: Field
 
+    @property
+    def is_unused(self) -> bool:
+        """True if it reports reserved bits."""
+        return isinstance(self.field.kind, Unused)
+
 
 @dataclass(frozen=True, slots=True)
 class Only:

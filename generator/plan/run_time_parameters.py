@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..model import Device, Field, Parameter, Register
 from .codec import Bits, bits_of
+from .values import Meaning, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +23,11 @@ class Held:
     low: int | None
     high: int | None
     most: int
+
+    @property
+    def meaning(self) -> Meaning:
+        """Operation that converts its bits."""
+        return meaning_of(self.field)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +50,11 @@ def held_parameters(device: Device) -> Iterator[HeldBy]:
 
 def _held(register: Register, parameter: Parameter) -> Held:
     field = register.layout.field(parameter.field)
-    zero_means = field.number.zero_means
-    least, most = (1 if zero_means else 0), max((1 << field.widest) - 1, zero_means)
+    match meaning_of(field):
+        case ZeroMeans(number):
+            least, most = 1, max((1 << field.widest) - 1, number)
+        case _:
+            least, most = 0, (1 << field.widest) - 1
     low = parameter.min if parameter.min is not None and parameter.min > least else None
     high = parameter.max if parameter.max is not None and parameter.max < most else None
     return Held(parameter, field, bits_of(register.layout, field), low, high, most if high is None else high)

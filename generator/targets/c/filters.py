@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from ...model import Digits, Join
 from ...model.expressions import Expression
-from ...model.kinds import Kind
 from ...plan import steps
 from ...plan.codec import Check, Whole, characters
 from ...plan.refusals import Refusal
@@ -28,9 +27,9 @@ from .reserved import c_name
 from .selftest import Work
 from .types import mask, number, string, unsigned
 
-#: Operations of the plan, kinds of fields, and further operations of this target.
+#: Operations of the plan and further operations of this target.
 TESTS = tests_for(
-    *(Kind, Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
+    *(Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
     *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 
