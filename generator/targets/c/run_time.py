@@ -6,16 +6,7 @@ from collections.abc import Iterator
 
 from ...model import assert_never
 from ...plan.run_time_parameters import Held, HeldBy
-from ...plan.values import (
-    Active,
-    Characters,
-    DigitRuns,
-    Named,
-    Raw,
-    TwosComplement,
-    ZeroMeans,
-    widest_value,
-)
+from ...plan.values import Raw, ZeroMeans, widest_value
 from ...say.name import title
 from .. import TargetError
 from .access import Access
@@ -55,7 +46,7 @@ class HeldValue:
                 chosen = Either(Operation("==", (raw, Number(0))), Number(number), raw)
                 type_ = unsigned(widest_value(self.held.field))
                 yield type_, self.local, Cast(type_, chosen)
-            case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+            case Raw():
                 yield type_, self.local, bits
             case other:
                 assert_never(other)
