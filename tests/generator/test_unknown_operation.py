@@ -19,7 +19,7 @@ from codewheel.plan import values
 from codewheel.targets import Library, Target
 
 ROOT = Path(__file__).parents[2]
-#: Made-up specs that between them have every operation, registers, examples and parameters that registers hold.
+#: Specs that between them have every operation, registers, examples and parameters that registers hold.
 SPECS = (
     "tests/c/specs/edges.yaml",
     "tests/c/specs/shapes.yaml",
@@ -31,7 +31,9 @@ SPECS = (
 OUTPUTS = {
     "c": ("codewheel.targets.c", "codewheel.targets.c.files"),
     "rust": ("codewheel_rust", "codewheel_rust"),
+    "biss": ("codewheel.targets.biss", "codewheel.targets.biss.files"),
 }
+Place = tuple[str, str]
 #: Functions that ask for one operation, by module and name: for texts, named values or signed numbers. They take all
 #: others alike, so another function of the same output must refuse an unknown one.
 ASKING = {
@@ -45,9 +47,9 @@ ASKING = {
         ("structs", "member"),
     },
     "rust": {("family", "too_wide")},
+    "biss": set[Place](),
 }
 
-Place = tuple[str, str]
 TRUE = values.meaning_of
 
 
@@ -131,6 +133,7 @@ def test_an_unknown_kind_is_refused() -> None:
 WITHOUT_KINDS = {
     "c": ("generator/targets/c", "templates/c"),
     "rust": ("examples/rust-target/codewheel_rust", "examples/rust-target/codewheel_rust/templates"),
+    "biss": ("generator/targets/biss", "templates/biss"),
 }
 _KINDS = {kind.__name__ for kind in get_args(Kind)} | {"Kind", "kinds"}
 _MODEL = re.compile(r"(codewheel|\.*)\.?model(\.kinds)?")
