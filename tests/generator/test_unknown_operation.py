@@ -6,7 +6,7 @@ import ast
 import importlib
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -14,8 +14,9 @@ from typing import get_args
 
 import pytest
 from codewheel.loading.library import load_library
-from codewheel.model import Field, Kind
+from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
+from codewheel.plan.codec import Bits, bits_of
 from codewheel.targets import Library, Target
 
 ROOT = Path(__file__).parents[2]
@@ -120,6 +121,38 @@ def test_an_unknown_operation_is_refused(output: str, monkeypatch: pytest.Monkey
             patched(patch, output, lambda field, place, chosen=chosen: Unknown() if place == chosen else TRUE(field))
             with pytest.raises(AssertionError, match="no case for Unknown"):
                 rendered(output)
+
+
+@dataclass(frozen=True)
+class UnknownCheck:
+    """A check or refusal that is in no union."""
+
+    field: Field
+    bits: Bits
+    fault = Fault.RANGE
+
+
+@pytest.mark.parametrize("output", ["c", "rust"])
+def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(layout: Layout) -> Iterator[UnknownCheck]:
+        yield from (UnknownCheck(field, bits_of(layout, field)) for field in layout.data_fields)
+
+    monkeypatch.setattr("codewheel.plan.codec._ranges", unknown)
+    with pytest.raises(AssertionError, match="no case for UnknownCheck"):
+        rendered(output)
+
+
+@pytest.mark.parametrize("output", ["c"])
+def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what prints it. What depends on the order code is asked of the plan first, which refuses it as well."""
+
+    def unknown(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
+        yield UnknownCheck(field, bits_of(layout, field))
+
+    monkeypatch.setattr("codewheel.plan.refusals._of_field", unknown)
+    monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
+    with pytest.raises(AssertionError, match="no case for UnknownCheck"):
+        rendered(output)
 
 
 def test_an_unknown_kind_is_refused() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NoReturn
 
 from ...model import Digits, Join
 from ...model.expressions import Expression
@@ -37,6 +38,11 @@ TESTS = tests_for(
 def _hex(value: int, digits: int = 2) -> str:
     """Return a number as a hexadecimal constant of at least this many digits."""
     return number(value, hexadecimal=True, digits=digits)
+
+
+def _never(op: object) -> NoReturn:
+    """Refuse an operation for which a template has no case."""
+    raise AssertionError(f"no case for {op!r}")
 
 
 def _md(text: object) -> str:
@@ -75,6 +81,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "literals": literals,
     "mask": mask,
     "md": _md,
+    "never": _never,
     "number": number,
     "made_of": _made_of,
     "place": place,
