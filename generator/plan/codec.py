@@ -12,6 +12,7 @@ from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from .crc_tables import FoldStep
 from .crcs import divides, fold_steps
+from .values import Meaning, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +110,11 @@ class AtMost:
     runs: tuple[Digits, ...]
     fault = Fault.RANGE
 
+    @property
+    def digits(self) -> int:
+        """Number of digits."""
+        return sum(run.digits for run in self.runs)
+
 
 Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost
 
@@ -153,6 +159,11 @@ class Part:
     field: Field
     bits: Bits
     shared: bool
+
+    @property
+    def meaning(self) -> Meaning:
+        """Operation that converts its bits."""
+        return meaning_of(self.field)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,9 +213,14 @@ class Fixed:
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """The value of a field, converted to bits according to its kind."""
+    """The value of a field, converted to bits by the inverse of its meaning."""
 
     field: Field
+
+    @property
+    def meaning(self) -> Meaning:
+        """Operation whose inverse converts the value."""
+        return meaning_of(self.field)
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,6 +283,12 @@ class Codec:
     @property
     def in_bytes(self) -> bool:
         return self.layout.in_bytes
+
+    @cached_property
+    def constants(self) -> frozenset[str]:
+        """Names of the fields that always have the same bits, including padding."""
+        own = {op.field.name for op in self.checks if isinstance(op, AlwaysIs)}
+        return frozenset(own | {op.padding.name for op in self.checks if isinstance(op, ZerosAbove)})
 
     @cached_property
     def depends(self) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from dataclasses import field as dataclass_field
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
@@ -25,13 +26,22 @@ class Report:
     number: int
     field: Field
 
+    @property
+    def is_unused(self) -> bool:
+        """True if it reports reserved bits."""
+        return isinstance(self.field.kind, Unused)
+
 
 @dataclass(frozen=True, slots=True)
 class Only:
-    """Order codes: those whose ``parameter`` is not 0 if ``holds``, else those where it is 0."""
+    """Order codes: those whose ``parameter`` is not 0 if ``holds``, else those where it is 0.
+
+    ``codes`` names the former in the spec.
+    """
 
     parameter: str
     holds: bool
+    codes: str = dataclass_field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,15 +155,25 @@ def worth_of(field: Field) -> Verdict | None:
 def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """Yield the field by order codes: one that the manual explains only for some is another report for the others."""
     match field.kind:
-        case Flag(only_while=parameter) if parameter:
-            yield field, Only(parameter, True)
-            yield _unexplained(field), Only(parameter, False)
+        case Flag(only_while=parameter, only=codes) if parameter:
+            yield field, Only(parameter, True, codes)
+            yield _unexplained(field), Only(parameter, False, codes)
         case _:
             yield field, None
 
 
 def _unexplained(field: Field) -> Field:
     return replace(field.unexplained, name=f"{field.name}_unexplained")
+
+
+def verdict_of(field: Field) -> Verdict | None:
+    """Return the verdict while a flag is active, or while unused bits differ from the manual, if there is one."""
+    return field.kind.makes_position if isinstance(field.kind, (Flag, Unused)) else None
+
+
+def sums_up(field: Field) -> tuple[str, ...]:
+    """Return the names of the flags that a flag combines."""
+    return field.kind.sums_up if isinstance(field.kind, Flag) else ()
 
 
 def _is_told(field: Field) -> bool:

@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..model import Device, Field, Parameter, Register
+from ..model import Device, Field, Parameter, Register, assert_never
 from .codec import Bits, bits_of
+from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
 class Held:
     """A parameter in a register.
 
-    ``low`` and ``high`` are None if no value of the field is beyond them. ``most`` is the highest valid value.
+    ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field is
+    beyond them. ``most`` is the highest valid value.
     """
 
     parameter: Parameter
     field: Field
     bits: Bits
+    meaning: Raw | ZeroMeans
     low: int | None
     high: int | None
     most: int
@@ -44,8 +47,19 @@ def held_parameters(device: Device) -> Iterator[HeldBy]:
 
 def _held(register: Register, parameter: Parameter) -> Held:
     field = register.layout.field(parameter.field)
-    zero_means = field.number.zero_means
-    least, most = (1 if zero_means else 0), max((1 << field.widest) - 1, zero_means)
+    meaning, most = _meaning(field), (1 << field.widest) - 1
+    least, most = (0, most) if isinstance(meaning, Raw) else (1, max(most, meaning.number))
     low = parameter.min if parameter.min is not None and parameter.min > least else None
     high = parameter.max if parameter.max is not None and parameter.max < most else None
-    return Held(parameter, field, bits_of(register.layout, field), low, high, most if high is None else high)
+    bits = bits_of(register.layout, field)
+    return Held(parameter, field, bits, meaning, low, high, most if high is None else high)
+
+
+def _meaning(field: Field) -> Raw | ZeroMeans:
+    match meaning_of(field):
+        case ZeroMeans() as meaning:
+            return meaning
+        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+            return Raw()
+        case other:
+            assert_never(other)

@@ -106,3 +106,14 @@ def meaning_of(field: Field) -> Meaning:
             return Characters()
         case _:
             assert_never(field.kind)
+
+
+def widest_value(field: Field) -> int:
+    """Return the number of bits of the widest number that the field can mean."""
+    match meaning_of(field):
+        case ZeroMeans(number):
+            return max(field.widest, number.bit_length())
+        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+            return field.widest
+        case other:
+            assert_never(other)

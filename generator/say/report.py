@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
-from ..model import Alarm, Device, Field, Flag, Sources, Unused
+from ..model import (
+    Alarm,
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Device,
+    Field,
+    Flag,
+    Number,
+    Parity,
+    Sources,
+    Text,
+    Unused,
+    assert_never,
+)
 from .field import short
 from .steps import with_steps
 from .words import sentence
@@ -34,6 +49,19 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     if not texts:
         return alarm.meaning if alarm is not None and alarm.meaning else "active"
     return texts[0] if len(texts) == 1 else " ".join(map(sentence, texts))
+
+
+def deciding(field: Field) -> str:
+    """Return the bits of a flag or of an unused field that decide a verdict, or an empty text."""
+    match field.kind:
+        case Flag(active_low=low):
+            return "0" if low else "1"
+        case Unused(value=value):
+            return f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
+        case Number() | Choice() | Constant() | CrcValue() | Parity() | Decimal() | Text():
+            return ""
+        case _:
+            assert_never(field.kind)
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:

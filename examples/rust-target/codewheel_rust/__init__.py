@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, TypedDict
 
-from codewheel.model import Device, Kind, Manufacturer
+from codewheel.model import Device, Manufacturer, assert_never
 from codewheel.plan.codec import Check, Fixed, Given, ParityOf, Turned, characters
 from codewheel.plan.refusals import Refusal, refusals
 from codewheel.render import Templates, tests_for
@@ -56,8 +56,8 @@ TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
     filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
-    functions={item.__name__: item for item in (*_TEXTS, refusals)},
-    tests=tests_for(Kind, Check, Refusal, Fixed, Given, ParityOf, Turned),
+    functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, refusals)},
+    tests=tests_for(Check, Refusal, Fixed, Given, ParityOf, Turned),
 )
 TARGET = Target(
     name="rust",

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from codewheel.model import Device, Field, Interface, Layout, Register, Text, Value
+from codewheel.model import Device, Field, Interface, Layout, Register, Value
 from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.run_time_parameters import held_parameters
+from codewheel.plan.values import Characters, meaning_of
 from codewheel.targets import TargetProblem
 
 from .names import OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake
@@ -68,7 +69,7 @@ class Struct:
         if self.codec.by_word and self.layout.widest > WORD:
             yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
         for field in self.layout.fields:
-            if isinstance(field.kind, Text) and field.widest > WORD and not characters(field):
+            if isinstance(meaning_of(field), Characters) and field.widest > WORD and not characters(field):
                 yield f"'{field.name}' has {field.widest} bits, which do not fill bytes"
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable
 
-from codewheel.model import Device, Field, Number, Parameter, Piece, assert_never, kinds
+from codewheel.model import Device, Field, Parameter, Piece, assert_never
 from codewheel.model.expressions import Expression, Factor, Term
+from codewheel.plan import values
+from codewheel.plan.codec import characters
 from codewheel.say.lines import plain
 
 from .names import snake
@@ -19,19 +21,22 @@ def unsigned(bits: int, least: int = 8) -> str:
 
 def type_of(field: Field) -> str:
     """Return the type of a member. A choice has its own type."""
-    match field.kind:
-        case Number(signed=True):
+    match values.meaning_of(field):
+        case values.TwosComplement():
             return unsigned(field.widest).replace("u", "i")
-        case Number(zero_means=largest):
-            return unsigned(max(field.widest, largest.bit_length()))
-        case kinds.Choice() | kinds.Decimal() | kinds.Constant() | kinds.Unused() | kinds.CrcValue():
-            return unsigned(field.widest)
-        case kinds.Flag() | kinds.Parity():
+        case values.Raw() | values.ZeroMeans() | values.Named() | values.DigitRuns():
+            return unsigned(values.widest_value(field))
+        case values.Active():
             return "bool"
-        case kinds.Text():
+        case values.Characters():
             return f"[u8; {field.widest // 8}]"
-        case _:
-            assert_never(field.kind)
+        case other:
+            assert_never(other)
+
+
+def held(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
+    """Return the number that the bits of a parameter mean."""
+    return raw if isinstance(meaning, values.Raw) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
 
 
 def type_of_parameter(item: Parameter) -> str:
@@ -92,7 +97,7 @@ def put_byte(piece: Piece, raw: str) -> str:
 
 
 PIECES = (byte_of, put_byte, taken)
-NUMBERS = (fills, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
+NUMBERS = (fills, held, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
 
 
 class Scope:
@@ -117,6 +122,27 @@ class Scope:
         if item.constant < 0:
             minus.append(f"{-item.constant}")
         return " - ".join([" + ".join(plus), *minus])
+
+    def converted(self, field: Field, type_: str) -> tuple[str, str]:
+        """Return the value of a member from the bits in ``raw_`` and its name, and the bits from the member."""
+        raw, member, width = f"raw_{field.name}", f"self.{snake(field.name)}", self.expression(field.width)
+        wide = widened(member, type_)
+        match values.meaning_of(field):
+            case values.Raw() | values.DigitRuns():
+                return narrowed(raw, type_), wide
+            case values.TwosComplement():
+                return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
+            case values.ZeroMeans(number) as meaning:
+                return f"({held(raw, meaning)}) as {type_}", f"if {member} == {number} {{ 0 }} else {{ {wide} }}"
+            case values.Active(low):
+                return f"{raw} {'==' if low else '!='} 0", f"u64::from({'!' if low else ''}{member})"
+            case values.Named():
+                return f'{type_}::from_bits({raw}).ok_or(Fault::Range("{field.name}"))?', f"{member} as u64"
+            case values.Characters():
+                copied = ", ".join(f"bytes[{byte}]" for _, byte in characters(field))
+                return f"[{copied}]" if copied else f"bytes_of({raw}, false)", f"number({member}.iter())"
+            case other:
+                assert_never(other)
 
     def _term(self, term: Term, type_: str, alone: bool) -> str:
         return " * ".join(self._factor(factor, type_, alone) for factor in term.factors)

@@ -18,9 +18,10 @@ from markupsafe import Markup, escape
 from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
-from ...model import Biss, Crc, CrcValue, Device, Field, Flag, Layout, Manufacturer
+from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never
 from ...order_codes.labels import Match
 from ...order_codes.parameters import needed_parameters, run_time_widths
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
 from ...say.crc import parameters
@@ -270,7 +271,7 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     order = [
         f"{field.name} ({_active(field)})" if field in status else field.name
         for field in layout.fields
-        if not isinstance(field.kind, CrcValue)
+        if field is not layout.crc_field
     ]
     lines.append(
         f"  sent in this order, most significant bit first: {', '.join(order)}, CRC"
@@ -296,9 +297,13 @@ def _with(item: DataLength) -> str:
 
 
 def _active(status: Field) -> str:
-    if not isinstance(status.kind, Flag):
-        return "not used, always 1"
-    return "active low" if status.kind.active_low else "active high"
+    match meaning_of(status):
+        case Active(low):
+            return "active low" if low else "active high"
+        case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
+            return "not used, always 1"
+        case other:
+            assert_never(other)
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
@@ -337,7 +342,7 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
         crc = device.crc_of(other)
         if other is layout or other.channel is None or crc is None:
             continue
-        fields = (field for field in other.fields if not isinstance(field.kind, CrcValue))
+        fields = (field for field in other.fields if field is not other.crc_field)
         parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
         channel = f"  other data channel {other.channel}, {other.name}"
         lines.append(f"{channel}: {parts} bits, CRC of {_crc_words(crc)}")

@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ...model import Biss, Constant, Crc, CrcValue, Device, Field, Layout, PlacedLayout, Register, Variant, choices
+from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, choices
 from ...model.expressions import Expression
+from ...plan.codec import only_value
 
 FIRST, LAST = 0x78, 0x7F
 PROFILE = 0x42
@@ -92,7 +93,7 @@ def _holds_identity(register: Register) -> bool:
 def _register_bits(register: Register) -> Iterator[IdBits]:
     below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
-        number = _fixed(field)
+        number = _fixed(register.layout, field)
         if number is None or not field.low.is_constant or not field.width.is_constant:
             continue
         low = below + field.low.constant
@@ -109,10 +110,11 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
         )
 
 
-def _fixed(field: Field) -> int | None:
+def _fixed(layout: Layout, field: Field) -> int | None:
     """Return the value of the field in every device of the family, or None if there is none."""
-    if isinstance(field.kind, Constant):
-        return field.kind.value
+    known = only_value(layout, field)
+    if known is not None:
+        return known
     if isinstance(field.equals, str):
         return int.from_bytes(field.equals.encode("ascii", "replace"), "big")
     if isinstance(field.equals, Expression):
@@ -162,7 +164,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     )
     if register is None or register.byte_order != "high_byte_first":
         return {}
-    if any(not _is_stated(field) for field in register.layout.fields):
+    if any(not _is_stated(register.layout, field) for field in register.layout.fields):
         # The printed value of the register, which does not distinguish the models.
         return (
             {}
@@ -172,32 +174,29 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     found: dict[int, list[str]] = {}
     for variant in biss_variants(device):
         placed = register.layout.place(variant.parameters)
-        number = sum(_stated(item.field, variant) << item.low for item in placed.fields)
+        number = sum(_stated(register.layout, item.field, variant) << item.low for item in placed.fields)
         found.setdefault(number, []).append(variant.code)
     return {number: tuple(codes) for number, codes in found.items()}
 
 
-def _is_stated(field: Field) -> bool:
-    return isinstance(field.kind, Constant) or isinstance(field.equals, (int, Expression))
+def _is_stated(layout: Layout, field: Field) -> bool:
+    return only_value(layout, field) is not None or isinstance(field.equals, (int, Expression))
 
 
-def _stated(field: Field, variant: Variant) -> int:
+def _stated(layout: Layout, field: Field, variant: Variant) -> int:
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):
         return field.equals
-    return field.kind.value if isinstance(field.kind, Constant) else 0
+    return only_value(layout, field) or 0
 
 
 def _length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
     status = [item.name for item in placed.layout.status_fields]
-    crc = sum(item.width for item in placed.fields if isinstance(item.field.kind, CrcValue))
+    check = placed.layout.crc_field
+    crc = sum(item.width for item in placed.fields if item.field is check)
     flags = sum(item.width for item in placed.fields if item.name in status)
-    data = {
-        item.name: item.width
-        for item in placed.fields
-        if not isinstance(item.field.kind, CrcValue) and item.name not in status
-    }
+    data = {item.name: item.width for item in placed.fields if item.field is not check and item.name not in status}
     return DataLength(codes, answers, sum(data.values()), flags, crc, data)
 
 

@@ -16,11 +16,11 @@ from ...model import (
     Parameter,
     Procedure,
     Register,
-    Text,
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
+from ...plan.values import Characters, meaning_of
 from ...say import alarm, crc, field, hardware_input, layout, order_code, parameter, procedure, register
 from ...say.name import full_title, register_field, title
 from ...say.place import addresses, bit_range, field_place
@@ -132,7 +132,9 @@ def about_member(struct: Struct, item: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(item)
     about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
-    return " ".join(filter(None, (S.paragraph(about), "No terminator." if isinstance(item.kind, Text) else "")))
+    return " ".join(
+        filter(None, (S.paragraph(about), "No terminator." if isinstance(meaning_of(item), Characters) else ""))
+    )
 
 
 def about_unused(struct: Struct) -> str:

@@ -24,11 +24,11 @@ from ...model import (
     Register,
     RegisterExample,
     SendStep,
-    Text,
     assert_never,
     cite,
     number_from_bytes,
 )
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...reference import codec
 
 
@@ -156,8 +156,16 @@ def _plain_value(layout: Layout, field: Field) -> int | str:
     """Return the plainest value that the field can have."""
     if field.name == layout.selector:
         return layout.selects[0]
-    if field.values:
-        return field.values[0].value
-    if isinstance(field.kind, Text):
-        return "-" * (field.widest // 8)
-    return 1 if field.number.zero_means or field.number.power_of_two else 0
+    match meaning_of(field):
+        case Named(values):
+            return values[0].value
+        case Characters():
+            return "-" * (field.widest // 8)
+        case ZeroMeans():
+            return 1
+        case Raw():
+            return 1 if field.number.power_of_two else 0
+        case TwosComplement() | Active() | DigitRuns():
+            return 0
+        case other:
+            assert_never(other)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from ...model import Constant, CrcValue, Field, Text
-from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, is_plain_flag
+from ...model import Field, assert_never
+from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, characters, is_plain_flag
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.name import words
-from .expr import Expr, Name, Number, Operation, joined, masked
+from .bits import digits
+from .expr import Call, Cast, Either, Expr, Name, Number, Operation, joined, masked
 from .reserved import c_name
 from .structs import Struct
+from .types import unsigned
 from .unused import Moved
 
 #: Names of arguments and locals in the generated functions. The locals of fields have other names.
@@ -70,12 +73,10 @@ class Decoder:
     @property
     def taken(self) -> tuple[Field, ...]:
         """The fields that have a local."""
-        untaken = self._plain_flags | self._only_reported
-        return tuple(
-            item
-            for item in self.plan.layout.fields
-            if not isinstance(item.kind, (Constant, CrcValue, Text)) and item.name not in untaken
-        )
+        untaken = self._plain_flags | self._only_reported | self.plan.constants
+        untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
+        untaken |= {self.plan.crc.field.name} if self.plan.crc is not None else set()
+        return tuple(item for item in self.plan.layout.fields if item.name not in untaken)
 
     def raw(self, field: Field) -> tuple[str, Expr]:
         """Return the type and the bits of a field."""
@@ -164,8 +165,40 @@ class Decoder:
             yield part
         yield from self.plan.wholes
 
-    def bit(self, part: Part) -> Expr:
-        return self.reader.flag(part.bits) if is_plain_flag(part) else self.local(part.field)
+    def members(self, part: Part) -> Iterator[tuple[str, Expr]]:
+        """Yield the members that a part fills, each with its value."""
+        name, bits = c_name(part.field.name), self.local(part.field)
+        type_ = self.struct.type_of(part.field)
+        match part.meaning:
+            case Raw() | Named():
+                yield name, self._as(type_, part)
+            case TwosComplement():
+                width = self.struct.scope.of(part.field.width)
+                yield name, Cast(type_, Call(f"{self.struct.scope.maker}_signed", (bits, width)))
+            case ZeroMeans(number):
+                yield name, Cast(type_, Either(Operation("==", (bits, Number(0))), Number(number), bits))
+            case Active(low):
+                bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
+                yield name, Name(Operation("==" if low else "!=", (bit, Number(0))).operand)
+            case DigitRuns(runs):
+                yield name, self._as(type_, part)
+                for run in runs:
+                    found = digits(bits, part.field, run)
+                    yield c_name(run.name), Cast(unsigned((run.modulus - 1).bit_length()), found)
+            case Characters():
+                for index, byte in characters(part.field):
+                    yield f"{name}[{index}]", Cast(type_, Name(f"bytes[{byte}]"))
+            case other:
+                assert_never(other)
+
+    def _as(self, type_: str, part: Part) -> Expr:
+        """Return the bits of a part, with a cast if the member has another type."""
+        bits = self.local(part.field)
+        return bits if self.raw(part.field)[0] == type_ else Cast(type_, bits)
+
+    def is_fixed(self, field: Field) -> bool:
+        """Return True if a field always has the same bits."""
+        return field.name in self.plan.constants
 
     def whole(self, whole: Whole) -> Expr:
         return self.reader.whole(whole, self.local)

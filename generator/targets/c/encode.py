@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model import Field, Piece
-from ...model.kinds import Constant, Flag, Parity, Text, Unused
-from ...plan.codec import Fixed, Given, ParityOf, Term, Turned, Whole, characters
+from ...model import Field, Piece, assert_never
+from ...plan.codec import Fixed, Given, ParityIs, ParityOf, Term, Turned, Whole, characters
 from ...plan.refusals import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    meaning_of,
+    widest_value,
+)
 from .expr import Cast, Either, Expr, Name, Number, Operation, joined, left, masked, right
 from .reserved import c_name
 from .structs import Struct
@@ -22,6 +32,8 @@ class Encoder:
         self.plan = struct.plan
         self.reader = struct.reader
         self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _cannot_be(op))
+        self._parities = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ParityIs))
+        self._reserved = frozenset(op.field.name for op in self.plan.reserved)
 
     def given(self, field: Field) -> Expr:
         """Return the member of the struct that is encoded."""
@@ -46,7 +58,7 @@ class Encoder:
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not _is_nothing(op))
+        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_nothing(op))
         return (*map(self._term, terms), *self.struct.unused.in_word)
 
     def _term(self, op: Term) -> Expr:
@@ -58,7 +70,7 @@ class Encoder:
     def _value(self, op: Term) -> Expr:
         match op.value:
             case Fixed(number):
-                return Number(number, hexadecimal=not isinstance(op.field.kind, Parity))
+                return Number(number, hexadecimal=op.field.name not in self._parities)
             case ParityOf(of, odd):
                 parts = [(self._bits_given(field), field.widest) for field in of]
                 if len(parts) == 1 and parts[0][1] <= 32:
@@ -70,17 +82,26 @@ class Encoder:
             case Turned():
                 return self.struct.unused.given(op.field)
 
+    def _is_nothing(self, op: Term) -> bool:
+        """Return True if it never has a bit set."""
+        is_derived = op.field.name in self.plan.constants or op.field.name in self._parities
+        return is_derived and op.value == Fixed(0)
+
     def _bits_given(self, field: Field) -> Expr:
-        if isinstance(field.kind, Unused):
+        if field.name in self._reserved:
             return self.struct.unused.given(field)
         name = self.given(field)
-        if isinstance(field.kind, Flag):
-            return Either(name, *((Number(0), Number(1)) if field.kind.active_low else (Number(1), Number(0))))
-        if field.number.signed:
-            return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
-        if field.number.zero_means:
-            return Either(Operation("==", (name, Number(field.number.zero_means))), Number(0), name)
-        return name
+        match meaning_of(field):
+            case Active(low):
+                return Either(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
+            case TwosComplement():
+                return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
+            case ZeroMeans(number):
+                return Either(Operation("==", (name, Number(number))), Number(0), name)
+            case Raw() | Named() | DigitRuns() | Characters():
+                return name
+            case other:
+                assert_never(other)
 
     # -- the bytes
 
@@ -94,17 +115,20 @@ class Encoder:
         for byte, bits in self.struct.unused.in_bytes:
             given.setdefault(byte, []).append(bits)
         for op in self.plan.terms:
-            if isinstance(op.value, Turned):
-                continue
-            if isinstance(op.field.kind, Text):
-                for index, byte in characters(op.field):
-                    given.setdefault(byte, []).append(Cast("uint8_t", Name(f"{self.given(op.field)}[{index}]")))
-                continue
-            for piece in op.field.pieces:
-                if isinstance(op.value, Fixed):
-                    fixed[piece.byte] |= (op.value.number >> piece.left & piece.mask) << piece.right
-                elif op.field.number.signed or piece.left < self._size(op.field):
-                    given.setdefault(piece.byte, []).append(self._put(op, piece))
+            match op.value:
+                case Turned():
+                    continue
+                case Fixed(value):
+                    for piece in op.field.pieces:
+                        fixed[piece.byte] |= (value >> piece.left & piece.mask) << piece.right
+                case Given(field):
+                    for byte, bits in self._given_bytes(op, field):
+                        given.setdefault(byte, []).append(bits)
+                case ParityOf():
+                    for piece in op.field.pieces:
+                        given.setdefault(piece.byte, []).append(left(right(self._value(op), piece.left), piece.right))
+                case _:
+                    assert_never(op.value)
         for byte, number in fixed.items():
             if byte in given:
                 constant = [Number(number, hexadecimal=True)] if number else []
@@ -112,24 +136,36 @@ class Encoder:
             elif byte not in in_crc:
                 yield byte, Number(number, hexadecimal=True)
 
-    def _put(self, op: Term, piece: Piece) -> Expr:
-        """Return one piece of a field, shifted to its place in its byte."""
-        field, name = op.field, self.given(op.field)
-        if isinstance(field.kind, Flag):
-            bit, none = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
-            return Either(name, none, bit) if field.kind.active_low else Either(name, bit, none)
-        signed = field.number.signed
-        value = right(Cast("uint64_t", name) if signed else self._value(op), piece.left)
-        if (signed or len(field.pieces) > 1) and piece.mask != 0xFF:
+    def _given_bytes(self, op: Term, field: Field) -> Iterator[tuple[int, Expr]]:
+        """Yield the contributions of a member to its bytes."""
+        name = self.given(field)
+        match meaning_of(field):
+            case Characters():
+                for index, byte in characters(field):
+                    yield byte, Cast("uint8_t", Name(f"{name}[{index}]"))
+            case Active(low):
+                for piece in field.pieces:
+                    bit, none = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
+                    yield piece.byte, Either(name, none, bit) if low else Either(name, bit, none)
+            case TwosComplement():
+                for piece in field.pieces:
+                    yield piece.byte, self._put(field, piece, Cast("uint64_t", name), may_be_wider=True)
+            case Raw() | ZeroMeans() | Named() | DigitRuns():
+                for piece in field.pieces:
+                    if piece.left < size_of(widest_value(field)):
+                        yield piece.byte, self._put(field, piece, self._value(op), may_be_wider=len(field.pieces) > 1)
+            case other:
+                assert_never(other)
+
+    def _put(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
+        """Return one piece of the bits of a field, shifted to its place in its byte."""
+        value = right(bits, piece.left)
+        if may_be_wider and piece.mask != 0xFF:
             value = masked(value, piece.mask)
         if piece.right:
-            return left(value if isinstance(field.kind, Parity) else Cast("uint32_t", value), piece.right)
+            return left(Cast("uint32_t", value), piece.right)
         is_wide = isinstance(value, Name) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", value) if is_wide else value
-
-    def _size(self, field: Field) -> int:
-        """Return the width of the member in bits."""
-        return size_of(max(field.widest, field.number.zero_means.bit_length()))
 
 
 def _as_byte(value: Expr) -> Expr:
@@ -141,11 +177,6 @@ def _as_byte(value: Expr) -> Expr:
 
 def _times(type_: str, run: Expr, divisor: int) -> Expr:
     return Operation("*", (Cast(type_, run), Number(divisor))) if divisor > 1 else run
-
-
-def _is_nothing(op: Term) -> bool:
-    """Return True if it never has a bit set."""
-    return isinstance(op.field.kind, (Constant, Parity)) and op.value == Fixed(0)
 
 
 def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...language.problems import Path
-from ...model import Choice, Device, Field, Value
+from ...model import Device, Field, Value
+from ...plan.values import Named, meaning_of
 from ...say.field import meaning
 from ...say.name import printed, title
 from ...say.text import Said, told
@@ -63,11 +64,11 @@ class Enumerations:
         for interface, layout in device.layouts():
             path = ("interfaces", interface.name, "layouts", layout.name)
             for field in layout.fields:
-                if isinstance(field.kind, Choice):
+                if isinstance(meaning_of(field), Named):
                     self._add(layout.name, field, path)
         for register in device.registers:
             for field in register.layout.fields:
-                if isinstance(field.kind, Choice):
+                if isinstance(meaning_of(field), Named):
                     sole = title(register) if len(register.layout.fields) == 1 else ""
                     self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
 

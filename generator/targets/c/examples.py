@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ...model import (
-    Field,
     Interface,
     ModifyStep,
     Register,
@@ -15,13 +14,17 @@ from ...model import (
     Rs485,
     SendStep,
     Ssi,
+    Value,
     Verdict,
     WriteStep,
+    assert_never,
     cite,
     number_to_bytes,
 )
+from ...plan.codec import Part
 from ...plan.receive_lengths import SSI_AROUND, Received, received
 from ...plan.steps import Sends
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...reference import codec
 from ...say.name import title, words
 from ...say.words import WORTH
@@ -80,7 +83,17 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
-class Raw:
+class Printed:
+    """A member by its name, with the ``form`` and the arguments of ``printf``, and the meanings of its values."""
+
+    name: str
+    form: str
+    arguments: str
+    known: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled:
     """The bytes that an SPI receives for the frame, and the macros of its bits and bytes."""
 
     bits: str
@@ -163,7 +176,7 @@ class ExampleCode:
         return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
-    def raw(self) -> Raw | None:
+    def raw(self) -> Sampled | None:
         """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
         mine = next((item for item in self.received if item.variant is self._chosen.variant), None)
         if mine is None or not isinstance(self.interface, Ssi):
@@ -171,7 +184,7 @@ class ExampleCode:
         bits, size = (item.name for item in self.view.lengths[self.interface.name].macros_of(mine))
         around = (1 << mine.bits | self.frame.wire) << 1
         left = 8 * mine.bytes - mine.bits - SSI_AROUND
-        return Raw(bits, size, (around << left).to_bytes(mine.bytes, "big"))
+        return Sampled(bits, size, (around << left).to_bytes(mine.bytes, "big"))
 
     @property
     def request(self) -> str:
@@ -213,8 +226,8 @@ class ExampleCode:
     @property
     def repeats(self) -> bool:
         """True if the shared function can compare two positions, which must not be negative."""
-        measured = (item.field for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
-        return bool(self.counts) and not any(item.number.signed for item in measured)
+        measured = (item for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
+        return bool(self.counts) and not any(isinstance(item.meaning, TwosComplement) for item in measured)
 
     # -- registers and procedures
 
@@ -265,11 +278,35 @@ class ExampleCode:
             else:
                 yield Memory(register.address, example.bytes, title(register))
 
+    def printed(self, part: Part, variable: str) -> Iterator[Printed]:
+        """Yield the members of a part of a struct as ``printf`` shows them."""
+        member = f"{variable}.{c_name(part.field.name)}"
+        match part.meaning:
+            case Characters():
+                yield Printed(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
+            case Active():
+                yield Printed(part.field.name, "%s", f'{member} ? "yes" : "no"')
+            case TwosComplement():
+                yield Printed(part.field.name, "%lld", f"(long long){member}")
+            case Named(values):
+                yield replace(self.number(part.field.name, variable), known=_known(values))
+            case DigitRuns(runs):
+                yield from (self.number(name, variable) for name in (part.field.name, *(run.name for run in runs)))
+            case Raw() | ZeroMeans():
+                yield self.number(part.field.name, variable)
+            case other:
+                assert_never(other)
+
     @staticmethod
-    def known(field: Field) -> str:
-        """Return the meanings of the values of a choice, if they are few."""
-        values = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in field.values)
-        return values if len(values) <= _FEW else ""
+    def number(name: str, variable: str) -> Printed:
+        """Return an unsigned member as ``printf`` shows it."""
+        return Printed(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
+
+
+def _known(values: Iterable[Value]) -> str:
+    """Return the meanings of values, if they are few."""
+    text = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in values)
+    return text if len(text) <= _FEW else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NoReturn
 
 from ...model import Digits, Join
 from ...model.expressions import Expression
-from ...model.kinds import Kind
 from ...plan import steps
 from ...plan.codec import Check, Whole, characters
 from ...plan.refusals import Refusal
@@ -28,9 +28,9 @@ from .reserved import c_name
 from .selftest import Work
 from .types import mask, number, string, unsigned
 
-#: Operations of the plan, kinds of fields, and further operations of this target.
+#: Operations of the plan and further operations of this target.
 TESTS = tests_for(
-    *(Kind, Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
+    *(Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
     *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 
@@ -38,6 +38,11 @@ TESTS = tests_for(
 def _hex(value: int, digits: int = 2) -> str:
     """Return a number as a hexadecimal constant of at least this many digits."""
     return number(value, hexadecimal=True, digits=digits)
+
+
+def _never(op: object) -> NoReturn:
+    """Refuse an operation for which a template has no case."""
+    raise AssertionError(f"no case for {op!r}")
 
 
 def _md(text: object) -> str:
@@ -76,6 +81,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "literals": literals,
     "mask": mask,
     "md": _md,
+    "never": _never,
     "number": number,
     "made_of": _made_of,
     "place": place,

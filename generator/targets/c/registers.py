@@ -6,11 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...model import Choice, Constant, Field, Flag, Number, Register, RegisterMeaning, Text
+from ...model import Field, Register, RegisterMeaning, assert_never
 from ...model.expressions import Expression
 from ...order_codes.run_time import at_run_time
+from ...plan.codec import Codec
 from ...plan.limits import limits_of
-from ...plan.refusals import outside
+from ...plan.refusals import NoPowerOfTwo, outside, refusals
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.name import title, words
 from .about import about_member, about_register, table
 from .access import Access
@@ -55,9 +57,9 @@ class RegisterCode:
         self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
         refused = outside(self.struct.plan, limits_of(self.device, register))
-        refusals = (refused,) if refused is not None else ()
-        self.codec = None if self.is_plain else StructCodec(self.struct, (), refusals)
-        self.access = Access(self.struct, self.codec is not None, refusals)
+        limits = (refused,) if refused is not None else ()
+        self.codec = None if self.is_plain else StructCodec(self.struct, (), limits)
+        self.access = Access(self.struct, self.codec is not None, limits)
         #: Its own limits, and those of each of its meanings.
         self.limits = tuple(self._limits(item) for item in (None, *register.meanings))
         self.explained = tuple(self._explained())
@@ -77,7 +79,7 @@ class RegisterCode:
         if register.wait_at_least_ms is not None:
             yield f"{self.stem}_WAIT_AT_LEAST_MS"
         for field in self.masked:
-            endings = ("MASK",) if isinstance(field.kind, Flag) else ("SHIFT", "MASK")
+            endings = ("SHIFT", "MASK") if self.has_shift(field) else ("MASK",)
             yield from (f"{self.name}_{field.name}_{ending}".upper() for ending in endings)
         for field in self.moving:
             yield from (f"{self.name}_{field.name}_{ending}" for ending in ("shift", "mask"))
@@ -90,7 +92,7 @@ class RegisterCode:
     @property
     def is_plain(self) -> bool:
         """True if the byte itself is the value, so that it needs no struct."""
-        return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.layout.fields[0])
+        return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.struct.plan)
 
     @property
     def expected(self) -> int | None:
@@ -111,9 +113,24 @@ class RegisterCode:
     def _with_masks(self) -> tuple[Field, ...]:
         """The fields that have masks. A register's only field is the register itself."""
         fields = self.layout.fields
-        if self.is_plain or self.register.length > 8 or (len(fields) == 1 and not isinstance(fields[0].kind, Choice)):
+        is_whole = len(fields) == 1 and not isinstance(meaning_of(fields[0]), Named)
+        if self.is_plain or self.register.length > 8 or is_whole:
             return ()
-        return tuple(item for item in fields if not isinstance(item.kind, (Constant, Text)))
+        constants = self.struct.plan.constants
+        return tuple(
+            item for item in fields if item.name not in constants and not isinstance(meaning_of(item), Characters)
+        )
+
+    @staticmethod
+    def has_shift(field: Field) -> bool:
+        """Return True if a mask is not enough to use a field in the register's number."""
+        match meaning_of(field):
+            case Active():
+                return False
+            case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
+                return True
+            case other:
+                assert_never(other)
 
     @property
     def masked(self) -> tuple[Field, ...]:
@@ -162,10 +179,14 @@ class RegisterCode:
         return number_of(self.scope, name, limit, largest, about)
 
 
-def _is_byte(field: Field) -> bool:
-    """Return True if a field is exactly the number in a byte."""
-    return (
-        isinstance(field.kind, (Choice, Number))
-        and field.width == Expression(8)
-        and not (field.number.signed or field.number.zero_means or field.number.power_of_two)
-    )
+def _is_byte(plan: Codec) -> bool:
+    """Return True if the only field is exactly the number in a byte."""
+    if not plan.parts or any(isinstance(op, NoPowerOfTwo) for op in refusals(plan)):
+        return False
+    match plan.parts[0].meaning:
+        case Raw() | Named():
+            return plan.parts[0].field.width == Expression(8)
+        case TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+            return False
+        case other:
+            assert_never(other)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...language.problems import Path
-from ...model import Device, Layout, Unused, Verdict, cite
+from ...model import Device, Layout, Verdict, cite
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Only, Report, Reporting, Speaks, reportings, reports_of
 from ...say.name import title
@@ -144,7 +144,7 @@ def _texts(device: Device, report: Report) -> tuple[str, ...]:
 def _note(device: Device, report: Report) -> str:
     """Return its name in the manual and the source of its meaning."""
     field = report.field
-    unused = ", unused" if isinstance(field.kind, Unused) else ""
+    unused = ", unused" if report.is_unused else ""
     return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
 
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ...model import assert_never
 from ...plan.run_time_parameters import Held, HeldBy
+from ...plan.values import Raw, ZeroMeans, widest_value
 from ...say.name import title
 from .. import TargetError
 from .access import Access
 from .bits import of_bytes
 from .context import Context
-from .expr import Expr, Name, Number, Operation, joined
+from .expr import Cast, Either, Expr, Name, Number, Operation, joined
 from .names import Declared
 from .reserved import c_name
 from .types import unsigned
@@ -31,9 +33,23 @@ class HeldValue:
         self.local = c_name(parameter.name, ("bytes", "length", "variant"))
         self.member = c_name(parameter.name)
         self.member_type = context.member_type(parameter)
-        self.raw_type, self.raw = of_bytes(held.bits.pieces)
-        zero_means = field.number.zero_means
-        self.type = unsigned(max(field.widest, zero_means.bit_length())) if zero_means else self.raw_type
+        #: Locals in the order of their declarations, the last one with the value: type, name and initial value.
+        self.locals = tuple(self._locals())
+        self.type = self.locals[-1][0]
+
+    def _locals(self) -> Iterator[tuple[str, str, Expr]]:
+        type_, bits = of_bytes(self.held.bits.pieces)
+        match self.held.meaning:
+            case ZeroMeans(number):
+                raw = Name(f"{self.local}_raw")
+                yield type_, raw.text, bits
+                chosen = Either(Operation("==", (raw, Number(0))), Number(number), raw)
+                type_ = unsigned(widest_value(self.held.field))
+                yield type_, self.local, Cast(type_, chosen)
+            case Raw():
+                yield type_, self.local, bits
+            case other:
+                assert_never(other)
 
     @property
     def is_outside(self) -> Expr | None:

@@ -13,17 +13,17 @@ from ...model import (
     CrcExample,
     Device,
     Example,
-    Field,
     FrameExample,
     Manufacturer,
     MeasureExample,
     ProcedureExample,
     RegisterExample,
     Rs485,
-    Text,
     assert_never,
     cite,
 )
+from ...plan.codec import Part
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...plan.vectors import CONTROL_FIELDS, CONTROL_WORDS, vectors_of
 from .. import has_biss
 from .codec import StructCodec
@@ -205,21 +205,24 @@ class SelfTest:
         for name, value in values.items():
             if name not in members:
                 continue
-            field = next((item for item in of.struct.layout.fields if item.name == name), None)
-            if isinstance(value, str) and field is not None and not isinstance(field.kind, Text):
-                yield Expected(c_name(name), self._named(key, field, value))
-            elif isinstance(value, str):
-                yield Expected(c_name(name), string(value), text=True)
-            elif isinstance(value, bool):
-                yield Expected(c_name(name), "true" if value else "false")
-            else:
-                yield Expected(c_name(name), number(value))
+            part = next((item for item in of.plan.parts if item.field.name == name), None)
+            yield self._member(key, name, value, part)
 
-    def _named(self, key: str, field: Field, value: str) -> str:
-        """Return the enumerator of a value by its name, or its number if it has none."""
-        found = next(item.value for item in field.values if item.name == value)
-        choice = self.view.context.choices.get((key, field.name))
-        return choice.names.get(found, number(found)) if choice is not None else number(found)
+    def _member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
+        """Return the expected value of a field, or without ``part`` of a join or a run of digits."""
+        match part.meaning if part is not None else Raw():
+            case Characters():
+                return Expected(c_name(name), string(value), text=True)
+            case Named(values) if isinstance(value, str):
+                found = next(item.value for item in values if item.name == value)
+                choice = self.view.context.choices.get((key, name))
+                return Expected(c_name(name), choice.names.get(found, number(found)) if choice else number(found))
+            case Active():
+                return Expected(c_name(name), "true" if value else "false")
+            case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns():
+                return Expected(c_name(name), number(int(value)))
+            case other:
+                assert_never(other)
 
     def _crc(self, example: CrcExample) -> Iterator[Work]:
         for item in self.view.crcs:

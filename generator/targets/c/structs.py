@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...model import Field, Flag, Layout, Register, Text
+from ...model import Field, Layout, Register, assert_never
 from ...plan.codec import Codec, characters, codec_of
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    meaning_of,
+    widest_value,
+)
 from .. import TargetError
 from .bits import Reader
 from .context import Context
 from .enumerations import Enumeration
 from .expr import Cast, Expr, Name, Number, Operation, joined
+from .reserved import c_name
 from .types import signed, unsigned
 from .unused import Unused
 
@@ -41,9 +53,8 @@ class Struct:
             wrong = f"'{layout.name}' has unused bits in {-(-self.unused.width // 8)} bytes"
             raise TargetError(f"{wrong}; the C target holds those of at most 8 bytes", self.path)
         for item in (part.field for part in self.plan.parts):
-            if not isinstance(item.kind, Text):
-                self.type_of(item)
-            elif not characters(item):
+            self.type_of(item)
+            if isinstance(meaning_of(item), Characters) and not characters(item):
                 wrong = f"the text '{item.name}' does not begin at a byte, which the C target cannot express"
                 raise TargetError(wrong, (*self.path, "fields", item.name))
 
@@ -72,14 +83,26 @@ class Struct:
         return choice if choice is not None and choice.is_enum else None
 
     def type_of(self, field: Field) -> str:
-        if isinstance(field.kind, Flag):
-            return "bool"
-        choice = self.enumeration(field)
-        if choice is not None:
-            return choice.type
-        if field.number.signed:
-            return signed(field.widest)
-        return unsigned(max(field.widest, field.number.zero_means.bit_length()))
+        """Return the type of a member, or of each character of a text."""
+        match meaning_of(field):
+            case Active():
+                return "bool"
+            case Named():
+                choice = self.enumeration(field)
+                return choice.type if choice is not None else unsigned(field.widest)
+            case TwosComplement():
+                return signed(field.widest)
+            case Raw() | ZeroMeans() | DigitRuns():
+                return unsigned(widest_value(field))
+            case Characters():
+                return "char"
+            case other:
+                assert_never(other)
+
+    def member(self, field: Field) -> str:
+        """Return the name of a member in its declaration, with the length of a text."""
+        size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Characters) else ""
+        return f"{c_name(field.name)}{size}"
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""

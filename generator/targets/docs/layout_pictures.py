@@ -10,20 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ...model import Choice, Constant, CrcValue, Field, Flag, Kind, Parity, PlacedLayout, Unused
+from ...model import Field, PlacedLayout
+from ...plan.values import Active, meaning_of
+from ...say.box import as_words, colour, label
 from ...say.place import bit_range
 from .svg import WIDE, card, rect, text, wrapped
 
-#: Colour class of a box by kind of field.
-_FILL: dict[type[Kind], str] = {
-    Flag: "flag",
-    CrcValue: "check",
-    Parity: "check",
-    Constant: "fixed",
-    Unused: "fixed",
-    Choice: "choice",
-}
-_DATA, _GROUP, _NOTHING = "data", "group", "nothing"
+_GROUP, _NOTHING = "group", "nothing"
 _MARGIN, _LABELS, _BOX, _LINE, _GAP, _INDENT = 10.0, 50.0, 34.0, 16.0, 12.0, 16.0
 _BIT = (WIDE - 2 * _MARGIN - _LABELS) / 8
 _BIG, _SMALL = 13, 12
@@ -175,14 +168,13 @@ def _whole(placed: PlacedLayout) -> list[_Run]:
     for whole, parts in found.items():
         low, high = min(part.low for part in parts), max(part.high for part in parts)
         grouped = any(item.field.group == whole for item in placed.fields)
-        first = _Run(high, low, _words(whole), _GROUP) if grouped else _run(placed.layout.field(whole), high, low)
+        first = _Run(high, low, as_words(whole), _GROUP) if grouped else _run(placed.layout.field(whole), high, low)
         runs.append(first)
     return sorted(runs, key=lambda run: -run.high)
 
 
 def _run(field: Field, high: int, low: int) -> _Run:
-    active_low = isinstance(field.kind, Flag) and field.kind.active_low
-    return _Run(high, low, _label(field), _FILL.get(type(field.kind), _DATA), active_low)
+    return _Run(high, low, label(field), colour(field), meaning_of(field) == Active(low=True))
 
 
 def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
@@ -197,21 +189,6 @@ def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
         else:
             runs.append((bit, bit))
     return runs
-
-
-def _label(field: Field) -> str:
-    if isinstance(field.kind, Unused) and not (field.printed_name or field.kind.value):
-        return "unused"
-    if not isinstance(field.kind, Constant):
-        return _words(field.name)
-    constant = field.kind.value
-    value = f"{constant:X}h" if constant > 9 else f"{constant}"
-    is_plain = constant == 0 and (field.kind.padding_of or not field.printed_name)
-    return value if is_plain else f"{_words(field.name)} = {value}"
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
 
 
 # -- drawing

@@ -10,7 +10,10 @@ from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from ...model import Biss, Constant, CrcValue, Device, Flag, Interface, Layout, Rs485, SendStep, Ssi, assert_never
+from ...model import Biss, Device, Interface, Rs485, SendStep, Ssi, assert_never
+from ...plan.codec import Codec, codec_of
+from ...plan.values import Active, meaning_of
+from ...say.box import DATA, colour
 from ...say.name import words
 from ...say.timing import bounds
 from ...say.words import counted, microseconds, timeout_words
@@ -119,7 +122,7 @@ def _ssi(interface: Ssi) -> Wave:
 
 def _biss(device: Device, interface: Biss) -> Wave:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
-    fields = list(_fields(interface.layouts[0], device.position_names(interface.name)))
+    fields = list(_fields(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
     boxes = [Part(Trace.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
     data = (
         Part(Trace.UP, 76),  # up to the second rising edge of MA
@@ -154,23 +157,20 @@ def _biss(device: Device, interface: Biss) -> Wave:
     )
 
 
-def _fields(layout: Layout, position: Container[str]) -> Iterator[tuple[str, str]]:
+def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]:
     """Yield name and colour class of the single cycle data fields, with the position as one field."""
     done = False
-    for field in layout.fields:
-        match field.kind:
-            case Constant():
-                continue
-            case Flag():
-                yield words(field.name), "flag"
-            case CrcValue():
-                yield "CRC", "check"
-            case _:
-                if field.name not in position:
-                    yield words(field.name), "data"
-                elif not done:
-                    done = True
-                    yield "position", "data"
+    for field in codec.layout.fields:
+        if field is codec.layout.crc_field:
+            yield "CRC", colour(field)
+        elif isinstance(meaning_of(field), Active):
+            yield words(field.name), colour(field)
+        elif field.name in position:
+            if not done:
+                yield "position", DATA
+            done = True
+        elif field.name not in codec.constants:
+            yield words(field.name), DATA
 
 
 def _rs485(device: Device, interface: Rs485) -> Wave:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Device, Field, Flag, Interface, Layout, Unused, Verdict
-from ...plan.reports import Judgement, Only, reportings, reports_of
-from ...say.field import short
+from ...model import Device, Field, Interface, Layout, Verdict
+from ...plan.reports import Judgement, Only, reportings, reports_of, sums_up, verdict_of
+from ...plan.values import Active, meaning_of
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
-from ...say.report import advice, alarm_of, by_hand, meaning, source
+from ...say.report import advice, alarm_of, by_hand, deciding, meaning, source
 from ...say.text import Code, listed, said
 from .page_links import to_erratum, to_layout, to_steps
 
@@ -60,11 +60,10 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
     order = [item.name for item in layout.fields]
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not make the position better known.
-        speaking += [
-            (judgement.otherwise, item, None) for item in layout.fields if _is(item, Verdict.USABLE_WITH_WARNING)
-        ]
+        warning = (item for item in layout.fields if verdict_of(item) is Verdict.USABLE_WITH_WARNING)
+        speaking += [(judgement.otherwise, item, None) for item in warning]
     speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
-    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if _is(item, Verdict.USABLE)]
+    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if verdict_of(item) is Verdict.USABLE]
     for verdict, field, only in speaking:
         yield (
             _named(field),
@@ -75,26 +74,16 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
         )
 
 
-def _is(field: Field, verdict: Verdict) -> bool:
-    return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is verdict
-
-
 def _when(field: Field, only: Only | None) -> str:
     """Return the deciding value of a field, and the order codes if it does not apply to all."""
-    match field.kind:
-        case Flag(active_low=low, only=codes):
-            which = f"with {code(codes)}" if only is not None and only.holds else "with all others"
-            return f"{0 if low else 1}" + (f" {which}" if only is not None else "")
-        case Unused(value=value):
-            return f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
-        case _:
-            return ""
+    if only is None:
+        return deciding(field)
+    return f"{deciding(field)} {f'with {code(only.codes)}' if only.holds else 'with all others'}"
 
 
 def _unless(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive for a flag that combines them to decide."""
-    names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
-    here = [Code(name) for name in names if any(item.name == name for item in layout.fields)]
+    here = [Code(name) for name in sums_up(field) if any(item.name == name for item in layout.fields)]
     return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
 
 
@@ -135,7 +124,7 @@ def _links(device: Device, layouts: Sequence[Layout]) -> str:
 def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
     """Return links to the errata of a field, and for a flag also those of its group."""
     paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
-    if field.group and isinstance(field.kind, Flag):
+    if field.group and isinstance(meaning_of(field), Active):
         paths.add(f"field_groups.{field.group}")
     about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
     found = (item.name for item in about if item.severity != "wording")

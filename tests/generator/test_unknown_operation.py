@@ -1,0 +1,194 @@
+"""An operation that an output does not know is refused by it, wherever it is matched, and never silently dropped."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from codewheel.loading.library import load_library
+from codewheel.model import Fault, Field, Kind, Layout
+from codewheel.plan import values
+from codewheel.plan.codec import Bits, bits_of
+from codewheel.targets import Library, Target
+
+ROOT = Path(__file__).parents[2]
+#: Specs that between them have every operation, registers, examples and parameters that registers hold.
+SPECS = (
+    "tests/c/specs/edges.yaml",
+    "tests/c/specs/shapes.yaml",
+    "tests/c/specs/words.yaml",
+    "tests/specs/words.yaml",
+    "specs/lika/amm5.yaml",
+)
+#: Outputs, the package of each, and the module of its target.
+OUTPUTS = {
+    "c": ("codewheel.targets.c", "codewheel.targets.c.files"),
+    "rust": ("codewheel_rust", "codewheel_rust"),
+    "biss": ("codewheel.targets.biss", "codewheel.targets.biss.files"),
+}
+Place = tuple[str, str]
+#: Functions that ask for one operation, by module and name: for texts, named values or signed numbers. They take all
+#: others alike, so another function of the same output must refuse an unknown one.
+ASKING = {
+    "c": {
+        ("about", "about_member"),
+        ("decode", "taken"),
+        ("enumerations", "__init__"),
+        ("examples", "repeats"),
+        ("registers", "_with_masks"),
+        ("structs", "__init__"),
+        ("structs", "member"),
+    },
+    "rust": {("family", "too_wide")},
+    "biss": set[Place](),
+}
+
+TRUE = values.meaning_of
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """An operation that is in no union."""
+
+
+def target_of(output: str) -> Target:
+    found = importlib.import_module(OUTPUTS[output][1]).TARGET
+    assert isinstance(found, Target)
+    return found
+
+
+@cache
+def library(spec: str) -> Library:
+    devices, report = load_library([ROOT / spec])
+    assert devices
+    assert not report
+    return Library(devices)
+
+
+def rendered(output: str) -> None:
+    target = target_of(output)
+    options = {item.name: item.default for item in target.options}
+    for spec in SPECS:
+        assert target.files(library(spec), options)
+
+
+def patched(monkeypatch: pytest.MonkeyPatch, output: str, meant: Callable[[Field, Place], object]) -> None:
+    """Replace ``meaning_of`` everywhere. ``meant`` also gets the module and the function of the output that calls it.
+
+    Calls from other packages get the true operation.
+    """
+    package = OUTPUTS[output][0]
+
+    def replaced(field: Field) -> object:
+        frame = sys._getframe(1)
+        # Comprehensions and the property ``meaning`` of the plan belong to the function that contains them.
+        while frame.f_code.co_name.startswith("<") or frame.f_code.co_name == "meaning":
+            assert frame.f_back is not None
+            frame = frame.f_back
+        module = str(frame.f_globals["__name__"])
+        if not module.startswith(f"{package}."):
+            return TRUE(field)
+        return meant(field, (module.removeprefix(f"{package}."), frame.f_code.co_name))
+
+    for module in list(sys.modules.values()):
+        if getattr(module, "meaning_of", None) is TRUE:
+            monkeypatch.setattr(module, "meaning_of", replaced)
+
+
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_an_unknown_operation_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    target_of(output)
+    places: set[Place] = set()
+    with monkeypatch.context() as patch:
+
+        def noted(field: Field, place: Place) -> object:
+            places.add(place)
+            return TRUE(field)
+
+        patched(patch, output, noted)
+        rendered(output)
+    assert places > ASKING[output]
+    for chosen in sorted(places - ASKING[output]):
+        with monkeypatch.context() as patch:
+            patched(patch, output, lambda field, place, chosen=chosen: Unknown() if place == chosen else TRUE(field))
+            with pytest.raises(AssertionError, match="no case for Unknown"):
+                rendered(output)
+
+
+@dataclass(frozen=True)
+class UnknownCheck:
+    """A check or refusal that is in no union."""
+
+    field: Field
+    bits: Bits
+    fault = Fault.RANGE
+
+
+@pytest.mark.parametrize("output", ["c", "rust"])
+def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(layout: Layout) -> Iterator[UnknownCheck]:
+        yield from (UnknownCheck(field, bits_of(layout, field)) for field in layout.data_fields)
+
+    monkeypatch.setattr("codewheel.plan.codec._ranges", unknown)
+    with pytest.raises(AssertionError, match="no case for UnknownCheck"):
+        rendered(output)
+
+
+@pytest.mark.parametrize("output", ["c"])
+def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what prints it. What depends on the order code is asked of the plan first, which refuses it as well."""
+
+    def unknown(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
+        yield UnknownCheck(field, bits_of(layout, field))
+
+    monkeypatch.setattr("codewheel.plan.refusals._of_field", unknown)
+    monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
+    with pytest.raises(AssertionError, match="no case for UnknownCheck"):
+        rendered(output)
+
+
+def test_an_unknown_kind_is_refused() -> None:
+    devices, _ = load_library([ROOT / SPECS[0]])
+    field = next(field for _, layout in devices[0].layouts() for field in layout.fields)
+    with pytest.raises(AssertionError, match="no case for Unknown"):
+        values.meaning_of(replace(field, kind=Unknown()))
+
+
+#: Outputs that look at no kind, the folder of the source of each, and that of its templates.
+WITHOUT_KINDS = {
+    "c": ("generator/targets/c", "templates/c"),
+    "rust": ("examples/rust-target/codewheel_rust", "examples/rust-target/codewheel_rust/templates"),
+    "biss": ("generator/targets/biss", "templates/biss"),
+    "docs": ("generator/targets/docs", "templates/docs"),
+}
+_KINDS = {kind.__name__ for kind in get_args(Kind)} | {"Kind", "kinds"}
+_MODEL = re.compile(r"(codewheel|\.*)\.?model(\.kinds)?")
+
+
+def imported(path: Path) -> set[str]:
+    """Return the names that a module imports from the model."""
+    found = (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom))
+    return {
+        item.name for node in found if _MODEL.fullmatch(f"{'.' * node.level}{node.module or ''}") for item in node.names
+    }
+
+
+@pytest.mark.parametrize("output", WITHOUT_KINDS)
+def test_no_output_looks_at_kinds(output: str) -> None:
+    source, templates = (ROOT / folder for folder in WITHOUT_KINDS[output])
+    modules = {path: imported(path) for path in source.rglob("*.py")}
+    assert "Device" in set().union(*modules.values())
+    assert {path.name: names & _KINDS for path, names in modules.items() if names & _KINDS} == {}
+    tests = (re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() for name in _KINDS)
+    looks = r"\bfield\.kind\b|\.kind\.|\.number\.(signed|zero_means)\b"
+    asks = rf"\bis (not )?({'|'.join(tests)})\b|{looks}"
+    files = {**dict.fromkeys(source.rglob("*.py"), looks), **dict.fromkeys(templates.glob("*.jinja"), asks)}
+    assert {path.name for path, asked in files.items() if re.search(asked, path.read_text(encoding="utf-8"))} == set()
