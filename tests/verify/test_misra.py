@@ -43,7 +43,7 @@ def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple
         "--addon=misra",
         "--std=c99",
         f"-I{include}",
-        # As in stdint.h, which cppcheck does not read; its own definition has no suffix.
+        # As in stdint.h, which cppcheck does not read.
         "-DUINT64_C(value)=value##ULL",
         "--enable=warning,style,performance,portability",
         "--inconclusive",
