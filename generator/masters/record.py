@@ -334,15 +334,19 @@ def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m:
         )
 
 
+def _deciding(device: Device, name: str) -> str:
+    """Return a register in words. One that is only reached over another interface has no address here."""
+    register = next((item for item in device.registers if item.name == name), None)
+    return name if register is None else f"{register.printed_name or name} ({addresses(register)})"
+
+
 def _notes(
     device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
     for what, names in (("widths", set(placed.layout.bits.parameters)), ("code", {placed.layout.gray_when} - {""})):
         needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
-        registers = (device.register(item.register) for item in device.run_time_parameters if item.name in needed)
-        deciding = ", ".join(
-            dict.fromkeys(f"{item.printed_name or item.name} ({addresses(item)})" for item in registers)
-        )
+        names_of = (item.register for item in device.run_time_parameters if item.name in needed)
+        deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
         if deciding:
             given = "their factory defaults. Other values need other settings" if as_delivered else "the given values"
             yield f"Registers determine the {what}: {deciding}. These settings are for {given}."

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from codewheel.language.master_items import NUMBERS, WORDS
+from codewheel.loading.library import load_library
 from codewheel.masters.record import NoRecord, Record, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.order_codes.labels import find
+from codewheel.order_codes.narrowing import for_interface
 from codewheel.order_codes.run_time import with_registers
 
+ROOT = Path(__file__).parents[2]
 RecordOf = Callable[[str], Record]
 #: ASC85 with the 0 bit that its manual prints in the BiSS frame.
 AS_PRINTED = {"zero_bit": "as_printed"}
@@ -204,3 +208,12 @@ def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
             record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
     straight = tuple(replace(item, xorout=0) for item in device.crcs)
     assert record(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0
+
+
+def test_a_register_of_another_interface_decides_the_code() -> None:
+    """In words.yaml, bit gray of a BiSS register decides how SSI sends: its page has it by name, without an address."""
+    (device,), report = load_library([ROOT / "tests" / "specs" / "words.yaml"])
+    assert not report.problems
+    ssi = next(item for item in device.variants if item.interface == "ssi")
+    notes = record(for_interface(device, "ssi"), ssi).notes
+    assert any(note.startswith("Registers determine the code: configuration.") for note in notes)
