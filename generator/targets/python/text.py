@@ -47,7 +47,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         *example,
         f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
-        " that language, and one that starts with another key to an entry of DOCUMENTS.",
+        " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         S.paragraph([*origin(device), *other_editions(device)]),
         *paragraphs(taken_away(device)),
         " ".join(device.manufacturer.trademarks),
@@ -84,9 +84,9 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
     for item in device.set_parameters:
         text = of_parameter(device, item)
         if item.interface and len(device.interfaces) > 1:
-            text += f" Over {device.interface(item.interface).title} only."
+            text += f" Applies only to {device.interface(item.interface).title}."
         if item.read_from:
-            text += " The factory default, unless set by with_registers()."
+            text += " The value is the factory default unless set by with_registers()."
         set_here.append((names[item.name], text))
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
