@@ -162,7 +162,7 @@ def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
     assert "choose as_printed or as_t_format" in done.err
     assert rows(decode(*arguments, "--choose", "eeprom_address=as_printed").out)[0]["address"] == "5"
     assert rows(decode(*arguments, "--choose", "eeprom_address=as_t_format").out)[0]["address"] == "10"
-    assert "does not take an answer 'other'" in decode(*arguments, "--choose", "other=x").err
+    assert "does not accept the answer 'other'" in decode(*arguments, "--choose", "other=x").err
 
 
 def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> None:
@@ -267,7 +267,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
         ("it.bin", b"", ["--choose", "x"], 2, "invalid NAME=ANSWER value: 'x'"),
         ("it.bin", b"", ["--interface", "rs485"], 2, "AMM5A21/65KSC1 has the interface BiSS, not RS-485"),
         ("it.bin", b"", ["--layout", "nothing"], 2, "AMM5A21/65KSC1 has no frame 'nothing': single_cycle_data"),
-        ("it.bin", b"", ["--write", "parquet"], 2, "standard output takes only CSV"),
+        ("it.bin", b"", ["--write", "parquet"], 2, "only CSV can be written to standard output"),
         ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is also the source; write to another file"),
         ("it.bin", b"", ["-o", "."], 2, ". is not a regular file, so it cannot be replaced"),
         ("it.bin", b"", ["-o", "no/where.csv"], 1, ".part: No such file or directory"),

@@ -201,7 +201,7 @@ def test_over_the_registers_of_biss(lika: Any) -> None:
     lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), bus, wait=lambda seconds: None)
     assert bytes(held[place] for place in range(0x11, 0x18)) == bytes.fromhex("00 30 24 f4 00 00 00")
     assert (held[0x40], held[0x77]) == (0, 2)
-    said = "access to registers from 78h failed: the register is not implemented or protected"
+    said = "access to registers from 78h failed: the register is protected or not implemented"
     with pytest.raises(biss.AccessError, match=said):
         bus.write(0x78, b"x")
 

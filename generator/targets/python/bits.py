@@ -47,16 +47,16 @@ class Reader:
         return Atom(self._byte.format(byte))
 
     def unused(self) -> Expr:
-        """Return the unused bits that differ from the manual, each at its place in one number."""
+        """Return the unused bits that differ from the manual, each at its position in one number."""
         moving = [self._reserved(item) for item in self.codec.reserved if not item.bits.are_fixed]
         runs = sorted(run for item in self.codec.reserved if item.bits.are_fixed for run in self._runs(item))
-        # Bits of one byte that move by the same distance are extracted at once.
+        # Bits of one byte that are shifted by the same distance are extracted together.
         groups = (list(group) for _, group in groupby(runs, key=lambda run: run[:2]))
         fixed = [self._taken(*group[0][:2], *(sum(run[at] for run in group) for at in (2, 3))) for group in groups]
         return joined("|", [*fixed, *moving])
 
     def others(self) -> Expr:
-        """Return the bits without a field, at their places in the number that the bytes form."""
+        """Return the bits without a field, at their positions in the number that the bytes form."""
         codec, order = self.codec, "little" if self.codec.layout.byte_order == "low_byte_first" else "big"
         whole = self.source if codec.by_word else f'int.from_bytes(data, "{order}")'
         return Operation(
@@ -64,7 +64,7 @@ class Reader:
         )
 
     def _runs(self, item: Reserved) -> Iterator[tuple[int, int, int, int]]:
-        """Yield runs of adjacent bits: byte, distance to their place, and mask and expected value at that place."""
+        """Yield runs of adjacent bits: byte, shift to the new position, and mask and expected value there."""
         if self.codec.by_word:
             ones = (1 << item.bits.width.constant) - 1
             yield 0, item.bits.low.constant - item.place, ones << item.place, (item.value & ones) << item.place
@@ -84,13 +84,13 @@ class Reader:
         return moved(found, "<<", number(up))
 
     def _reserved(self, item: Reserved) -> Expr:
-        """Return the same for bits whose place depends on the order code."""
+        """Return the differing bits among those whose position depends on the order code."""
         found = moved(Atom(self.source), ">>", self.scope.of(item.bits.low))
         found = Operation(found, "^", mask(item.value)) if item.value else found
         return moved(Operation(found, "&", self.scope.ones(item.bits.width)), "<<", number(item.place))
 
     def characters(self, bits: Bits) -> str:
-        """Return the slice of ``data`` with the bytes of a text. Empty if they are not adjacent."""
+        """Return the slice of ``data`` that contains the bytes of a text. Empty if they are not adjacent."""
         places = [piece.byte for piece in reversed(bits.pieces) if not piece.right and piece.mask == 0xFF]
         if self.codec.by_word or len(places) < len(bits.pieces) or not _ascend(places):
             return ""
@@ -115,7 +115,7 @@ def _ascend(places: Sequence[int]) -> bool:
 
 
 def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
-    """Return the number that the pieces form, 0 without pieces.
+    """Return the number that the pieces form, or 0 if there are none.
 
     ``length`` is the number of bytes, if it is known. ``byte`` is the pattern for the name of a byte.
     """

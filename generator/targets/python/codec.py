@@ -1,4 +1,4 @@
-"""The class of a frame or register: its names and attributes, and their dependence on the order code."""
+"""Class of a frame or register: its names and attributes, and how they depend on the order code."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
 
-#: Longest frame, in bytes, whose CRC is unrolled to one XOR of bytes.
+#: Maximum length of a frame, in bytes, for which the CRC is unrolled to a single XOR of bytes.
 _UNROLLED = 16
 
 
@@ -52,7 +52,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class LimitsFunction:
-    """Function that returns the limits of a register, while it has the meaning ``when`` if there are several."""
+    """Function that returns the limits of a register. They apply to the meaning ``when`` if there are several."""
 
     name: str
     when: str
@@ -62,7 +62,7 @@ class LimitsFunction:
 
 
 class Coder:
-    """Class of one layout, for its template."""
+    """Class for one layout, as used by its template."""
 
     def __init__(self, context: Context, interface: str, layout: Layout, register: Register | None = None) -> None:
         self.context, self.layout, self.register = context, layout, register
@@ -78,7 +78,7 @@ class Coder:
     def number(self, value: Expression) -> Expr:
         return self.context.scope.of(value)
 
-    # -- dependences
+    # -- dependencies
 
     @cached_property
     def takes_variant(self) -> bool:
@@ -107,8 +107,9 @@ class Coder:
 
     @property
     def given_about(self) -> list[tuple[str, str]]:
-        """The same arguments, each with its description."""
-        about = {item.name: f"Answer to an open question of the manual: a ``{item.kind}``." for item in self.asked}
+        """The arguments in ``given``, each with its description."""
+        answer = "Answer to a question that the manual leaves open, as a member of ``%s``."
+        about = {item.name: answer % item.kind for item in self.asked}
         return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
 
     @property
@@ -148,7 +149,7 @@ class Coder:
     def _of_part(self, field: Field) -> Iterator[Attribute]:
         match meaning_of(field):
             case Raw():
-                # The value in the manual for a number of a frame.
+                # The value that the manual gives for a number in a frame.
                 stated = field.equals if self.register is None and not self.selects(field) else None
                 yield self._attribute(field, "int", coded(stated) if isinstance(stated, int) else "")
             case TwosComplement() | ZeroMeans():
@@ -196,7 +197,7 @@ class Coder:
         }
 
     def is_padded(self, field: Field) -> bool:
-        """Return whether a check has already verified the bits above the field."""
+        """Return whether the bits above the field have already been checked."""
         return any(isinstance(item, ZerosAbove) and item.field is field for item in self.plan.checks)
 
     def value(self, part: Part) -> Expr:
@@ -212,7 +213,7 @@ class Coder:
 
     @property
     def fold_name(self) -> str:
-        """Name of the function that folds the word to its remainder."""
+        """Name of the function that computes the remainder of the word by folding."""
         return f"_remainder_{self.plan.crc.crc.name}_{self.layout.widest}" if self.plan.crc is not None else ""
 
     @property
@@ -222,7 +223,7 @@ class Coder:
 
     @property
     def gray_when(self) -> str:
-        """Member of the variant that is true if Gray code is sent."""
+        """Attribute of the variant that is true if the encoder sends Gray code."""
         return self.context.parameters[self.plan.gray.when] if self.plan.gray is not None else ""
 
     # -- joined numbers and values from the manual
@@ -232,18 +233,18 @@ class Coder:
 
     @property
     def expected(self) -> list[Field]:
-        """Fields whose value is in the manual."""
+        """Fields for which the manual gives a value."""
         return [item for item in self.layout.fields if item.equals is not None]
 
     @property
     def decimals(self) -> list[Field]:
-        """Fields in decimal digits that do not share their name with a run of digits."""
+        """Fields of decimal digits whose name is not that of a run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
         return [item for item in decimals if item.name not in {run.name for run in item.runs}]
 
     @property
     def is_strict(self) -> bool:
-        """True if unused bits that differ make it undocumented. A register is compared by its values only."""
+        """True if differing unused bits make a frame undocumented. For a register, only the values are compared."""
         return bool(self.plan.reserved) and self.register is None
 
     @property
@@ -262,7 +263,7 @@ class Coder:
 
     @property
     def measured(self) -> str:
-        """Attribute that is the position. Empty if the frame has none, or only a part of it."""
+        """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         name = measurement.of if measurement is not None else "position"
         numbers = {part.field.name for part in self.plan.parts if is_number(meaning_of(part.field))}
@@ -287,7 +288,7 @@ class Coder:
 
     @property
     def limited(self) -> str:
-        """Attribute that the limits of the register apply to. Empty for a number of several."""
+        """Attribute to which the limits of the register apply. Empty for a number of several attributes."""
         member = self.limits.member if self.limits is not None else ""
         return self.names.attribute(member) if member else ""
 
@@ -350,7 +351,7 @@ def differ(limits: Limits) -> bool:
 
 
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
-    """Return the attributes. One keeps its default only if all that follow have one."""
+    """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
     made: list[Attribute] = []
     for item in reversed(attributes):
         made.insert(0, item if all(other.default for other in made) else replace(item, default=""))

@@ -1,4 +1,4 @@
-"""The names in a device module. All parts of the module use them."""
+"""Names in a device module, shared by all of its parts."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _Values = tuple[str, tuple[tuple[str, int], ...]]
 
 
 def byte_order(owner: Layout | Register) -> str:
-    """Return the byte order in Python's terms."""
+    """Return the name that Python uses for the byte order."""
     return "little" if owner.byte_order == "low_byte_first" else "big"
 
 
 def is_one_choice(register: Register) -> bool:
-    """Return whether a register consists of one choice of named values."""
+    """Return whether a register consists only of one choice among named values."""
     only = register.layout.fields[0]
     return bool(register.values) and is_named(meaning_of(only)) and only.width == register.layout.bits
 
@@ -50,9 +50,9 @@ def _runs(field: Field) -> list[str]:
 
 @dataclass(frozen=True)
 class Asked:
-    """Question that the manual leaves open, as an argument ``name`` that takes members of the Enum ``kind``.
+    """Question that the manual leaves open, as an argument ``name`` whose values are members of the Enum ``kind``.
 
-    ``members`` are the parameters that an answer sets, with their names in the Enum.
+    ``members`` are the parameters that an answer sets, with their attribute names in the Enum.
     """
 
     alternative: Alternative
@@ -62,8 +62,8 @@ class Asked:
 
     @property
     def about(self) -> str:
-        """Description of the argument of a function that decodes several kinds of frames."""
-        return f"{sentence(self.alternative.meaning)} Only frames that depend on it need it."
+        """Description of the argument for functions that decode several kinds of frames."""
+        return f"{sentence(self.alternative.meaning)} Required only for frames that depend on it."
 
 
 class Context:
@@ -84,7 +84,7 @@ class Context:
         self._enums = {key: names.take(camel(item.name), "Value") for key, item in self.choices.items()}
 
     def scope_of(self, owner: str) -> Scope:
-        """Return the parameters as members of ``owner``."""
+        """Return the parameters as attributes of ``owner``."""
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _asked(self, item: Alternative, names: Names) -> Asked:

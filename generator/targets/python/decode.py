@@ -1,4 +1,4 @@
-"""Values in ``decode``: the expressions that convert the bits of each field."""
+"""Values in ``decode``: expressions that convert the bits of each field."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .names import ClassNames
 
 
 class Taker:
-    """Expressions for the values of fields. ``enum`` returns the name of a field's IntEnum."""
+    """Generator of expressions for the values of fields. ``enum`` returns the name of a field's IntEnum."""
 
     def __init__(self, scope: Scope, read: Reader, names: ClassNames, enum: Callable[[Field], str]) -> None:
         self.scope, self.read, self.names, self.enum = scope, read, names, enum

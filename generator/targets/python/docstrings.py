@@ -1,4 +1,4 @@
-"""Docstrings, with text that cannot break out of them."""
+"""Docstrings. Their text is escaped so that it cannot end them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Block = str | Lines | tuple[str, Sequence[tuple[str, str]]]
 
 
 def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
-    """Return a docstring with its quotes. A block is a paragraph, or a title with entries. Empty blocks are left out.
+    """Return a docstring with its quotes. A block is a paragraph, or a title with entries. Empty blocks are omitted.
 
     An entry without a name, such as that of ``Returns``, is plain text.
     """

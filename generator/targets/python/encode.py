@@ -1,4 +1,4 @@
-"""Encoding of a frame or register: the terms of its number, and the checks of its values."""
+"""Encoding of a frame or register: the terms that form its number, and the checks of its values."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ from .names import ClassNames
 
 
 class Maker:
-    """Expressions of ``encode``, over the attributes and local variables of a class."""
+    """Expressions in ``encode``. They use the attributes and local variables of a class."""
 
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
         self.scope, self.codec, self.names = scope, codec, names
-        # Python objects keep every number once, so parts cannot disagree.
+        # Python objects store each number only once, so its parts cannot contradict it.
         self.refusals: list[Refusal] = [
             item for item in refusals(codec) if not isinstance(item, (DigitsDisagree, WholeDisagrees))
         ]
@@ -64,7 +64,7 @@ class Maker:
 
     @cached_property
     def terms(self) -> list[Expr]:
-        """Terms of the number. If the high byte is first, a CRC that follows is not part of it."""
+        """Terms of the number. If the high byte comes first, a CRC after it is not part of the number."""
         crc = self.codec.crc if self.codec.in_bytes else None
         cut = crc.crc.width if crc is not None and self.codec.layout.byte_order == "high_byte_first" else 0
         fixed = sum(
@@ -98,7 +98,7 @@ class Maker:
 
     @property
     def unused(self) -> Expr:
-        """Mask of all unused bits, at their places in ``unused``."""
+        """Mask of all unused bits, at their positions in ``unused``."""
         if self.codec.keeps_others:
             return others(self.scope, self.codec)
         reserved = self.codec.reserved
@@ -129,7 +129,7 @@ class Maker:
                 assert_never(meaning)
 
     def is_choice(self, op: Refusal) -> bool:
-        """Return whether the check looks a value up by name, also if all values of the bits have one."""
+        """Return whether the check looks up the name of a value, even if every value of the bits has one."""
         match op:
             case NotOneOf(field):
                 return field.name != self.codec.layout.selector
@@ -188,7 +188,7 @@ class Maker:
 
 
 def _is_cut(meaning: Meaning) -> bool:
-    """Return whether ``_bits`` cuts a number to the width of the field."""
+    """Return whether ``_bits`` truncates a number to the width of the field."""
     match meaning:
         case TwosComplement():
             return True
@@ -199,5 +199,5 @@ def _is_cut(meaning: Meaning) -> bool:
 
 
 def _is_absent(term: Term) -> bool:
-    """Return whether a term is 0, or combined with other constants."""
+    """Return whether a term is omitted, because it is 0 or combined with other constants."""
     return isinstance(term.value, Fixed) and (term.bits.low.is_constant or not term.value.number)

@@ -8,7 +8,7 @@ from functools import reduce
 
 from ...model.expressions import Expression, Factor, Term
 
-#: Operators by precedence, the loosest first. Arithmetic gets parentheses next to bit operators.
+#: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
 _LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
 _ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
@@ -99,12 +99,12 @@ def mask(value: int) -> Expr:
 
 
 def grouped(value: int) -> str:
-    """Return a decimal number, with digits grouped by three if it has five or more."""
+    """Return a decimal number. Five or more digits are grouped by three."""
     return f"{value:_}" if abs(value) >= 10_000 else str(value)
 
 
 def coded(value: int) -> str:
-    """Return a coded value: decimal below ten, otherwise hexadecimal."""
+    """Return the value of a code, in decimal below ten and otherwise in hexadecimal."""
     return str(value) if value < 10 else f"0x{value:X}"
 
 
@@ -118,13 +118,13 @@ def times(value: Expr, factor: int) -> Expr:
 
 
 def moved(value: Expr, operator: str, by: Expr) -> Expr:
-    """Return ``value`` shifted, or unchanged if the distance is 0."""
+    """Return ``value`` with a shift, or unchanged if the distance is 0."""
     return value if by == Atom("0") else Operation(value, operator, by)
 
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """Expressions for parameters, by name."""
+    """Maps the names of parameters to expressions."""
 
     names: Mapping[str, str]
 

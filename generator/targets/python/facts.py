@@ -39,7 +39,7 @@ from .meanings import of_facts
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
 
 
-#: Members of records whose values are members of an enumeration, with its name.
+#: Members of records that are enumerated, with the name of the enumeration.
 _MEMBERS: Mapping[tuple[str, str], str] = {
     ("Register", "access"): "Access",
     ("Register", "byte_order"): "ByteOrder",
@@ -64,9 +64,9 @@ class Table:
 
 
 def _row(function: str, item: object, needed: str, optional: str = "", **made: Literal) -> Call:
-    """Return a record of members of ``item``, by name: the needed ones, and the optional ones that are not empty.
+    """Return a record of the named members of ``item``: all required ones, and the optional ones that are not empty.
 
-    ``made`` has values that replace those of ``item``. Sources become citations.
+    ``made`` contains values that replace those of ``item``. Sources become citations.
     """
 
     def value(name: str) -> Literal:
@@ -134,7 +134,7 @@ def order_code(code: OrderCode) -> Call:
 
 
 def _only(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
-    """Return the values of other parts that a part can be combined with."""
+    """Return the values of other parts with which a part can be combined."""
     items = ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items())
     return Call("ReadOnly", (("", Code(f"{{{items}}}")),)) if allowed else None
 
@@ -151,7 +151,7 @@ def tables(device: Device) -> list[Table]:
     inputs = "printed_name low high pulse_at_least_us inverts needs when_unused note names source"
     made = (
         Table(
-            "Errors and warnings, with meaning, latching and the procedures that clear them.",
+            "Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.",
             "ALARMS",
             "Alarm",
             _alarms(device),
@@ -172,7 +172,7 @@ def tables(device: Device) -> list[Table]:
             "Characteristic",
             _rows("Characteristic", device.characteristics, "name value", "only source"),
         ),
-        Table("Content of figures that is not in the text of the manual.", "LOST_FIGURES", "LostFigure", lost),
+        Table("Content of figures that is missing from the text of the manual.", "LOST_FIGURES", "LostFigure", lost),
         Table(
             "Errors and ambiguities in the manual, with the text that is used instead.",
             "ERRATA",
@@ -190,7 +190,7 @@ def _alarms(device: Device) -> list[Call]:
 
 
 def _unless(holds: bool) -> bool | None:
-    """Return False if something does not hold, otherwise None, which is left out."""
+    """Return False if a condition does not hold, otherwise None, which is omitted from the record."""
     return None if holds else False
 
 

@@ -1,4 +1,4 @@
-"""Fast decoding of valid frames: values that follow from the order code are computed once."""
+"""Fast decoding of valid frames: values that depend only on the order code are computed once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TABLE_BITS = 16
 
 @dataclass(frozen=True)
 class Once(Scope):
-    """Scope that names each value that follows from the order code, and records its expression."""
+    """Scope that assigns a name to each value that depends on the order code, and records its expression."""
 
     named: dict[str, str] = field(default_factory=dict)
 
@@ -63,7 +63,7 @@ class Fast:
         return plain and known and fits and bool(self.heads) and plan.length > 1
 
     def _is_plain(self, part: Part) -> bool:
-        """Return whether ``_value`` converts the bits of a part. The name of a selector follows from the first byte."""
+        """Return whether ``_value`` converts the bits of a part. A selector is looked up by the first byte instead."""
         match meaning_of(part.field):
             case Raw() | TwosComplement() | ZeroMeans() | Active():
                 return True
@@ -85,7 +85,7 @@ class Fast:
 
     @cached_property
     def heads(self) -> list[tuple[int, int]]:
-        """Valid first bytes of such a frame, with the selector in each."""
+        """Valid first bytes of such a frame, each with its selector."""
         checks = [item for item in self.plan.checks if self._in_head(item)]
         selector = next((item for item in checks if isinstance(item, IsOneOf) and self.coder.selects(item.field)), None)
         if selector is None:
@@ -115,7 +115,7 @@ class Fast:
 
     @property
     def members(self) -> list[tuple[int, str]]:
-        """Values of the selector by first byte. Empty if the frame does not have it as an attribute."""
+        """Values of the selector, by first byte. Empty if the selector is not an attribute of the frame."""
         shown = next((item for item in self.plan.parts if self.coder.selects(item.field)), None)
         if shown is None:
             return []
@@ -138,7 +138,7 @@ class Fast:
 
     @property
     def lookups(self) -> list[str]:
-        """Index for each table. The word is halved first, because short numbers are faster."""
+        """Index into each table. The word is halved first, because operations on short numbers are faster."""
         shifts = [TABLE_BITS * place for place in range(self.tables - 1)]
         found = [f"high >> {shift}" if shift else "high" for shift in shifts]
         return ["low", *(f"{item} & {mask((1 << TABLE_BITS) - 1)}" for item in found[:-1]), *found[-1:]][: self.tables]
@@ -191,14 +191,14 @@ class Fast:
         return self._local(part.field.name) if part.field.name in padded else str(self.read.bits(part.bits))
 
     def _bit(self, part: Part) -> Expr:
-        # The lowest bits are also in a shorter number.
+        # A shorter number also contains the lowest bits.
         low = part.bits.low
         is_low = self.tables and low.is_constant and low.constant < TABLE_BITS
         return self.read.bit(part.bits, "low" if is_low else "")
 
     @property
     def named(self) -> dict[str, str]:
-        """Values that follow from the order code, by name. They are complete once all else has been evaluated."""
+        """Values that depend on the order code, by name. Complete after all other properties are evaluated."""
         _ = (self.conditions, self.values, self.bits)
         return self._once.named
 

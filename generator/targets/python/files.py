@@ -22,7 +22,7 @@ from .module import Module
 from .names import BISS, FOLDERS, SHARED
 from .readme import Shown, start
 
-#: Files that a package has once: next to its folder, and in it.
+#: Files that each package has once, next to its folder and in it.
 _BESIDE = ("README.md", "pyproject.toml")
 _INSIDE = ("__init__", *SHARED)
 
@@ -55,7 +55,7 @@ class Family(Package):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return the files of every manufacturer's package. With several, each has its own folder."""
+    """Return the files of every manufacturer's package. If there are several, each has its own folder."""
     files: dict[str, str] = {}
     makers = library.by_manufacturer()
     for maker, devices in makers:

@@ -19,12 +19,12 @@ from .text import of_answer, of_crc, of_value
 
 
 def operand(value: Expr) -> str:
-    """Return an expression next to an operator: in parentheses unless it is a name, a number or a call."""
+    """Return an operand, in parentheses unless it is a name, a number or a call."""
     return value.operand
 
 
 def beside(value: Expr, operator: str) -> str:
-    """Return an expression next to ``operator``: in parentheses only if Python or a reader needs them."""
+    """Return an operand of ``operator``, in parentheses only if Python or a reader needs them."""
     return value.beside(operator)
 
 

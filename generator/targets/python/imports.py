@@ -41,14 +41,14 @@ from .variants import Variants
 
 
 def imports(module: Module) -> list[list[tuple[str, list[str]]]]:
-    """Return the modules that a device module imports from, those of Python first, and the names."""
+    """Return the modules from which a device module imports, with the names. Python's own modules come first."""
     used = {name for names in _used(module) for name in names.split()}
     used |= {name for item in (module.family, *(row for _, row in module.codes.held)) for name in functions(item)}
     return _groups(used, STANDARD, PACKAGE)
 
 
 def fact_imports(module: Module) -> list[list[tuple[str, list[str]]]]:
-    """Return the same for the module of its facts."""
+    """Return the same for the module with its facts."""
     used = {"Final", *(item.kind for item in module.tables)}
     used |= {name for item in _facts(module) for name in functions(item)}
     given = (
@@ -83,7 +83,7 @@ def _if(condition: object, names: str) -> str:
 
 
 def _used(module: Module) -> Iterator[str]:
-    """Yield the used names, some of them several in one text."""
+    """Yield texts with one or several of the used names."""
     yield "ClassVar Encoder Final Interface Mapping MappingProxyType TYPE_CHECKING checked fact overload"
     yield _if(module.enums, "IntEnum")
     yield _if(module.alternatives, "Enum decided")

@@ -1,4 +1,4 @@
-"""Breaks long lines of code at their brackets, in the style of Black."""
+"""Breaking of long lines at brackets, in the style of Black."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
 def broken(text: str) -> str:
-    """Return the code with long lines broken: one line for each item in the first brackets."""
+    """Return the code with long lines broken into one line for each item in the first brackets."""
     return "\n".join(piece for line in text.split("\n") for piece in _broken(line))
 
 
@@ -32,7 +32,7 @@ def _broken(line: str) -> Iterator[str]:
 
 
 def _items(line: str) -> tuple[str, list[str], str]:
-    """Return the line up to its first bracket, the items in it, and the rest from the closing bracket on."""
+    """Return the line up to its first bracket, the items in the brackets, and the rest with the closing bracket."""
     place, depth, start = 0, 0, ""
     items = [""]
     for token in _TOKEN.findall(line):

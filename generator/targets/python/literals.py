@@ -1,4 +1,4 @@
-"""Data as Python literals: strings, records and tables, safe for any text from a spec."""
+"""Data as Python literals: strings, records and tables. Any text from a spec is safe."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .lines import broken
 
 
 def quoted(text: str | bytes) -> str:
-    """Return a literal on one line in double quotes, with bytes in hexadecimal."""
+    """Return a one-line literal in double quotes, with bytes in hexadecimal."""
     if isinstance(text, bytes):
         return 'b"' + "".join(f"\\x{byte:02x}" for byte in text) + '"'
     if text.isprintable() and '"' not in text and "\\" not in text:
@@ -29,7 +29,7 @@ class Code:
 
 @dataclass(frozen=True)
 class Member:
-    """Member of an enumeration, by its value in the spec."""
+    """Member of an enumeration, given by its value in the spec."""
 
     kind: str
     value: str
@@ -88,7 +88,7 @@ def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
 
 
 def functions(value: Literal) -> Iterator[str]:
-    """Yield the functions that a literal calls, and the enumerations that it names."""
+    """Yield the functions that a literal calls, and the enumerations that it uses."""
     match value:
         case Member(kind):
             yield kind

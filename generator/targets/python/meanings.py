@@ -1,4 +1,4 @@
-"""Members of records that tell how the bits of a field become its value."""
+"""Members of records that describe how the bits of a field become its value."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .names import ClassNames
 
 
 def of_column(meaning: Meaning, names: ClassNames) -> dict[str, Literal]:
-    """Return the members of ``Column``, of which a plain number has none."""
+    """Return the members of ``Column``. A plain number needs none."""
     match meaning:
         case Raw() | ZeroMeans():
             return of_number(meaning)
@@ -28,7 +28,7 @@ def of_column(meaning: Meaning, names: ClassNames) -> dict[str, Literal]:
 
 
 def of_number(meaning: Meaning) -> dict[str, Literal]:
-    """Return the members of a record for a number without a sign."""
+    """Return the members of a record for an unsigned number."""
     match meaning:
         case ZeroMeans(number):
             return {"zero_means": number}
@@ -39,7 +39,7 @@ def of_number(meaning: Meaning) -> dict[str, Literal]:
 
 
 def of_facts(meaning: Meaning) -> dict[str, Literal]:
-    """Return the members of ``FieldFacts``, with None for those that say nothing about the field."""
+    """Return the members of ``FieldFacts``, with None for those that do not apply to the field."""
     none: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
     match meaning:
         case Raw() | ZeroMeans() | Named() | DigitRuns() | Characters():

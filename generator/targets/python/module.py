@@ -37,7 +37,7 @@ class Enumeration:
 
 @dataclass(frozen=True)
 class Dispatcher:
-    """Function that decodes any frame of one sender."""
+    """Function that decodes any frame from one sender."""
 
     plan: Dispatch
     name: str
@@ -61,7 +61,7 @@ class Dispatcher:
 
     @property
     def allowed(self) -> list[int]:
-        """All values of the selector that identify a frame."""
+        """All values of the selector that belong to a frame."""
         return sorted(value for branch in self.plan.branches for value in branch.values)
 
     @property
@@ -154,9 +154,9 @@ class Module:
         return sorted([*names, *(name for name, rows in told.items() if rows)])
 
     def _example(self) -> Iterable[Block]:
-        """Yield an example that decodes a frame and checks its verdict."""
+        """Yield the lines of an example that decodes a frame and checks its verdict."""
         for frame in self.readme.frames[:1]:
-            # The lookup() of the package finds the family that this one is derived from.
+            # The package's lookup() finds the family from which this one is derived.
             name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
             names = ", ".join(filter(None, ("Verdict" if frame.judged else "", frame.module, name)))
             start = (
@@ -187,7 +187,7 @@ class Module:
 
     @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
-        """The same by interface and sender."""
+        """The same descriptions by interface and sender."""
         of = {id(item): section.interface.name for section in self.sections for item in section.coders}
         found: dict[tuple[str, str], list[Shape]] = {}
         for shape in self.shapes:
@@ -231,7 +231,7 @@ class Module:
 
     @cached_property
     def folds(self) -> dict[str, Coder]:
-        """A frame for each function that folds words, by the name of the function."""
+        """One frame for each function that folds words, by the name of the function."""
         folded = (item for item in self.coders if item.plan.crc is not None and item.plan.crc.steps)
         return {item.fold_name: item for item in folded if not item.plan.in_bytes}
 

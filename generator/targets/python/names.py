@@ -1,4 +1,4 @@
-"""Names in a generated module: the reserved ones, and the renaming of names from a spec that collide with them."""
+"""Names in a generated module: reserved names, and how names from a spec that collide with them are changed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from ...model import Digits, Field, Layout, Register, RegisterMeaning
 
-#: Names that a device module can import, by module.
+#: Names that a device module can import, by source module.
 STANDARD: Mapping[str, tuple[str, ...]] = {
     "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
@@ -44,7 +44,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
     }.items()
 }
 
-#: Names that the facts of a device can import, by module.
+#: Names that the facts of a device can import, by source module.
 FACTS: Mapping[str, tuple[str, ...]] = {
     module: tuple(names.split())
     for module, names in {
@@ -72,7 +72,7 @@ BISS = "biss"
 IMPORTED = [name for module in (STANDARD, PACKAGE) for names in module.values() for name in names]
 #: Functions that a device module can import.
 FUNCTIONS = ("cast", "index", "round", "tau", *(name for names in PACKAGE.values() for name in names if name.islower()))
-#: Names that every device module uses, in addition to its imports.
+#: Names that every device module uses in addition to its imports.
 MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTICS CONNECTORS CRCS DOCUMENTS
     ERRATA Ellipsis Exception FAMILY FRAMES Frame INPUTS LEDS LOST_FIGURES MANUAL NotImplemented
     ORDER_CODE REGISTERS REPORTS RS485 Reply Request Rs485Encoder SSI SsiEncoder TABLES TIMINGS TypeError
@@ -99,7 +99,7 @@ _BUILT_IN = frozenset("bool bytes classmethod float int property staticmethod st
 
 
 def attribute(name: str, taken: Iterable[str] = ()) -> str:
-    """Return the name of an attribute or argument, with a trailing underscore if it is reserved."""
+    """Return the name of an attribute or argument. It has a trailing underscore if it is reserved."""
     return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in taken else name
 
 
@@ -114,7 +114,7 @@ def encoder_name(kind: str) -> str:
 
 
 def interface_name(kind: str) -> str:
-    """Return the module constant for an interface. It avoids the slow access to the Enum."""
+    """Return the module constant for an interface, which avoids the slow access to the Enum."""
     return f"_{kind.upper()}"
 
 
@@ -141,7 +141,7 @@ class ClassNames:
         return attribute(name, self._own)
 
     def listed(self, items: Iterable[Field | Digits], between: str = "") -> str:
-        """Return attributes as a docstring names them."""
+        """Return a list of attributes in the form for docstrings."""
         return between.join(f"``{self.attribute(item.name)}``" for item in items)
 
     def local(self, name: str) -> str:
@@ -150,13 +150,13 @@ class ClassNames:
 
 
 class Names:
-    """Names of a module, each assigned once."""
+    """Names in a module. Each is assigned only once."""
 
     def __init__(self, taken: Iterable[str]) -> None:
         self._taken = set(taken)
 
     def take(self, wanted: str, suffix: str) -> str:
-        """Return ``wanted`` if it is free, otherwise with ``suffix``, otherwise also with a number."""
+        """Return ``wanted`` if it is free. Otherwise, add ``suffix``, and a number if that is also taken."""
         base = wanted if wanted not in self._taken and not keyword.iskeyword(wanted) else f"{wanted}{suffix}"
         name, number = base, 2
         while name in self._taken:

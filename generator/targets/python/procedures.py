@@ -36,9 +36,9 @@ from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, mea
 
 @dataclass(frozen=True)
 class Segment:
-    """Steps, and the arguments that are checked before them.
+    """Sequence of steps, and the arguments that are checked before it.
 
-    ``taught`` is the last step if the limits of later steps follow from its register.
+    ``taught`` is the last step if its register determines the limits of later steps.
     """
 
     arguments: Sequence[Given]
@@ -47,7 +47,7 @@ class Segment:
 
 
 class Steps:
-    """Function of one procedure. ``coders`` are the classes of registers that have one."""
+    """Function for one procedure. ``coders`` are the classes of the registers that have one."""
 
     def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
         self.context, self.coders, self.procedure = context, coders, procedure
@@ -82,7 +82,7 @@ class Steps:
 
     @property
     def segments(self) -> Iterator[Segment]:
-        """Steps up to and including each one that changes limits, and the remaining ones."""
+        """Steps, split after each step that changes limits."""
         ends = [index + 1 for index, item in enumerate(self.steps) if isinstance(item, Writes) and item.teaches]
         for start, end in pairwise((0, *ends, len(self.steps))):
             last = self.steps[end - 1]
@@ -90,7 +90,7 @@ class Steps:
             yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
 
     def closes(self, op: Writes) -> bool:
-        """Return whether a step closes registers: it writes another value than the opening one."""
+        """Return whether a step closes registers by writing a value other than the one that opens them."""
         opened = {item.opened_by_value for item in self.context.device.registers if item.opened_by == op.register.name}
         return bool(opened) and isinstance(op.value, Stated) and getattr(op.step, "value_name", "") not in opened
 
@@ -119,7 +119,7 @@ class Steps:
         return f"{self.context.registers[given.argument.of]} | int" if self.is_object(given) else "int"
 
     def is_object(self, given: Given) -> bool:
-        """Return whether an argument accepts an object of the register's class, in addition to a number."""
+        """Return whether an argument can be an object of the register's class as well as a number."""
         taken = {item.register.name for item in given.written if isinstance(item.value, AsNumber)}
         return given.argument.of in taken
 
@@ -141,13 +141,13 @@ class Steps:
         return Atom(f"0x{sum(item.mask << item.left for item in op.pieces):0{digits}X}")
 
     def in_place(self, value: int | str, field: Field) -> Expr:
-        """Return a number or an argument at the place of the field."""
+        """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
         return moved(Atom(str(value)), "<<", self.scope.of(field.low))
 
     def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
-        """Return the attributes, with values, for an argument that is one member of a register."""
+        """Return attributes and values of the register for an argument that sets one of them."""
         coder, name = self.coders[register.name], Atom(self.argument(value.argument))
         field = next((item for item in register.layout.fields if item.name == value.member), None)
         match meaning_of(field) if field is not None else Raw():
@@ -162,7 +162,7 @@ class Steps:
         return any(item.name == value.member for item in register.layout.joins)
 
     def limits(self, refusal: Beyond) -> str:
-        """Return the limits of an argument: a call of the register's class if it has one, or a tuple."""
+        """Return the limits of an argument: a call to the register's class if it has one, otherwise a tuple."""
         if refusal.register.name not in self.coders:
             return "({}, {})".format(*between(self.scope, refusal.limits))
         name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)

@@ -1,4 +1,4 @@
-"""Examples for the README of the package: frames of each interface, and the worked examples of the manuals."""
+"""Examples in the README of the package: frames for each interface, and worked examples from the manuals."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from .expr import grouped
 from .procedures import Steps
 from .variants import FrameKind
 
-#: Number of registers and of procedures that are shown.
+#: Number of registers and number of procedures that are shown.
 _REGISTERS, _PROCEDURES = 3, 2
 
 
@@ -80,7 +80,7 @@ class Shown:
 
 
 def start(readmes: Sequence[Readme]) -> Shown:
-    """Return the first example, preferably of a frame of bits that can report an error."""
+    """Return the first example, preferably one with a frame of bits that can report an error."""
     frames = [frame for readme in readmes for frame in readme.frames]
     no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
     return max(frames, key=lambda item: (not item.answers, bool(item.spoilt), bool(item.bits)), default=no_frame)
@@ -101,7 +101,7 @@ class Readme:
 
     @cached_property
     def frames(self) -> list[Shown]:
-        """One frame of each interface, with invented values and bits from the model."""
+        """One frame for each interface, with invented values and with bits computed by the model."""
         made = ((kind, self._frame(kind.coder, self._example_variant(kind.interface))) for kind in self._kinds)
         found = [
             replace(item, kind=kind.coder.name if kind.dispatch else "") if item is not None else None
@@ -157,7 +157,7 @@ class Readme:
         return replace(made, tried=tried)
 
     def _example_variant(self, kind: str) -> Variant | None:
-        """Return an order code of this interface: that of an example in the manual, or the one with the most bits."""
+        """Return an order code with this interface: that of an example in the manual, or the one with the most bits."""
         codes = [item.order_code for item in self.device.examples if not isinstance(item, CrcExample)]
         names = [item.name for item in self.device.set_parameters]
         candidates = [item for item in self.device.variants if item.interface == kind]
@@ -198,7 +198,7 @@ class Readme:
 
     @property
     def run_time(self) -> list[Shown]:
-        """Example of a register that changes the frame."""
+        """Example of a register that changes the form of frames."""
         for item in self.device.run_time_parameters:
             register = self.device.register(item.register)
             field = register.layout.field(item.field)

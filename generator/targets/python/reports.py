@@ -36,7 +36,7 @@ class FrameReports:
         return any(item is not None for item in conditions)
 
     def _holds(self, only: Only | None) -> list[Expr]:
-        """Return the condition on the order code, if there is one."""
+        """Return the condition that applies to the order code, if there is one."""
         return [holding(only, f"self.variant.{self._parameters[only.parameter]}")] if only is not None else []
 
     @property
@@ -50,7 +50,7 @@ class FrameReports:
 
     @property
     def worth(self) -> list[tuple[str, list[str]]]:
-        """Verdicts that flags or bits of the frame lead to, the worst first, each with its alternative conditions."""
+        """Verdicts that flags or bits of the frame lead to, worst first. Any of a verdict's conditions is enough."""
         if self._judgement is None:
             return []
         return [(verdict.name, self._conditions(items)) for verdict, items in self._judgement.worst_first]
@@ -86,7 +86,7 @@ class FrameReports:
         return [*flags, *([str(self._differ(reserved))] if reserved else [])]
 
     def _speaks(self, flag: Part, unless: Sequence[Expr], only: Only | None) -> str:
-        """Return the condition for a flag that is ignored while others are active, and for other order codes."""
+        """Return the condition for a flag. It is ignored while certain others are active, and for other order codes."""
         others = [Not(joined("or", unless))] if unless else []
         conditions = [*self._holds(only), self._flag(flag), *others]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
@@ -98,5 +98,5 @@ def _ones(reserved: Iterable[Reserved]) -> int:
 
 
 def holding(only: Only, member: str) -> Expr:
-    """Return the condition on an order code, by the ``member`` of its variant."""
+    """Return the condition that ``member`` of the variant holds for an order code."""
     return Atom(member) if only.holds else Not(Atom(member))

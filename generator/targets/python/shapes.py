@@ -1,4 +1,4 @@
-"""Descriptions of frames for ``decode_many``: expressions and literals over the plan of columns."""
+"""Descriptions of frames for ``decode_many``: expressions and literals from the plan of columns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .reports import holding
 
 
 class Shape:
-    """Description of one frame, for its template."""
+    """Description of one frame, as used by its template."""
 
     def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
         self.coder, self.plan, self._reporting = coder, coder.plan, reporting

@@ -36,18 +36,18 @@ from .docstrings import Block, docstring
 
 
 def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
-    """Return the docstring of the module. ``contents`` are its names, in groups."""
+    """Return the docstring of the module. ``contents`` lists its names in groups."""
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
         sentence(f"{device.title}, by {device.manufacturer.title}"),
-        "Start with lookup(), which knows every order code. Names follow the manual. Names that are reserved in Python"
-        " end in an underscore.",
+        "Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in"
+        " Python end in an underscore.",
         ("Contents", [item for item in contents if item[1]]),
         *example,
         f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
-        " that language, and one that starts with another key to an entry of DOCUMENTS.",
+        " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         S.paragraph([*origin(device), *other_editions(device)]),
         *paragraphs(taken_away(device)),
         " ".join(device.manufacturer.trademarks),
@@ -55,12 +55,12 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
 
 
 def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[Block]:
-    """Return the errata of these parts of the spec. Errata of wording are only in the table."""
+    """Return the errata for these parts of the spec. Errata about wording are only in the table."""
     return paragraphs(map(erratum, errata(device, *paths, without=without)))
 
 
 def paragraphs(statements: Iterable[Said]) -> list[Block]:
-    """Return a paragraph for each statement, or its head with the labelled statements below it."""
+    """Return a paragraph for each statement, or a heading with labelled statements below it."""
     return [
         (S.head(item), [(part.label, S.sentence(replace(part, label=""))) for part in item.below])
         if item.below
@@ -84,24 +84,24 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
     for item in device.set_parameters:
         text = of_parameter(device, item)
         if item.interface and len(device.interfaces) > 1:
-            text += f" Over {device.interface(item.interface).title} only."
+            text += f" Applies only to {device.interface(item.interface).title}."
         if item.read_from:
-            text += " The factory default, unless set by with_registers()."
+            text += " The value is the factory default unless set by with_registers()."
         set_here.append((names[item.name], text))
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
         ("interface", "Interface of the encoder."),
-        ("code", "Order code, without what may follow it on the label."),
+        ("code", "Order code, without any text that follows it on the label."),
         ("parts", f"Parts of the order code: {parts}."),
         *set_here,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
         ("special_code", f"Ending /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
-        ("written_as_in", "Document that writes order codes like the label, if they are usually written differently."),
+        ("written_as_in", "Document that uses the label's spelling of the order code, if it is not the usual one."),
     ]
     return docstring(
-        "Encoder as its order code describes it. Each interface has a subclass.",
+        "Encoder as described by its order code. Each interface has a subclass.",
         ("Attributes", attributes),
         indent=4,
     )
@@ -115,7 +115,7 @@ def of_alternative(device: Device, item: Alternative) -> str:
 
 
 def of_answer(item: Answer) -> str:
-    """Return the meaning of an answer to such a question."""
+    """Return the meaning of an answer to a question that the manual leaves open."""
     return S.sentence(said(item.meaning, source=item.source))
 
 
@@ -178,13 +178,13 @@ def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
 
 
 #: Description of the member for unused bits.
-OF_UNUSED = "Unused bits that differ from the manual, as 1. 0 if none differs."
-#: The same for a register whose other bits the manual does not describe.
-OF_OTHERS = "Bits that the manual does not describe, at their places in the number that the bytes form."
+OF_UNUSED = "Number in which each unused bit that differs from the manual is 1. 0 if none differs."
+#: Description of the member for bits of a register that the manual does not describe.
+OF_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
 
 
 def of_unused(item: Field, at: int) -> str:
-    """Return a field of unused bits, with its place in ``unused``."""
+    """Return the text for a field of unused bits, with its position in ``unused``."""
     return f"{place.bits(at + item.widest - 1, at)}, {item.name}"
 
 

@@ -24,7 +24,7 @@ from .names import FUNCTIONS, attribute, camel, encoder_name
 
 @dataclass(frozen=True)
 class FrameKind:
-    """Frames that the encoder sends over an interface: of one kind, or of several that ``dispatch`` decodes."""
+    """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
 
     interface: str
     coder: Coder
@@ -35,7 +35,7 @@ class FrameKind:
 
     @cached_property
     def fast(self) -> list[Fast]:
-        """Fast decoders, for the kinds of frames that have one."""
+        """Fast decoders of the kinds of frames that have one."""
         return [item for item in map(Fast, self.members) if item.applies]
 
     @property
@@ -83,7 +83,7 @@ class Listed:
 
 
 class Variants:
-    """Order codes of one module, for the template."""
+    """Order codes of one module, as used by the template."""
 
     def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
         self.context, self.device = context, context.device
@@ -106,7 +106,7 @@ class Variants:
 
     @property
     def names(self) -> list[str]:
-        """Parameters that each encoder has its own value for."""
+        """Parameters whose values depend on the encoder."""
         return [self.context.parameters[item.name] for item in self.device.set_parameters]
 
     @property
@@ -130,7 +130,7 @@ class Variants:
 
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
-        """Parameters that follow from others, without those of measurements: name, meaning, value."""
+        """Name, meaning and value of the parameters that are derived from others, except those for measurements."""
         return [
             (self.context.parameters[item.name], text.of_parameter(self.device, item), self._scope.of(item.equals))
             for item in self.device.parameters
@@ -141,7 +141,7 @@ class Variants:
 
     @cached_property
     def measured(self) -> str:
-        """Name of the position whose counts are converted to turns or lengths."""
+        """Name of the position attribute that is converted to turns or lengths."""
         found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
         return attribute(found.of, (*FUNCTIONS, "previous", "self", "unwrap")) if found is not None else ""
 
@@ -178,7 +178,7 @@ class Variants:
 
     @cached_property
     def highest(self) -> Cases[Expr] | None:
-        """Highest position, if an offset can move positions above ``modulus``."""
+        """Highest position, if an offset can shift positions above ``modulus``."""
         usual = Operation(Atom("self.modulus"), "-", number(1))
         found = self._cases(lambda item: self._of(item.highest) or usual)
         return found if any(value != usual for value, _ in found.cases) else None
@@ -192,7 +192,7 @@ class Variants:
 
     @property
     def no_frame_bits(self) -> str:
-        """Reason for the interfaces that have no ``frame_bits``."""
+        """Reason why ``frame_bits`` is missing, for each interface without it."""
         of_bytes = ["frames are made of bytes"] if any(item.in_bytes for item in self.frame_kinds) else []
         is_open = ["the length depends on an answer"] if any(item.has_open_length for item in self.frame_kinds) else []
         return ", or ".join([*of_bytes, *is_open])
