@@ -22,7 +22,7 @@ _NAME = re.compile(r"(\w+)(?:\(|;$)")
 
 
 def api_pages(root: Path) -> Iterator[tuple[str, str]]:
-    """Yield path and text of each page."""
+    """Yield the path and text of each page."""
     headers, modules = sorted((root / HEADERS).glob("*.h")), sorted((root / MODULES).glob("[!_]*.py"))
     yield "api/c.md", _index("C headers", "generated/c", headers)
     yield "api/python.md", _index("Python package", "generated/python", modules)
@@ -37,9 +37,10 @@ def _index(title: str, folder: str, files: list[Path]) -> str:
     kind = "c" if files and files[0].suffix == ".h" else "python"
     rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
     return (
-        f"# {title}: reference\n\nThe declarations of each file with their comments. "
-        f"Begin with the [README](../{folder}/README.md).\n"
-        f"A frame that decodes is not yet a usable position. Look at its verdict before you use it.\n\n{rows}"
+        f"# {title}: reference\n\nEach file has a page with its declarations and their comments. "
+        f"Start with the [README](../{folder}/README.md).\n"
+        f"A frame without an error may still contain an unusable position. "
+        f"Check its verdict before you use it.\n\n{rows}"
     )
 
 
@@ -52,7 +53,7 @@ def _page(title: str, language: str, entries: Iterator[tuple[str, str, str]]) ->
 
 
 def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
-    """Yield name, declaration and comment of each function and type that has a comment."""
+    """Yield the name, declaration and comment of each function and type that has a comment."""
     for found in _DECLARED.finditer(header):
         lines = (line.strip().removeprefix("*").removeprefix(" ") for line in found["comment"].splitlines())
         declared = found["what"].strip()

@@ -62,7 +62,7 @@ def build(target: Path, root: Path = ROOT) -> int:
 
 
 def stage(root: Path, source: Path) -> None:
-    """Copy the pages and their pictures, and write those that only the site has."""
+    """Copy the pages and their pictures, and write the pages that exist only on the site."""
     found = {path for pattern in PAGES for path in root.glob(pattern)}
     found |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
     for path in sorted(found):

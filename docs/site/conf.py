@@ -1,4 +1,4 @@
-"""Configuration of Sphinx. ``build_site.py`` next to it calls Sphinx with the pages of the repository."""
+"""Configuration of Sphinx. ``build_site.py``, next to it, runs Sphinx on the pages of the repository."""
 
 from __future__ import annotations
 

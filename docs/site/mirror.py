@@ -45,7 +45,7 @@ class Mirror(SphinxTransform):
         self.env.metadata[self.env.docname]["anchors"] = anchors  # type: ignore[assignment]
 
     def _drop_crumbs(self) -> None:
-        """Drop the breadcrumbs of a page, because the site shows its own on every page."""
+        """Remove the breadcrumbs of a page, because the site adds its own to every page."""
         for paragraph in list(self.document.findall(nodes.paragraph)):
             if isinstance(paragraph.parent, nodes.document) and " › " in paragraph.astext():
                 paragraph.parent.remove(paragraph)
@@ -72,7 +72,7 @@ class Mirror(SphinxTransform):
 
 
 def _add_children(app: Sphinx, doctree: nodes.document) -> None:
-    """Add a hidden list of the pages below a page: for ``x.md`` pages ``x-…md`` and those of the folder ``x``."""
+    """Add a hidden list of a page's children: for ``x.md``, the pages ``x-…md`` and those in the folder ``x``."""
     env: BuildEnvironment = app.env
     children = list(_children(env, env.docname))
     if children:
@@ -93,7 +93,7 @@ def _children(env: BuildEnvironment, page: str) -> Iterator[str]:
 
 
 def _parent(env: BuildEnvironment, page: str) -> str:
-    """Return the page above one that ``index`` does not name: that of its folder or of the words before its hyphens."""
+    """Return the parent of a page outside ``index``: the page for its folder or for its name up to a hyphen."""
     folder, _, name = page.rpartition("/")
     above = [f"{folder}/{name.rsplit('-', count)[0]}" for count in range(1, name.count("-") + 1)] if folder else []
     above += [folder, f"{folder}/README", f"{posixpath.dirname(folder)}/README", _REST]
@@ -101,7 +101,7 @@ def _parent(env: BuildEnvironment, page: str) -> str:
 
 
 def _decoder(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
-    """Set whether a page has the decode box, and for which order code."""
+    """Set whether a page has the decode box, and the order code for it."""
     if DECODER_PAGE in app.env.found_docs:
         context["order_code"] = app.env.get_domain("encoder").code_of(page)  # type: ignore[attr-defined]
         context["decodes"] = context["order_code"] or page == DECODER_PAGE

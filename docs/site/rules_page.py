@@ -1,4 +1,4 @@
-"""Page of rules: each rule of ``check`` with a spec of the tests that breaks it, each rule of ``diff`` with its reason.
+"""The page of rules: those of ``check``, each with a test spec that breaks it, and those of ``diff`` with reasons.
 
 ``make rules-page`` writes the page, and the examples for ``codewheel explain`` as JSON.
 """
@@ -25,16 +25,16 @@ _INTRODUCTION = """\
 
 # Rules
 
-`codewheel check` names the rule of each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. For each rule, this page has the
-message with the fix, and the faulty line of the shortest spec of the tests that breaks the rule. The tests compare
-every message literally.
+`codewheel check` reports each problem with its rule: `FILE:LINE:COLUMN: RULE: MESSAGE`. For each rule, this page shows
+the message, which includes the fix, and the faulty line from the shortest test spec that breaks the rule. The tests
+compare every message literally.
 
-[Below](#rules-of-diff) are the rules by which `diff` judges a change."""
+The [rules of diff](#rules-of-diff), which determine the impact of a change, are at the end of the page."""
 
 
 @dataclass(frozen=True)
 class Example:
-    """A problem in a spec of the tests."""
+    """A problem in a test spec."""
 
     rule: str
     message: str
@@ -44,7 +44,7 @@ class Example:
 
     @property
     def lines(self) -> list[str]:
-        """Return the faulty line, after the last one that is indented less."""
+        """Return the faulty line, preceded by the last line above it with less indentation."""
         lines = self.spec.read_text(encoding="utf-8").splitlines()
         faulty = lines[self.line - 1]
         depth = len(faulty) - len(faulty.lstrip())
@@ -53,7 +53,7 @@ class Example:
 
 
 def examples() -> dict[str, Example]:
-    """Return for each rule the spec with the fewest problems, and of these the shortest."""
+    """Return the example of each rule: the spec with the fewest problems, and the shortest of these."""
     found: dict[str, list[Example]] = {}
     for spec in sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.yaml")):
         told = _EXPECTED.findall(spec.read_text(encoding="utf-8"))

@@ -1,7 +1,7 @@
 """First results of the search: order codes, addresses of registers and printed names, taken from the model.
 
-They are objects of a Sphinx domain, which its search ranks before headings and words. The model has the things, and
-the pages have their places. A thing without an anchor on any page of its family is left out, with a warning.
+They are objects of a Sphinx domain, which the search ranks before headings and words. The things come from the model,
+and their locations from the pages. A thing without an anchor on any page of its family is omitted, with a warning.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class _Nameable(Protocol):
 
 @dataclass(frozen=True)
 class Thing:
-    """A name, the kind of thing that it names, and the anchor of its description."""
+    """A name, the kind of thing with this name, and the anchor of its description."""
 
     name: str
     what: str
@@ -43,7 +43,7 @@ class Thing:
 
 
 def things(device: Device) -> Iterator[Thing]:
-    """Yield everything in a family with a name or an address, except order codes and fields."""
+    """Yield everything in a family that has a name or an address, except order codes and fields."""
     for register in device.registers:
         anchor = f"register-{register.name}"
         what = f"register {title(register)}, {addresses(register)}"
@@ -66,7 +66,7 @@ def things(device: Device) -> Iterator[Thing]:
 
 
 def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
-    """Yield the other parts of a family that have their own section: kind, prefix of their anchors, and the parts."""
+    """Yield the other parts of a family with their own sections: kind, prefix of the anchors, and the parts."""
     yield "error or warning", "alarm", device.alarms
     yield "input", "input", device.inputs
     yield "CRC", "crc", device.crcs
@@ -101,7 +101,7 @@ def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[Th
 
 
 def _named(item: _Nameable, what: str, anchor: str, interface: str = "") -> Iterator[Thing]:
-    """Yield an item under the manual's own name, its name in words, and its name in specs and code."""
+    """Yield an item by its name in the manual, its name in words, and its name in specs and code."""
     for name in (getattr(item, "printed_name", ""), words(item.name)):
         if name:
             # A point would split the name.
@@ -110,7 +110,7 @@ def _named(item: _Nameable, what: str, anchor: str, interface: str = "") -> Iter
 
 
 class Encoders(Domain):
-    """Domain of encoders."""
+    """The Sphinx domain for encoders."""
 
     name = "encoder"
     label = "Encoder"
@@ -125,7 +125,7 @@ class Encoders(Domain):
 
     @cached_property
     def _once(self) -> dict[str, list[Thing]]:
-        """Return the things of each family, each place once. A field is kept only if no other thing has its name."""
+        """Return the things in each family, without duplicates. A field is kept only if no other thing has its name."""
         found = {}
         for device in self._families:
             kept = {(item.name.lower(), item.anchor): item for item in reversed([*things(device)])}
@@ -136,7 +136,7 @@ class Encoders(Domain):
 
     @cached_property
     def _code_pages(self) -> dict[str, tuple[str, ...]]:
-        """Return the pages of order codes with their codes."""
+        """Return the order codes described by each page."""
         return {
             f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes)
             for device in self._families
@@ -144,7 +144,7 @@ class Encoders(Domain):
         }
 
     def code_of(self, page: str) -> str:
-        """Return the first order code of its page, or an empty string for another page."""
+        """Return the first order code described by a page, or an empty string if there is none."""
         return self._code_pages.get(page, ("",))[0]
 
     def get_objects(self) -> Iterator[tuple[str, str, str, str, str, int]]:
@@ -173,13 +173,13 @@ class Encoders(Domain):
         return self.env.metadata.get(page, {}).get("anchors", [])  # type: ignore[return-value]
 
     def _page_with(self, device: Device, thing: Thing) -> str:
-        """Return the page of the family that describes a thing: that of its interface, else the first."""
+        """Return the page that describes a thing: the page for its interface, or otherwise the first one."""
         pages = self._pages_with.get((device.name, thing.anchor), ())
         return next((page for page in pages if thing.interface and _is_of(page, thing.interface)), (*pages, "")[0])
 
     @cached_property
     def _pages_with(self) -> dict[tuple[str, str], list[str]]:
-        """Return the pages of each family with an anchor, except those of order codes."""
+        """Return the pages of each family that contain an anchor, except order code pages."""
         found: dict[tuple[str, str], list[str]] = {}
         for device in self._families:
             start = f"{_PAGES}/{device.name}"

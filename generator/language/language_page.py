@@ -19,15 +19,15 @@ from .second_reading import NO_FACTS, PROSE
 Shape = Mapping[str, Any]
 
 _INTRODUCTION = """\
-A spec is one YAML file for one manual. It is read next to the manual, so it keeps the manual's order and names. Leave
-anything that can be calculated, such as masks and totals, to the tool. Scalars follow YAML 1.2: `7:0` is text, `no` is
-text, `0x1F` is a number. Duplicate keys are errors.
+A spec is one YAML file for one manual. It is read side by side with the manual, so it keeps the manual's order and
+names. Leave anything that can be calculated, such as masks and totals, to the tool. Scalars follow YAML 1.2: `7:0` is
+text, `no` is text, `0x1F` is a number. Duplicate keys are errors.
 
 A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
-part of a key (`min_hz`, `at_least_us`). Convert numbers in other units.
+part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
 
-The first line of a file lets an editor complete and explain keys while you type:
+With the first line of a file, editors can complete and explain keys while you type:
 
 ```yaml
 # yaml-language-server: $schema=../../generator/language/device.schema.json
@@ -37,13 +37,14 @@ The first line of a file lets an editor complete and explain keys while you type
 
 
 _SECOND = """\
-`FAMILY.second.yaml` next to a device file is an independent transcription of the same manual by another reader. It uses
-the same language. Only `codewheel check` reads it, and reports the differences between the two. It contains facts, so
-it has all the keys above except `manufacturer`, keys for prose, and parts that explain or calculate.
+`FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
+another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two.
+It contains only facts, so it has all the keys above except `manufacturer`, the keys for prose, and parts that explain
+or calculate.
 
-Keys for prose: {prose}.
+Omitted keys for prose: {prose}.
 
-Parts: {lists}."""
+Omitted parts: {lists}."""
 
 
 def spec_page() -> str:
