@@ -10,7 +10,7 @@ from textwrap import dedent
 
 import pytest
 from figures.functions import functions
-from figures.imports import circles, graph, rooms
+from figures.imports import cycles, graph, packages
 from figures.kinds import comparisons
 from figures.reading import looks
 from figures.statements import Printed, by_output, printed, statements
@@ -36,7 +36,7 @@ def made(tmp_path: Path) -> Made:
     return write
 
 
-def test_circles_take_type_imports_and_late_ones_into_account(made: Made) -> None:
+def test_cycles_take_type_imports_and_late_ones_into_account(made: Made) -> None:
     checkout = made(
         {
             "generator/__init__.py": "",
@@ -51,13 +51,13 @@ def test_circles_take_type_imports_and_late_ones_into_account(made: Made) -> Non
     assert arrows["room.d"] == {"a", "room", "room.c"}
     assert arrows["room"] == {"room.b"}
     assert arrows["room.b"] == {"room.c"}
-    assert circles(arrows) == [["a", "room.b", "room.c"]]
-    assert circles(rooms(arrows)) == [["a", "room"]]
+    assert cycles(arrows) == [["a", "room.b", "room.c"]]
+    assert cycles(packages(arrows)) == [["a", "room"]]
 
 
 def test_no_circle(made: Made) -> None:
     checkout = made({"generator/a.py": "from .b import B\n", "generator/b.py": "from codewheel import a_name\n"})
-    assert circles(graph(checkout.modules)) == []
+    assert cycles(graph(checkout.modules)) == []
 
 
 def test_modules_lines_and_size(made: Made) -> None:
