@@ -12,7 +12,7 @@ import pytest
 from figures.functions import functions
 from figures.imports import cycles, graph, packages
 from figures.kinds import comparisons
-from figures.reading import looks
+from figures.reading import searches
 from figures.statements import Printed, by_output, printed, statements
 from figures.tree import Checkout, unpack
 from house import Figure, lists, table
@@ -195,7 +195,7 @@ def test_places_that_read_back(made: Made) -> None:
             "templates/markdown/b.jinja": template,
         }
     )
-    found = looks(checkout)
+    found = searches(checkout)
     assert [(item.place, item.function) for item in found if not item.reason] == [
         ("generator/targets/c/a.py:3", "needs_variant"),
         ("generator/targets/c/a.py:9", "build"),
@@ -214,7 +214,7 @@ def test_places_that_read_back(made: Made) -> None:
 
 def test_modules_of_a_target_that_lie_flat_are_read(made: Made) -> None:
     checkout = made({"generator/targets/c_codec.py": LOOKS, "generator/targets/docs.py": LOOKS})
-    assert {item.place.partition(":")[0] for item in looks(checkout)} == {"generator/targets/c_codec.py"}
+    assert {item.place.partition(":")[0] for item in searches(checkout)} == {"generator/targets/c_codec.py"}
 
 
 def file_of(marked: str) -> Printed:
