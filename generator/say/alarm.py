@@ -1,4 +1,4 @@
-"""Statements about an error or a warning."""
+"""Statements about an error or a warning of an encoder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .words import volts
 
 
 def alarm(device: Device, item: Alarm) -> Iterator[Said]:
-    """Yield all statements that follow its name in running text."""
+    """Yield all statements that follow its name in continuous text."""
     yield from told(item.meaning, source=item.source)
     yield from facts(device, item)
     yield from map(erratum, errata(device, f"alarms.{item.name}"))

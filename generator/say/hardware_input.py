@@ -12,7 +12,7 @@ from .words import microseconds
 
 
 def hardware_input(device: Device, item: Input) -> Iterator[Said]:
-    """Yield all statements that follow its name in running text."""
+    """Yield all statements that follow its name in continuous text."""
     yield from told(item.meaning, source=item.source)
     yield from facts(device, item)
     yield from told(item.note)
@@ -20,7 +20,7 @@ def hardware_input(device: Device, item: Input) -> Iterator[Said]:
 
 
 def facts(device: Device, item: Input) -> Iterator[Said]:
-    """Yield the meaning of its levels, its effect, and the rules for its use."""
+    """Yield the meanings of its levels, its effect, and the rules for its use."""
     yield from told(item.low, label="Low level")
     yield from told(item.high, label="High level")
     if item.pulse_at_least_us is not None:
