@@ -127,7 +127,8 @@ class Templates:
             lines.
         functions: Functions by name, which every template can call. The page shows them in the same way.
         autoescape: True if values are escaped for XML.
-        tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` builds this mapping. The page shows the first lines of their docstrings.
+        tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` builds
+            this mapping. The page shows the first lines of their docstrings.
     """
 
     folder: Path

@@ -4,8 +4,9 @@
 schema determines the form of each:
 
 * An object is an element. A list of objects is an element that contains one element per object, named after its type.
-* Running text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or numbers is an attribute, separated by spaces.
-* A map is an element of ``entry`` elements with names.
+* Longer text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or
+  numbers is an attribute, separated by spaces.
+* A map is an element that contains named ``entry`` elements.
 * A number of the form ``hexadecimal`` in the schema, and a hexadecimal parameter, is written as ``0x11``. Any other
   number is decimal.
 * Null, empty texts, empty lists and default values of the schema are omitted.

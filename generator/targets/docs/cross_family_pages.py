@@ -18,7 +18,7 @@ from ...say.words import volts
 from .order_code_patterns import patterns
 from .page_links import to_alarm, to_layout, to_register, to_steps
 
-#: Pages. No family can have one of these names.
+#: File names of the pages, which no family can have.
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
 Row = tuple[str, ...]
 #: Labels of the interface facts to compare.

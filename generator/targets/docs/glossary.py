@@ -13,7 +13,7 @@ from ...say.name import Titled
 from ...say.terms import TERMS, Term
 from .page_links import interface_page
 
-#: Page. No family can have this name.
+#: File name of the page, which no family can have.
 PAGE = "glossary-of-terms.md"
 
 

@@ -1,4 +1,4 @@
-"""Errata, shown next to the facts that they affect, and in full on one page per family and one page for all families."""
+"""Errata, shown next to the facts that they affect, and in full on a page per family and a page for all families."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...say.markdown import STYLE, anchor, cited, code, link, text
 from . import fact_tables
 from .page_links import ERRATA, to_erratum
 
-#: Page about all families. No family can have this name.
+#: File name of the page about all families, which no family can have.
 ALL = "all-errata.md"
 #: Longest erratum, in characters, that is shown inline with its reason. Errata with wrong data always have it.
 _LONG = 500
@@ -50,7 +50,7 @@ class OnPage:
         return "\n".join(lines)
 
     def named(self, *paths: str) -> str:
-        """Return the same errata as links for a table cell."""
+        """Return the errata about these paths as links for a table cell."""
         found = errata(self._device, *paths, wording=True)
         return ", ".join(f"{badge(item)} {self._link(item, code(item.name))}" for item in found)
 
@@ -140,7 +140,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield the impact, family and name of errata, with printed text and value used. Wrong bytes come before wording."""
+    """Yield rows of impact, family, name, printed text and value used. Wrong bytes come before wording."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             family = link(text(device.name.upper()), f"{device.name}.md")

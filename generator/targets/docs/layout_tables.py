@@ -54,7 +54,7 @@ def named(item: Named) -> str:
 
 
 def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
-    """Return all statements about a field in one cell. If a register field has many values, they are in a separate table."""
+    """Return all statements about a field in one cell. Many values of a register are in a separate table."""
     parts = [*told(item.meaning), *_values(item, in_register), *rules(device, item), *told(item.note)]
     return joined(map(STYLE.sentence, parts))
 

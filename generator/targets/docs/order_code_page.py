@@ -88,7 +88,7 @@ class Codes:
         return self._links("")
 
     def page_links(self, kind: str) -> list[str]:
-        """Return links to the order code pages of an interface, labelled with patterns, for pages next to the folder."""
+        """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
         return [
             link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
             for item in self.alike

@@ -48,7 +48,7 @@ def of_family(device: Device) -> Pictures:
 
 
 def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
-    """Return the pictures for a page of order codes that differ from those of the family."""
+    """Return those pictures for a page of order codes that differ from the family's pictures."""
     here = for_codes(device, codes)
     found: Pictures = {}
     for interface, layout in here.layouts():

@@ -14,7 +14,7 @@ from ...say.report import advice, alarm_of, by_hand, deciding, meaning, source
 from ...say.text import Code, listed, said
 from .page_links import to_erratum, to_layout, to_steps
 
-#: Page. No family can have this name.
+#: File name of the page, which no family can have.
 PAGE = "usable-or-not.md"
 Row = tuple[str, ...]
 
@@ -34,7 +34,7 @@ def page_values(devices: Sequence[Device]) -> UsablePage:
 
 
 def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
-    """Yield the rows, with the family in the first one. ``name`` is its anchor."""
+    """Yield the rows, with the family in the first row. ``name`` is its anchor."""
     family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
     for index, row in enumerate(rows):
         yield family if index == 0 else "", *row
