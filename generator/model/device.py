@@ -370,7 +370,7 @@ class Device:
     def supply_of(self, variant: Variant) -> Supply | None:
         """Return the supply that an order code needs, or None if the manual does not give it.
 
-        It gives none if the part that determines the supply has an unlisted value.
+        The manual gives none if the part that determines the supply has an unlisted value.
         """
         telling = [part for part in self.order_code.parts if any(value.supply is not None for value in part.values)]
         if not telling:
@@ -389,7 +389,7 @@ class Device:
         return frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
-        """Return whether frames of this layout carry the position, or a part of it, to the master."""
+        """Return whether frames of this layout send the position, or a part of it, to the master."""
         names = self.position_names(interface)
         here = {item.name for item in layout.fields} | {item.name for item in layout.joins}
         return layout.sender == "encoder" and not names.isdisjoint(here)

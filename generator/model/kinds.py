@@ -130,7 +130,7 @@ class Parity:
 
 @dataclass(frozen=True, slots=True)
 class Decimal:
-    """A number read as runs of decimal digits, the most significant run first."""
+    """A number made of runs of decimal digits, most significant run first."""
 
     runs: tuple[Digits, ...]
 

@@ -20,7 +20,7 @@ _AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
 class UnknownOrderCode(ValueError):
-    """The order code does not exist. The message says which part is wrong and what would be right.
+    """The order code does not exist. The message names the wrong part and its valid values.
 
     ``close`` is true if this message is the one to show: either all but one part of the text matches the family, or the
     text cannot belong to any family.

@@ -475,5 +475,5 @@ def characters(item: Field) -> tuple[tuple[int, int], ...]:
 
 
 def is_plain_flag(part: Part) -> bool:
-    """Return whether a part is a flag whose bit nothing else uses."""
+    """Return whether a part is a flag whose bit no join and no parity bit uses."""
     return isinstance(part.field.kind, Flag) and not part.shared

@@ -8,7 +8,7 @@ from itertools import product
 
 from ..model import Answer, Device, Interface, Layout, Rs485, Ssi, Variant, choices
 
-#: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual says how
+#: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
 BISS_REST, BISS_ACKNOWLEDGE = 2, 40
 #: Start bit and CDS before the data, and stop bit after the data.
