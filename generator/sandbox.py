@@ -1,4 +1,4 @@
-"""Sandbox for a user's templates. They can read values but cannot change anything, and the work they do is limited.
+"""Sandbox for a user's templates. They can read values but change nothing, and their computing effort is limited.
 
 Jinja's own sandbox blocks access to the rest of Python. This one also counts loop items, calls, printed values, and the
 lengths of texts and lists. The count for a file is the same on every machine.

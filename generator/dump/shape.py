@@ -46,7 +46,7 @@ class Member:
 
     @property
     def empty(self) -> Any:
-        """Value of a member that an object does not have."""
+        """Value that stands for a missing member."""
         if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
             return []
         if self.kind in (Kind.KEYED, Kind.MAP):

@@ -4,7 +4,7 @@
 schema determines the form of each:
 
 * An object is an element. A list of objects is an element that contains one element per object, named after its type.
-* Longer text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or
+* Running text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or
   numbers is an attribute, separated by spaces.
 * A map is an element that contains named ``entry`` elements.
 * A number of the form ``hexadecimal`` in the schema, and a hexadecimal parameter, is written as ``0x11``. Any other

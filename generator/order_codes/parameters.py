@@ -60,7 +60,7 @@ def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
 
 
 def _used(device: Device, kind: str) -> set[str]:
-    """Return the parameters used in frames, registers and measurement of an interface, and those behind them."""
+    """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
     expressions = list(_expressions(device, kind))
     found = {name for item in expressions for name in item.parameters}
     found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}

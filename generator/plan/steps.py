@@ -394,7 +394,7 @@ def _refusals(device: Device, item: Writes, argument: Argument) -> Iterator[Argu
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
 ) -> Iterator[TooWide | Beyond | NotOneOf]:
-    """Yield the reasons to reject an argument for one field of a register. The limits of a meaning take precedence."""
+    """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
         yield from _beyond(device, register, argument)

@@ -14,7 +14,7 @@ from .words import volts
 
 
 def alarm(device: Device, item: Alarm) -> Iterator[Said]:
-    """Yield all statements that follow its name in continuous text."""
+    """Yield all statements that follow its name in running text."""
     yield from told(item.meaning, source=item.source)
     yield from facts(device, item)
     yield from map(erratum, errata(device, f"alarms.{item.name}"))

@@ -11,7 +11,7 @@ from .words import counted
 
 
 def crc(device: Device, item: Crc) -> Iterator[Said]:
-    """Yield all statements of its continuous text in order."""
+    """Yield all statements about it in order, for running text."""
     yield head(item)
     yield from told(item.note)
     yield from map(erratum, errata(device, f"crcs.{item.name}"))

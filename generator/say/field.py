@@ -30,7 +30,7 @@ from .words import WORTH
 
 
 def field(device: Device, item: Field) -> Iterator[Said]:
-    """Yield all statements of its continuous text in order."""
+    """Yield all statements about it in order, for running text."""
     yield from meaning(item, item.meaning)
     yield from rules(device, item)
     yield from told(item.note)

@@ -12,7 +12,7 @@ from .words import microseconds
 
 
 def hardware_input(device: Device, item: Input) -> Iterator[Said]:
-    """Yield all statements that follow its name in continuous text."""
+    """Yield all statements that follow its name in running text."""
     yield from told(item.meaning, source=item.source)
     yield from facts(device, item)
     yield from told(item.note)

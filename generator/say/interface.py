@@ -42,7 +42,7 @@ _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, b
 
 
 def interface(device: Device, item: Interface) -> Iterator[Said]:
-    """Yield all statements that follow its title in continuous text, without the errata."""
+    """Yield all statements that follow its title in running text, without the errata."""
     yield from told(item.note)
     yield from facts(device, item)
 

@@ -40,7 +40,7 @@ def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]
 
 
 def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
-    """Yield all statements that follow the head in continuous text."""
+    """Yield all statements that follow the head in running text."""
     yield from told(item.printed_name, label="In the manual")
     yield from facts(interface, item)
     yield from needs(device, item)
@@ -86,5 +86,5 @@ def join(item: Join) -> Said:
 
 
 def as_one_number(parts: str) -> str:
-    """Return the phrase for fields that form one number."""
+    """Return the phrase for parts that form one number."""
     return f"{parts} as one number"

@@ -10,7 +10,7 @@ from .text import Code, Part, Said, parted, said, told
 
 
 def order_code(device: Device) -> Iterator[Said]:
-    """Yield all statements of its continuous text in order."""
+    """Yield all statements about it in order, for running text."""
     code = device.order_code
     yield said(Code(code.pattern), label="Order codes", source=code.source)
     for item in code.parts:

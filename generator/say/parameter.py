@@ -14,7 +14,7 @@ from .words import number
 
 
 def parameter(device: Device, item: Parameter) -> Iterator[Said]:
-    """Yield all statements of its continuous text in order."""
+    """Yield all statements about it in order, for running text."""
     yield from told(item.meaning, source=item.source)
     yield from told(item.unit, label="Unit")
     yield from origin(device, item)

@@ -33,7 +33,7 @@ def head(device: Device, register: Register, name: Part) -> Said:
 
 
 def register(device: Device, item: Register) -> Iterator[Said]:
-    """Yield all statements that follow the head in continuous text."""
+    """Yield all statements that follow the head in running text."""
     yield from told(item.meaning)
     yield from facts(device, item)
     yield from told(item.note)

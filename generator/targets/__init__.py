@@ -105,7 +105,7 @@ NO_OPTIONS: Options = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Target:
-    """An output.
+    """A kind of output.
 
     Attributes:
         name: Name for ``--target``, for the entry point and for the output folder: lowercase letters, digits, hyphens

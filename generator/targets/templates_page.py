@@ -156,7 +156,7 @@ def _callables(head: str, items: Mapping[str, Callable[..., object]]) -> str:
 
 
 def _filter(name: str, item: Callable[..., object]) -> str:
-    """Return a filter as written in a template, without its first argument, which is in front of the vertical bar."""
+    """Return a filter as written in a template, without its first argument, which precedes the vertical bar."""
     arguments = _signature(item, 1)
     return f"{name}{arguments}" if arguments != "()" else name
 
