@@ -1,10 +1,10 @@
-"""Measure the bytes of the code around the decoders: receivers, tracker, angles, procedures, and a BiSS master.
+"""Measure the size in bytes of the code around the decoders: receivers, tracker, angles, procedures, and a BiSS master.
 
     python benchmarks/around.py            measures and prints
     python benchmarks/around.py --write    also writes its table in docs/footprint.md and benchmarks/around.json,
                                            which tests/verify/test_footprint.py checks
 
-Each is a program of one function, linked as in footprint.py, with the parts of the compiler's library that it needs.
+Each part is a program with one function, linked as in footprint.py, with the parts of the compiler's library it needs.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BEGIN, END = "<!-- measured around -->", "<!-- end of measured around -->"
 
 @dataclass(frozen=True)
 class Part:
-    """A function ``measured`` that calls ours. It may take ``most`` bytes on a Cortex-M, or any number if 0."""
+    """A function ``measured`` that calls ours. It may take up to ``most`` bytes on a Cortex-M. 0 means no limit."""
 
     title: str
     headers: tuple[str, ...]

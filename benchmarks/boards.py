@@ -1,4 +1,4 @@
-"""Boards on which code is measured: bytes of a function with all that it calls, and instructions of one call."""
+"""Boards on which code is measured: bytes of a function with everything it calls, and instructions of one call."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import unicorn
 from unicorn import arm_const, riscv_const
 
 HERE = Path(__file__).resolve().parent
-#: No stack protector or frame, as in a firmware build.
+#: No stack protector and no frame pointer, as in a firmware build.
 OPTIONS = ("-std=c11", "-Os", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections", "-nostartfiles")
-#: Stack of the emulated machines, and the address that ends a run, both far from those of every linker script.
+#: Stack address of the emulated machines, and the address that ends a run. No linker script uses addresses near them.
 STACK, STOP, PAGE = 0x70080000, 0x70000000, 0x100000
 _LOADED = 1
 
 
 @dataclass(frozen=True)
 class Board:
-    """A board. ``prefix`` begins the names of its tools, and ``unit`` is the unit of :meth:`executed`."""
+    """A board. The names of its tools begin with ``prefix``, and ``unit`` is the unit of :meth:`executed`."""
 
     name: str
     prefix: str
@@ -54,19 +54,19 @@ class Board:
         return program
 
     def size(self, sources: Sequence[Path], include: Sequence[Path], function: str, folder: Path) -> int:
-        """Return the bytes of code and constants of ``function``, with the parts of the compiler's library."""
+        """Return the bytes of code and constants of ``function``, with the library functions that it calls."""
         program = self.link(sources, include, function, folder / f"{self.name}.size.elf")
         lines = _run([f"{self.prefix}-size", "-A", str(program)]).splitlines()
         return sum(int(line.split()[1]) for line in lines if re.match(r"\.(text|rodata|data|sdata|srodata)\b", line))
 
     def executed(self, sources: Sequence[Path], include: Sequence[Path], folder: Path) -> int:
-        """Return the count of one call. ``sources`` hold ``entry``, which calls the function and sets ``good``."""
+        """Return the count for one call. ``sources`` contain ``entry``, which calls the function and sets ``good``."""
         if self.name == "avr":
             return self._cycles(sources, include, folder)
         return self._instructions(sources, include, folder)
 
     def _instructions(self, sources: Sequence[Path], include: Sequence[Path], folder: Path) -> int:
-        """Count by emulation the instructions between ``entry`` and its return, without its own."""
+        """Count the instructions between ``entry`` and its return by emulation, without those of ``entry`` itself."""
         program = self.link(
             sources,
             include,
@@ -149,7 +149,7 @@ def _call(machine: Any, name: str, address: int) -> None:
 
 
 def _load(machine: Any, program: Path) -> None:
-    """Load the segments of a program, and map memory for its stack."""
+    """Load the segments of a program and map memory for its stack."""
     data = program.read_bytes()
     offset, (size, count) = struct.unpack_from("<I", data, 28)[0], struct.unpack_from("<HH", data, 42)
     headers = [struct.unpack_from("<IIIIIIII", data, offset + index * size) for index in range(count)]

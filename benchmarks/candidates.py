@@ -1,4 +1,4 @@
-"""Candidates of the comparison: our decoders, hand-written ones, and those of other generators for the same frames."""
+"""Candidates to compare: our decoders, hand-written ones, and those of other generators, all for the same frames."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BISS_6 = Crc("biss_6", 6, 0x03, 0, False, False, 0x3F, "", ())
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame of the comparison. ``fields`` are those of its sample. ``good`` tests that it was decoded correctly."""
+    """A frame to compare. ``fields`` are those of its sample. ``good`` tests that the sample was decoded correctly."""
 
     name: str
     title: str
@@ -73,7 +73,7 @@ FRAMES = (
     ),
 )
 
-#: Bits of the singleturn position in the frames that are words.
+#: Width in bits of the singleturn position in frames that are words.
 SINGLETURN = {"biss46": 26, "biss47": 23}
 
 
@@ -105,8 +105,10 @@ def sample(frame: Frame) -> bytes:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate. ``source`` is C that holds ``function``. ``call`` decodes the frame ``bytes`` or ``word``
-    with the variables of ``globals``, and its value is ``result``."""
+    """A candidate. ``source`` is C code with ``function``.
+
+    ``call`` decodes the frame ``bytes`` or ``word`` with the variables in ``globals``, and its value is ``result``.
+    """
 
     name: str
     function: str
@@ -190,7 +192,7 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
 
 
 def ours(frame: Frame) -> Iterator[Candidate]:
-    """Yield our decoders: order code fixed when compiled, chosen at run time, and with a table by a macro."""
+    """Yield our decoders: with the order code fixed at compile time, chosen at run time, and with a CRC table."""
     given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
     result = f"{frame.maker.lower()}_result"
     passed = given if frame.is_word else "bytes, sizeof bytes"
@@ -243,7 +245,7 @@ def received(frame: Frame) -> int:
 
 
 def entry(frame: Frame, candidate: Candidate) -> str:
-    """Return C with the call, a call that only returns, and a flag that says whether the first result was correct."""
+    """Return C code with the call, an empty call, and a flag that is set if the first result was correct."""
     value = f"static const uint64_t word = UINT64_C({word(frame):#x});\n" if frame.is_word else ""
     nothing = candidate.call.replace(candidate.function, "nothing", 1)
     return f"""#include <stdbool.h>
@@ -274,7 +276,7 @@ void check(void)
 
 
 def write_headers(folder: Path) -> Path:
-    """Write our headers for the frames, and return the folder to include from."""
+    """Write our headers for the frames, and return the include folder."""
     devices, report = load_library([HERE / "specs", REPOSITORY / "specs" / "lika"])
     if report:
         sys.exit("the specs have problems. Run codewheel check")
@@ -286,7 +288,7 @@ def write_headers(folder: Path) -> Path:
 
 
 def write_peers(folder: Path) -> Path:
-    """Write the code of cantools, nunavut and pycrc for the frames. Needs the packages of the extra ``bench``."""
+    """Write the code of cantools, nunavut and pycrc for the frames. This needs the packages of the extra ``bench``."""
     for package in ("cantools", "nunavut", "pycrc"):
         if importlib.util.find_spec(package) is None:
             raise RuntimeError(f"no {package} here. make bench installs it")

@@ -1,10 +1,10 @@
-"""Size and speed of the generated C decoders next to hand-written ones and those of other generators.
+"""Measure size and speed of the generated C decoders, hand-written ones, and those of other generators.
 
     python benchmarks/footprint.py            measures and prints
     python benchmarks/footprint.py --write    also writes the table of docs/footprint.md
                                               and the figures that tests/verify/test_footprint.py checks
 
-Bytes and counts are exact. Times are not, so the files have only their ratios.
+Bytes and counts are exact. Times are not, so only their ratios are in the files.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ RECORDED = HERE / "footprint.json"
 PAGE = HERE.parent / "docs" / "footprint.md"
 BEGIN, END = "<!-- measured -->", "<!-- end of measured -->"
 
-#: Bytes and executed instructions, by the name of the board.
+#: Bytes and executed instructions by the name of the board.
 Figures = Mapping[str, tuple[int, int]]
 
 

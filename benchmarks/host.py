@@ -1,4 +1,4 @@
-"""Nanoseconds per frame on this machine. Candidates take turns in one program, and the best of many turns counts."""
+"""Measure nanoseconds per frame on this machine. Candidates take turns in one program, and the best turn counts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FRAMES, TURNS, TIMES = 256, 60, 400
 def nanoseconds(
     frame: Frame, candidates: Sequence[Candidate], include: Sequence[Path], folder: Path
 ) -> dict[str, float]:
-    """Return the time of one frame for each candidate, by its name."""
+    """Return the time for one frame by the name of the candidate."""
     words, replies = [], []
     for index in range(FRAMES):
         turns, angle = (index * 37) & 0xFFF, (index * 7919) & 0x3FFFFF
@@ -30,7 +30,7 @@ def nanoseconds(
             .replace("covered", "bytes")
         )
         path = folder / f"host_{index}.c"
-        # In one unit, so that the compiler can inline the decoder into the loop.
+        # Decoder and loop are in one unit, so that the compiler can inline the decoder.
         path.write_text(f"""#include <stdint.h>
 #include <stddef.h>
 {candidate.source}
@@ -96,7 +96,7 @@ int main(void)
 """)
     objects = []
     for path in (*sources, main):
-        # Each in its own unit, because the peers' helpers share names.
+        # Each candidate is in its own unit, because the peers' helpers have the same names.
         target = path.with_suffix(".o")
         subprocess.run(
             ["cc", "-std=c11", "-O2", "-w", *(f"-I{item}" for item in include), "-c", str(path), "-o", str(target)],

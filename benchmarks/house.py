@@ -1,10 +1,10 @@
-"""Figures of the code: structure of the generator, and the share of its output that templates write.
+"""Figures about the code: structure of the generator, and the share of its output that comes from templates.
 
     python benchmarks/house.py                       measures this checkout and prints a table
     python benchmarks/house.py --against COMMIT      adds a column for an earlier commit
     python benchmarks/house.py --list                also lists the counted places
 
-The sources are read, not imported. Only the generator itself runs, once for each commit, in its own process. The
+The sources are read but not imported. Only the generator itself runs, once for each commit, in its own process. The
 docstrings of the modules in benchmarks/figures/ explain how they count.
 """
 
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True)
 class Figure:
-    """A line of the table, with the places that it counts."""
+    """A row of the table, with the places that it counts."""
 
     title: str
     value: str
@@ -38,7 +38,7 @@ class Figure:
 
 
 def measure(checkout: Checkout) -> Iterator[Figure]:
-    """Yield every figure of a checkout, in order of the table."""
+    """Yield every figure of a checkout, in the order of the table."""
     arrows = graph(checkout.modules)
     yield _cycles("cycles of modules that import each other", cycles(arrows))
     yield _cycles("cycles of packages", cycles(packages(arrows)))
@@ -65,12 +65,12 @@ def _cycles(title: str, found: Sequence[Sequence[str]]) -> Figure:
 
 
 def _cycle(names: Sequence[str]) -> str:
-    """Return a cycle in few words: all of its names, or the first ones."""
+    """Return a short text about a cycle: all of its names, or only the first ones."""
     return ", ".join(names) if len(names) <= 3 else f"{names[0]}, {names[1]} and {len(names) - 2} more"
 
 
 def _shares(checkout: Checkout) -> Iterator[Figure]:
-    """Yield the origin of the statements, for each sort of output and for all outputs of families."""
+    """Yield the origin of the statements, for each kind of output and for all outputs of families."""
     counts = by_output(checkout, printed(checkout))
     for title, count in counts.items():
         yield Figure(f"statements wholly from Python strings: {title}", _share(count))
@@ -135,7 +135,7 @@ def _functions(found: Sequence[Function]) -> Iterator[Figure]:
 
 
 def table(columns: Mapping[str, Iterable[Figure]]) -> Iterator[str]:
-    """Yield the figures of several commits side by side, in Markdown, with a dash for a missing figure."""
+    """Yield the figures of several commits side by side in Markdown, with a dash for a missing figure."""
     values = {name: {item.title: item.value for item in figures} for name, figures in columns.items()}
     longest = max(values.values(), key=len)
     titles = dict.fromkeys([*longest, *(title for column in values.values() for title in column)])
@@ -146,7 +146,7 @@ def table(columns: Mapping[str, Iterable[Figure]]) -> Iterator[str]:
 
 
 def lists(figures: Iterable[Figure]) -> Iterator[str]:
-    """Yield the places that the figures count, in Markdown."""
+    """Yield the places that the figures count as Markdown."""
     for item in figures:
         if item.places:
             yield from ("", f"### {item.title}", "", *(f"- `{place}`" for place in item.places))

@@ -1,4 +1,4 @@
-"""Plant mistakes of a transcriber in the specs, and count those that pass ``check``, by class of fact.
+"""Plant transcription mistakes in the specs, and count those that pass ``check`` by class of fact.
 
     python benchmarks/mutants.py                     tries some thousand, drawn evenly over files and classes
     python benchmarks/mutants.py --number 500        tries fewer
@@ -6,8 +6,8 @@
     python benchmarks/mutants.py --files amm5        tries only the specs or second readings of these names
     python benchmarks/mutants.py --write             also writes docs/mutants.md
 
-The exit code is 1 if a wrong value passes in a class in which none may, if one passes without a reason, or if too many
-pass. The docstrings of the modules in benchmarks/mutation/ explain mutants and their trial.
+The exit code is 1 if a wrong value passes in a class where none may, if one passes without a reason, or if too many
+pass. The docstrings of the modules in benchmarks/mutation/ explain mutants and how they are tried.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from mutation.trial import Trial
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "mutants.md"
 NUMBER = 4000
-#: The share of wrong values that may pass over all classes.
+#: Maximum share of wrong values that may pass in all classes together.
 MOST = 0.05
 
 

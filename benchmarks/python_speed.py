@@ -2,9 +2,9 @@
 
     make bench-python
 
-Everything is measured in one run, in CPU time. The candidates take turns, and the best of many rounds counts, so trust
-the ratios. A peer that is not installed is listed and left out. No peer checks a CRC. Candidates that do have it in
-their name.
+Everything is measured in one run, in CPU time. The candidates take turns and the best of many rounds counts, so the
+ratios are reliable. Peers that are not installed are listed and skipped. No peer checks a CRC. Candidates that check
+one have it in their name.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def main() -> None:
 
 
 def compare(title: str, candidates: Candidates, calls: int, of: int) -> None:
-    """Print the time of each, next to the first."""
+    """Print the time of each candidate, compared with the first."""
     best = dict.fromkeys(candidates, float("inf"))
     for _ in range(ROUNDS):
         for name, call in candidates.items():
@@ -138,7 +138,7 @@ FIELDS = [("spare", 19), ("multiturn", 16), ("singleturn", 21), ("error", 1), ("
 
 
 def kaitai_bits(kaitai: Any, data: bytes) -> object:
-    """Return the code that its compiler writes for such a record."""
+    """Decode with the code that the Kaitai compiler would write for such a record."""
     from io import BytesIO
 
     stream = kaitai.KaitaiStream(BytesIO(data))
@@ -146,7 +146,7 @@ def kaitai_bits(kaitai: Any, data: bytes) -> object:
 
 
 def cantools_message(fields: list[tuple[str, int, int]]) -> Any:
-    """Return a message of eight bytes with these signals: name, first bit, width."""
+    """Return an eight-byte message with these signals, each with name, first bit and width."""
     if peer("cantools") is None:
         return None
     lines = [f' SG_ {name} : {8 * (at // 8) + 7 - at % 8}|{bits}@0+ (1,0) [0|0] "" E' for name, at, bits in fields]
@@ -260,7 +260,7 @@ void many(const uint64_t *words, uint64_t *positions, uint8_t *faults, size_t co
 
 
 def compiled(words: Any) -> Callable[[], object] | None:
-    """Return a loop in C over our own header. If it cannot be built, print so and return None."""
+    """Return a loop in C around our own header. If it cannot be built, print a message and return None."""
     import numpy
 
     folder = tempfile.mkdtemp()
@@ -276,7 +276,7 @@ def compiled(words: Any) -> Callable[[], object] | None:
         print("  left out: our C header, which could not be compiled here")
         return None
     loaded = ctypes.CDLL(str(library))
-    # The columns must stay alive while their addresses are used.
+    # The columns must be kept alive while their addresses are used.
     columns = (words, numpy.empty_like(words), numpy.empty(len(words), numpy.uint8))
     given = [ctypes.c_void_p(item.ctypes.data) for item in columns]
     return lambda: loaded.many(*given, ctypes.c_size_t(len(columns[0])))
@@ -293,7 +293,7 @@ def lookups() -> Candidates:
 
 
 def loading() -> None:
-    """Print the time of an import, with bytecode and without the interpreter itself."""
+    """Print the time of an import from bytecode, without the start of the interpreter."""
     print("import with bytecode, ms of CPU time without that of the interpreter")
     cases = ("pass", "import typing, enum", "import lika_encoders", *(f"import lika_encoders.{n}" for n in families()))
     best = dict.fromkeys(cases, float("inf"))

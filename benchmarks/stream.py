@@ -1,4 +1,4 @@
-"""Decode a file larger than memory with the generated package's command, and measure its time and memory.
+"""Decode a file larger than memory with the command of the generated package, and measure its time and memory.
 
 ``python benchmarks/stream.py --gigabytes 2`` writes a file of frames, decodes it into Parquet, and removes both.
 """
@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 #: Number of generated frames. The file repeats them.
 MADE = 60_000
-#: One in this many frames is damaged.
+#: Number of frames per damaged frame.
 DAMAGED = 1000
 #: Limit for the memory of a command, in MB.
 LIMIT = 200
@@ -42,7 +42,7 @@ class Measured(NamedTuple):
 
 
 def frames(encoder: Any) -> bytes:
-    """Return frames of an axis that moves back and forth, some of them damaged, packed into bytes."""
+    """Return frames of an axis that moves back and forth, packed into bytes. Some of them are damaged."""
     source = random.Random(1)
     length = (encoder.frame_bits + 7) // 8
     kind = type(encoder.decode_many([]).encoder)
@@ -59,7 +59,7 @@ def frames(encoder: Any) -> bytes:
 
 
 def write(path: Path, block: bytes, size: int, length: int) -> None:
-    """Write whole frames up to this many bytes."""
+    """Write whole frames, up to this many bytes in total."""
     size -= size % length
     with path.open("wb") as file:
         for _ in range(size // len(block)):
@@ -80,7 +80,7 @@ def run(package: Path, *arguments: str) -> Run:
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     seconds = time.monotonic() - started
     said, _, peak = done.stdout.strip().rpartition("peak ")
-    # Linux counts KiB.
+    # Linux reports KiB.
     return Run(said, seconds, int(peak) * 1024 / 1e6)
 
 
@@ -107,7 +107,7 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
 
 
 def child(package: str, *arguments: str) -> int:
-    """Run the command and report its memory. A process begins with the memory of its parent, hence one in between."""
+    """Run the command and report its memory. The parent must be small, because a process starts with its memory."""
     environment = {**os.environ, "PYTHONPATH": package}
     done = subprocess.run([sys.executable, "-m", "lika_encoders", "decode", *arguments], env=environment)
     print("peak", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)

@@ -1,10 +1,10 @@
-"""Measure how often the planted mistake is found, and how often first, with one mistake per frame of every family.
+"""Measure how often a planted mistake is found, and how often it is listed first. Each frame has one mistake.
 
     python benchmarks/why_ranking.py [FRAMES]
 
 FRAMES is the number of frames of each order code with each mistake, by default 20. The frames are the same every time.
-A planted frame whose CRC is still correct, by coincidence or because the mistake changed nothing,
-is counted as unseen, because no reader would ask why.
+A frame whose CRC is still correct, by coincidence or because the mistake changed nothing, is counted as unseen, because
+no reader would ask why it was rejected.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ def main() -> None:
 
 
 def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
-    """Return the results of each mistake, by its name, and of frames of random bits.
+    """Return the results for each mistake by name, and for frames of random bits.
 
-    For random bits, ``listed`` counts the frames that have an explanation at all.
+    For random bits, ``listed`` counts the frames for which any explanation is found.
     """
     counts: dict[str, Count] = {}
     for name, plant in _plants(rounds):

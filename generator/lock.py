@@ -1,4 +1,4 @@
-"""Lock of an output folder, so that only one process at a time writes to it.
+"""Lock on an output folder, so that only one process at a time writes to it.
 
 The system releases the lock when the process ends for any reason. The lock is on the folder itself, so no file is left
 behind. If the file system cannot lock folders, as on some network drives, there is no lock.
@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-#: A run writes for a few seconds. A run that takes longer was stopped or uses a very slow disk.
+#: A run writes for a few seconds. One that takes longer has been suspended or has a very slow disk.
 PATIENCE_S = 60.0
 _PAUSE_S = 0.1
 
@@ -52,7 +52,7 @@ else:
         except BlockingIOError:
             return False
         except OSError:
-            return True  # This file system cannot lock folders.
+            return True  # this file system cannot lock folders
         try:
             return os.path.samestat(os.fstat(handle), os.stat(folder))
         except FileNotFoundError:
@@ -61,10 +61,10 @@ else:
 
 @contextmanager
 def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
-    """Hold the lock of a folder, which is created if it does not exist.
+    """Hold the lock on a folder, and create the folder if it does not exist.
 
     Args:
-        folder: The folder. Links to it share its lock.
+        folder: The folder. Links to the folder share its lock.
         waiting: Called once if another process has the lock.
 
     Raises:
@@ -87,7 +87,7 @@ def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
 
 
 def _attempt(folder: Path) -> int | None:
-    """Return the open lock, or None if it is taken."""
+    """Return the descriptor of the lock, or None if another process has it."""
     folder.mkdir(parents=True, exist_ok=True)
     handle = _open(folder)
     if _take(handle, folder):

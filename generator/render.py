@@ -1,4 +1,4 @@
-"""Render the Jinja templates of a target, each of which a user's own template can override.
+"""Render the Jinja templates of a target. A user's template can override each of them.
 
 Errors in a user's template are reported with file and line. Templates without effect are reported too.
 """
@@ -33,14 +33,14 @@ from .say.lines import plain, wrapped
 
 _SUFFIX = ".jinja"
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
-#: Prefix of a template's name that selects the target's own one, even if the user overrides it.
+#: Prefix for template names that selects the target's own template, even if the user overrides it.
 _SHIPPED = "shipped"
 #: Filters of all targets.
 COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": plain, "wrapped": wrapped}
 
 
 class TemplateFault(ValueError):
-    """An error in a user's template. The message gives place and reason in one line."""
+    """An error in a user's template. The message gives the location and the reason in one line."""
 
 
 class _Compiled(FileSystemBytecodeCache):
@@ -52,7 +52,7 @@ class _Compiled(FileSystemBytecodeCache):
     def load_bytecode(self, bucket: Bucket) -> None:
         try:
             super().load_bytecode(bucket)
-        except Exception:  # A damaged file can raise anything when unpickled.
+        except Exception:  # unpickling a damaged file can raise anything
             bucket.reset()
 
     def dump_bytecode(self, bucket: Bucket) -> None:
@@ -64,11 +64,11 @@ def _compiled() -> FileSystemBytecodeCache | None:
     try:
         return _Compiled()
     except (RuntimeError, OSError):
-        return None  # There is no such folder here, or it belongs to another user.
+        return None  # there is no such folder here, or it belongs to another user
 
 
 class _OwnTemplates(FileSystemLoader):
-    """The user's templates in one folder. ``used`` has the names of those that were read."""
+    """The user's templates in one folder. ``used`` collects the names of those that were read."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder, encoding="utf-8-sig")
@@ -113,13 +113,13 @@ def _own_loader(own: Path) -> _OwnTemplates:
 
 @dataclass(frozen=True, eq=False)
 class Templates:
-    """The templates of a target: the ``*.jinja`` files in a folder, with their values, filters, functions and tests.
+    """The templates of a target: the ``*.jinja`` files in a folder, and their values, filters, functions and tests.
 
-    A user's template of the same name overrides one of these, and can include it as ``shipped/NAME``. An undefined name
-    is an error. A line with only a statement produces no output.
+    A user's template of the same name overrides one of these, and can include it as ``shipped/NAME``. Undefined names
+    are errors. A line that has only a statement produces no output.
 
     Attributes:
-        folder: Folder of the files, in your own package ``Path(__file__).parent / "templates"``.
+        folder: Folder of the files. In your own package, this is ``Path(__file__).parent / "templates"``.
         values: For each template that is rendered by name, the ``TypedDict`` of its values, each value ``Annotated``
             with a one-line description. This is used only for the page about templates.
         filters: Filters by name, in addition to those of Jinja, ``plain`` and ``wrapped``. Text from a spec can be
@@ -127,8 +127,8 @@ class Templates:
             lines.
         functions: Functions by name, which every template can call. The page shows them in the same way.
         autoescape: True if values are escaped for XML.
-        tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` names
-            them. The page shows the first lines of their docstrings.
+        tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` builds
+            this mapping. The page shows the first lines of their docstrings.
     """
 
     folder: Path
@@ -172,10 +172,10 @@ class Templates:
 
 @cache
 def environment(templates: Templates, own: Path | None = None) -> Environment:
-    """Return the environment for rendering templates, which is a sandbox if the user has templates."""
+    """Return the environment for rendering templates. It is a sandbox if the user has templates."""
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})
-    # Compiled code is specific to one of the two environments, so that of the sandbox is not cached.
+    # The two environments compile templates differently, so code for the sandbox is not cached.
     kind = Environment if own is None else Sandbox
     made = kind(
         loader=shipped if own is None else ChoiceLoader([_own_loader(own), by_name, shipped]),
@@ -196,7 +196,7 @@ def environment(templates: Templates, own: Path | None = None) -> Environment:
 
 
 def tests_for(*classes: object) -> dict[str, type]:
-    """Return the test for each of these classes, alone or in a union, such as ``zeros_above`` for ``ZerosAbove``."""
+    """Return a test for each of these classes and members of unions, such as ``zeros_above`` for ``ZerosAbove``."""
     found = [item for one in classes for item in get_args(one) or (one,)]
     return {_CAPITAL.sub("_", item.__name__).lower(): item for item in found}
 
@@ -206,7 +206,7 @@ def _is(kind: type, item: object) -> bool:
 
 
 def _place(error: Exception, own: Path) -> str:
-    """Return file and line of an error, in the user's template or in one of ours that includes it."""
+    """Return file and line of an error, either in the user's template or in one of ours that includes it."""
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(_SUFFIX)]
@@ -227,11 +227,11 @@ def _reason(error: Exception) -> str:
 
 
 def unused_templates(own: Path, rendered: Mapping[str, Templates | None], others: Iterable[str]) -> Iterator[str]:
-    """Yield a line for each of the user's templates without effect. Call this after rendering.
+    """Yield a line for each of the user's templates that had no effect. Call this after rendering.
 
     Args:
         own: The user's folder, which has a folder for each target.
-        rendered: The templates of the targets that ran, by the name of the target.
+        rendered: The templates of the targets that ran, keyed by the name of the target.
         others: The names of targets that did not run, whose folders are ignored.
     """
     ours = {f"{name}/{file}" for name, templates in rendered.items() if templates for file in templates.names}

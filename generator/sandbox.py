@@ -1,7 +1,7 @@
-"""Sandbox for a user's templates, which can read values but change nothing, and whose computing effort is limited.
+"""Sandbox for a user's templates. They can read values but change nothing, and their computing effort is limited.
 
-Jinja's own sandbox keeps them from the rest of Python. This one also counts every item of a loop, every call, every
-printed value, and the length of texts and lists. The count of a file is the same on every machine.
+Jinja's own sandbox blocks access to the rest of Python. This one also counts loop items, calls, printed values, and the
+lengths of texts and lists. The count for a file is the same on every machine.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from jinja2.exceptions import SecurityError
 from jinja2.runtime import Context, LoopContext
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 
-#: Steps for one file. The largest file of the shipped specs takes a fiftieth of this.
+#: Highest number of steps for one file. The largest file from the shipped specs takes a fiftieth of this.
 MOST_STEPS = 1_000_000
 #: Characters of a text that count as one step.
 _CHARACTERS = 100
-#: Most characters or items from a repetition, and most bits in a number.
+#: Highest number of characters or items in a repetition, and of bits in a number.
 _MOST_REPEATED = 10_000_000
 _MOST_BITS = 100_000
-#: Jinja filters whose numbers are lengths, and the largest length.
+#: Jinja filters that take a length as an argument, and the maximum length.
 _WITH_LENGTHS = ("batch", "center", "indent", "round", "slice", "truncate", "urlize", "wordwrap")
 _MOST_LENGTH = 10_000
 #: Types that give access to files or other code, even if a target passes them to a template.
 _OUTSIDE = (PurePath, ModuleType, IOBase, type)
-#: Memory for one file, if the system can limit it.
+#: Memory limit for one file, on systems that can limit it.
 _MOST_BYTES = 2**30
 _WITH_ITEMS = (str, bytes, list, tuple, dict, set, frozenset, range, KeysView, ValuesView, ItemsView)
 _COUNTED = "counted by the sandbox"
@@ -41,12 +41,12 @@ Filter = Callable[..., Any]
 
 
 class Sandbox(ImmutableSandboxedEnvironment):
-    """An environment for a user's templates. Call ``finish`` when it has all its filters."""
+    """An environment for a user's templates. Call ``finish`` once all filters have been added."""
 
     intercepted_binops = frozenset(("*", "**", "+", "%"))
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        # Do not compute constant expressions before the count begins.
+        # Without the optimizer, no constant expression is computed before counting starts.
         super().__init__(*args, **kwargs, optimized=False, finalize=self._spent)
         del self.globals["lipsum"]
         self.left = MOST_STEPS
@@ -55,15 +55,15 @@ class Sandbox(ImmutableSandboxedEnvironment):
         """Render a template within the limits of one file.
 
         Raises:
-            SecurityError: It accesses something forbidden, or takes too many steps.
-            MemoryError: It uses too much memory.
+            SecurityError: The template accesses something forbidden, or takes too many steps.
+            MemoryError: The template uses too much memory.
         """
         self.left = MOST_STEPS
         with limited_memory():
             return "".join(map(self._spent, self.get_template(template).generate(values)))
 
     def finish(self, filters: Iterable[str]) -> None:
-        """Make these filters and all others count."""
+        """Make the environment count calls of these filters and of all others."""
         own = frozenset(filters)
         for name, function in list(self.filters.items()):
             self.filters[name] = self._counting(function, name in _WITH_LENGTHS and name not in own)
@@ -92,7 +92,7 @@ class Sandbox(ImmutableSandboxedEnvironment):
         return super().get_template(*args, **kwargs)
 
     def _generate(self, source: nodes.Template, *args: Any, **kwargs: Any) -> str:
-        """Count the items of loops and the parts of joined texts."""
+        """Generate code that counts the items of loops and the parts of joined texts."""
         for loop in source.find_all(nodes.For):
             loop.iter = _through_the_count(loop.iter, loop.lineno)
         for joined in source.find_all(nodes.Concat):

@@ -1,9 +1,9 @@
-"""Write the output folder, which no other module touches.
+"""Write the output folder. No other module changes it.
 
-Each target owns one folder of the output. Its complete new content is put into a stage next to the old one, and only
-when every target is complete are the folders exchanged. One process at a time does this. A list in a target's folder
-names the files written by codewheel. All other files and folders are kept, and never overwritten or removed unless the
-user asks for it.
+Each target has its own folder in the output. Its complete new content is first assembled in a stage next to the old
+folder. The folders are exchanged only when every target is complete. One process at a time does this. Each target's
+folder has a list of the files written by codewheel. All other files and folders are never overwritten or removed unless
+the user requests it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .lock import PATIENCE_S, Busy, locked
 LIST = ".codewheel"
 _LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
 _LIST_SIGN = b"# Written by codewheel generate"
-#: The first file in a stage, by which a later run distinguishes the stage of a killed run from a user's folder.
+#: The first file in a stage. It lets a later run tell the stage of a killed run from a user's folder.
 _MARK = ".codewheel-stage"
 _PREFIX = ".codewheel-"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
@@ -35,7 +35,7 @@ _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 
 
 class WriteError(Exception):
-    """The output could not be written or compared. The message says whether anything has changed."""
+    """The output could not be written or compared. The message states if anything has changed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +47,12 @@ class Change:
 
 
 def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]:
-    """Return the changes that writing ``files`` would make in the target's folder, in order of path.
+    """Return the changes that writing ``files`` would make in the target's folder, ordered by path.
 
     Args:
         folder: The output folder.
-        target: The target's name, which is the first part of every path.
-        files: Text by path, relative to the output folder, with slashes.
+        target: Name of the target, which is the first part of every path.
+        files: Text of each file, keyed by its path relative to the output folder, with slashes.
 
     Raises:
         WriteError: A path is outside the target's folder, or the folder cannot be read.
@@ -74,17 +74,17 @@ def write(
     force: bool = False,
     waiting: Callable[[], None] = lambda: None,
 ) -> list[Change]:
-    """Write the files of ``targets`` to their folders, remove old ones, and keep foreign files.
+    """Write the files of ``targets`` to their folders, remove obsolete ones, and keep foreign files.
 
     Args:
         folder: The output folder.
-        targets: The files of each target, by its name.
-        force: Overwrite foreign files that are in the way.
-        waiting: Called before waiting for another run that is writing to the folder.
+        targets: The files of each target, keyed by the name of the target.
+        force: True to overwrite foreign files that are in the way.
+        waiting: Called before the function waits for another run that is writing to the folder.
 
     Raises:
-        WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. Nothing has
-            changed then, or the message names the targets that could not be restored.
+        WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. In that case
+            nothing has changed, or the message lists the targets that could not be restored.
     """
     for target, files in targets.items():
         _refuse_bad_paths(folder, target, files)
@@ -95,7 +95,7 @@ def write(
                 return _written(folder, targets, force)
             finally:
                 if is_new:
-                    with suppress(OSError):  # It stays if it is not empty.
+                    with suppress(OSError):  # a folder that is not empty stays
                         folder.rmdir()
     except Busy:
         wrong = f"another run of codewheel has been writing to {folder} for {PATIENCE_S:.0f} s"
@@ -107,7 +107,7 @@ def write(
 
 
 def _written(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool) -> list[Change]:
-    """Write the targets to the folder, whose lock this process holds."""
+    """Write the targets to the folder. This process must hold its lock."""
     _clear(folder, targets)
     found = {target: changes(folder, target, files) for target, files in targets.items()}
     to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name])]
@@ -138,7 +138,7 @@ def _needs_writing(folder: Path, target: str, files: Mapping[str, str], found: I
 
 
 def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
-    """Return the path of an error as the user knows it, not that of a stage."""
+    """Return the path of an error in the user's folder, also for an error in a stage."""
     path = str(error.filename or folder)
     for stage in stages:
         for inside in (stage.new, stage.folder):
@@ -152,7 +152,7 @@ def _state(written: list[str]) -> str:
 
 
 def _taken_back(stage: _Stage) -> bool:
-    """Restore the old content of a target's folder, and return whether that succeeded."""
+    """Restore the old content of a target's folder, and return True if that succeeded."""
     try:
         if os.path.lexists(stage.old):
             os.rename(stage.place, stage.new)
@@ -167,7 +167,7 @@ def _taken_back(stage: _Stage) -> bool:
 
 
 def _clear(folder: Path, targets: Iterable[str]) -> None:
-    """Remove the remains of a killed run: only stages with our name and mark."""
+    """Remove stages left by a killed run. Only folders with our name and mark are removed."""
     name_of_a_stage = re.compile(rf"{re.escape(_PREFIX)}({'|'.join(map(re.escape, targets))})-[a-z0-9_]{{8}}")
     with os.scandir(folder) as entries:
         for entry in list(entries):
@@ -179,7 +179,7 @@ def _clear(folder: Path, targets: Iterable[str]) -> None:
 
 
 def _is_a_stage(folder: Path) -> bool:
-    """Return whether a folder is a stage, by its mark. A run killed before completing the mark left only that."""
+    """Return whether a folder has the mark of a stage. A run killed early may have left only part of the mark."""
     mark = _read(folder / _MARK)
     if mark == _MARK_TEXT.encode():
         return True
@@ -187,15 +187,15 @@ def _is_a_stage(folder: Path) -> bool:
 
 
 def _remove(stage: Path, place: Path) -> None:
-    """Remove a stage, its mark last, so that a run killed here leaves a recognisable stage."""
+    """Remove a stage. The mark is removed last, so that a run killed here leaves a recognisable stage."""
     if os.path.lexists(stage / _OLD) and not os.path.lexists(place):
-        with suppress(OSError):  # The run was killed between two renames.
+        with suppress(OSError):  # the run was killed between two renames
             os.rename(stage / _OLD, place)
     for root, folders, _ in os.walk(stage):
         for name in folders:
             with suppress(OSError):
                 if not os.path.islink(os.path.join(root, name)):
-                    # It may be a folder of the old content in which nothing can be removed.
+                    # A read-only folder from the old content may prevent the removal.
                     os.chmod(os.path.join(root, name), 0o700)
     shutil.rmtree(stage / _NEW, ignore_errors=True)
     if os.path.lexists(place):
@@ -223,7 +223,7 @@ def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> No
 def _refuse_what_is_in_the_way(
     folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool
 ) -> None:
-    """Refuse to overwrite anything not in our lists. ``force`` allows files, but not whole folders."""
+    """Refuse to overwrite anything that is not in our lists. ``force`` permits it for files, but not for folders."""
     blocked: list[str] = []
     for target, files in targets.items():
         differing = {item.path for item in found[target] if item.what == "written"}
@@ -237,7 +237,7 @@ def _refuse_what_is_in_the_way(
 
 
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
-    """Yield foreign files and folders in the place of ``files`` or their folders, each with a remark."""
+    """Yield foreign files and folders that are in the way of ``files`` or their folders, each with a remark."""
     ours = set(_ours(folder, target))
     folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
     for path in sorted(folders - ours):
@@ -257,7 +257,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
 
 
 def _kind_of(place: Path) -> str:
-    """Return ``folder``, ``link``, ``file`` for anything else, or "" if nothing exists."""
+    """Return ``folder``, ``link``, ``file`` (for anything else), or an empty text if nothing exists."""
     try:
         mode = os.lstat(place).st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -279,7 +279,7 @@ def _read(path: Path) -> bytes | None:
 
 
 def listed_in(place: Path) -> list[str]:
-    """Return the paths in the list of a target's folder, relative to it. Paths outside the folder are ignored.
+    """Return the paths in the list of a target's folder, relative to that folder. Paths outside it are ignored.
 
     Raises:
         WriteError: The list cannot be read.
@@ -313,7 +313,7 @@ class _Stage:
         return self.folder / _OLD
 
     def fill(self, files: Mapping[str, str], unchanged: set[str]) -> None:
-        """Put in the whole content of the target's folder. Unchanged files become hard links."""
+        """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         inside = {Path(path).relative_to(self.place.name): path for path in files}
@@ -332,7 +332,7 @@ class _Stage:
                 made.chmod(mode)
 
     def _carry_over(self, ours: set[Path]) -> None:
-        """Carry over foreign files and empty folders. A folder that held only our files is removed with them."""
+        """Keep foreign files and empty folders in the new content. A folder that held only our files is not kept."""
         for root, folders, names in os.walk(self.place, onerror=_raise) if self.place.is_dir() else ():
             here = Path(root).relative_to(self.place)
             for name in (*names, *(name for name in folders if (Path(root) / name).is_symlink())):
@@ -344,7 +344,7 @@ class _Stage:
                 self._make(here)
 
     def _make(self, path: Path) -> None:
-        """Create a folder of the new content, with owner and mode of the old one of that name."""
+        """Create a folder in the new content, with the owner and mode of the old folder of the same name."""
         made, old = self.new / path, self.place / path
         if made in self._modes:
             return
@@ -354,7 +354,7 @@ class _Stage:
         self._modes[made] = 0o700
         if old.is_dir() and not old.is_symlink():
             was = old.stat()
-            with suppress(OSError, AttributeError):  # Only the owner can change this, and not on every system.
+            with suppress(OSError, AttributeError):  # only the owner can do this, and not on every system
                 os.chown(made, was.st_uid, was.st_gid)
             shutil.copystat(old, made)
             self._modes[made] = stat.S_IMODE(was.st_mode)
@@ -373,7 +373,7 @@ def _same(old: Path, new: Path) -> None:
 
 
 def _exchange(stage: Path, place: Path) -> None:
-    """Exchange the two folders, in one step if the system can do that. ``place`` need not exist yet."""
+    """Exchange the two folders, in one step if the system supports that. ``place`` need not exist yet."""
     if not place.exists():
         os.rename(stage, place)
         return
@@ -383,7 +383,7 @@ def _exchange(stage: Path, place: Path) -> None:
             return
     except (AttributeError, OSError, TypeError):
         pass
-    # Without an exchange, use two renames, and undo the first if the second fails.
+    # If the system cannot exchange folders, rename twice, and undo the first rename if the second fails.
     old = stage.with_name(_OLD)
     os.rename(place, old)
     try:

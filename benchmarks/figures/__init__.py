@@ -1,1 +1,1 @@
-"""Figures of ``benchmarks/house.py``, one module for each sort. None of them imports the code that it measures."""
+"""Figures for ``benchmarks/house.py``, with one module for each kind. No module imports the code that it measures."""

@@ -1,4 +1,4 @@
-"""Measure how long and how branched functions are.
+"""Measure the length and the complexity of functions.
 
 The complexity of a function is one, and one more for each of: ``if``, ``elif``, conditional expression, loop, the
 ``else`` of a loop or of a ``try``, ``except``, further part of ``and`` and ``or``, loop and condition of a
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from .tree import Source
 
-#: Longest function without a reason, in lines with its signature and docstring.
+#: Maximum length of a function without a stated reason, in lines including its signature and docstring.
 LONGEST = 40
 
 _Definition = (ast.FunctionDef, ast.AsyncFunctionDef)

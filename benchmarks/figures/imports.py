@@ -1,8 +1,8 @@
-"""Read from the sources which module imports which, and find the cycles.
+"""Find the imports between modules in the sources, and the import cycles.
 
-Every import counts, also in functions and under ``TYPE_CHECKING``. ``from .layout import Field`` is an import of
-``layout`` only, not of its package. ``from . import slots`` is an import of ``slots`` if that is a module, else of
-the package. Modules that are imported by a name in a string are not found.
+Every import counts, including those in functions and under ``TYPE_CHECKING``. ``from .layout import Field`` is an
+import of ``layout`` only, not of its package. ``from . import slots`` is an import of ``slots`` if that is a module,
+else of the package. Imports of modules whose name is in a string are not found.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from pathlib import Path
 
 from .tree import Source
 
-#: Modules or packages, and the others that each imports.
+#: Modules or packages, each with the others that it imports.
 Graph = Mapping[str, Set[str]]
 PACKAGE = "codewheel"
 
 
 def module_name(path: str) -> str:
-    """Return the name of a module in the package: ``targets.c.files``. The package itself has its own name."""
+    """Return the name of a module in the package, such as ``targets.c.files``. The package itself has its own name."""
     parts = Path(path).with_suffix("").parts[1:]
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts) or PACKAGE
 
@@ -59,7 +59,7 @@ def _imported_from(node: ast.ImportFrom, package: Sequence[str], names: Set[str]
 
 
 def packages(modules: Graph) -> Graph:
-    """Return the imports between packages. A folder is a package, and so is a module in no folder."""
+    """Return the imports between packages. A folder is a package, and so is a module outside any folder."""
     found: dict[str, set[str]] = {}
     for name, imported in modules.items():
         package = name.partition(".")[0]
@@ -68,7 +68,7 @@ def packages(modules: Graph) -> Graph:
 
 
 def cycles(arrows: Graph) -> list[list[str]]:
-    """Return the cycles, the largest first: names that all reach each other."""
+    """Return the cycles, largest first. The names in a cycle can all reach each other."""
     reached = {name: _reached(name, arrows) for name in arrows}
     found = {tuple(sorted(other for other in reached[name] if name in reached[other])) for name in arrows}
     return sorted((list(cycle) for cycle in found if cycle), key=lambda cycle: (-len(cycle), cycle))

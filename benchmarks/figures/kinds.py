@@ -1,9 +1,9 @@
-"""Find the strings that modules and templates compare to learn the kind of a thing.
+"""Find the strings that modules and templates compare to determine the kind of an object.
 
-It counts ``thing.kind == "flag"``, also with ``!=``, ``in`` and ``not in``, and each ``case "flag"`` of a
-``match thing.kind``: an attribute with one of the names in ``KINDS`` next to a word in quotes, or a tuple, list or set
-of such words. It does not count variables of that name, keys of YAML (``raw["kind"]``), and tables with a kind as
-their key.
+It counts ``thing.kind == "flag"``, also with ``!=``, ``in`` and ``not in``, and each ``case "flag"`` of a ``match
+thing.kind``. These are comparisons of an attribute with one of the names in ``KINDS`` to a word in quotes, or to a
+tuple, list or set of such words. It does not count variables with these names, YAML keys (``raw["kind"]``), and tables
+whose key is a kind.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from jinja2 import Environment, nodes
 
 from .tree import Checkout, Source
 
-#: Attributes that name one of several kinds of fields, interfaces, steps, CRCs and carriers.
+#: Attributes that hold the kind of a field, an interface, a step, a CRC or a carrier.
 KINDS = frozenset({"carried_as", "do", "form", "interface", "kind", "style"})
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A place where a string decides, with the attribute that it is compared with."""
+    """A place where a string is compared, with the attribute to which it is compared."""
 
     place: str
     attribute: str
 
 
 def comparisons(checkout: Checkout) -> list[Comparison]:
-    """Return all of them in the generator and its templates."""
+    """Return all such comparisons in the generator and its templates."""
     found = [item for module in checkout.modules for item in _in_module(module)]
     return found + [item for template in checkout.templates for item in _in_template(template)]
 

@@ -1,10 +1,10 @@
 """Find the places where the C and Python targets and their templates search in text, perhaps in their own output.
 
-It finds them by the shape of the code: methods of regular expressions, methods of strings that search, cut or replace,
-a string sought with ``in``, a comparison with a string that is not a lower-case word, such as ``== "return number"``,
-and each call of a function that searches in this way and returns ``bool`` or a set of names. Of nested searches the
-outermost counts. The shape does not show if the text is code. ``ALLOWED`` lists the searches in names, text of manuals
-and comments, with the reason. Every other one counts, and is listed for people to judge.
+It finds them by the form of the code: methods of regular expressions, string methods that search, cut or replace, tests
+for a string with ``in``, comparisons with a string that is not a lowercase word, such as ``== "return number"``, and
+calls of functions that search in this way and return ``bool`` or a set of names. If searches are nested, only the
+outermost counts. The form does not show if the text is code. ``ALLOWED`` lists searches in names, text from manuals and
+comments, with the reason. All other searches count, and they are listed for people to judge.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _ANSWERS = re.compile(r"bool|(frozen)?set\[str\]")
 
 @dataclass(frozen=True)
 class Search:
-    """A search in text: its place, function and expression. ``reason`` says why it does not search in code."""
+    """A search in text: its place, function and expression. ``reason`` is set if the text is not code."""
 
     place: str
     function: str
@@ -41,7 +41,7 @@ class Search:
     reason: str = ""
 
 
-#: Searches in other text than code: function and expression, each a regular expression, and the reason.
+#: Searches in text other than code: function and expression, each as a regular expression, and the reason.
 ALLOWED: Sequence[tuple[str, str, str]] = (
     (".*", r"[\w.]+\.replace\('[_-]', '[ _-]'\).*", "a name of the spec in words, or as a name of another sort"),
     (".*", r".*\bname \| replace\(\"_\", \" \"\).*", "the same in a template"),
@@ -89,7 +89,7 @@ def searches(checkout: Checkout) -> list[Search]:
 
 
 def _language(path: str) -> str:
-    """Return the target of a module, by its folder or, in earlier commits, by its name up to an underscore."""
+    """Return the target of a module, from its folder or, in earlier commits, from its name up to an underscore."""
     parts = Path(path).parts
     if parts[1] != "targets":
         return ""
@@ -106,7 +106,7 @@ def _search(place: str, function: str, expression: str) -> Search:
 
 
 def _in_module(module: Source, helpers: Set[str]) -> Iterator[Search]:
-    """Yield the searches of a module, and its calls of ``helpers``."""
+    """Yield the searches in a module, and its calls of ``helpers``."""
     for function, node in _outermost(module.tree, helpers):
         yield _search(module.at(node.lineno), function, ast.unparse(node))
 
@@ -134,7 +134,7 @@ def _searches_in(node: ast.Call | ast.Compare) -> bool:
 
 
 def _strings(node: ast.expr) -> list[str]:
-    """Return the strings of an expression, alone or in a tuple, list or set."""
+    """Return the strings in an expression that is a string, or a tuple, list or set of strings."""
     if isinstance(node, (ast.Tuple, ast.List, ast.Set)):
         return [text for item in node.elts for text in _strings(item)]
     return [node.value] if isinstance(node, ast.Constant) and isinstance(node.value, str) else []

@@ -1,14 +1,14 @@
-"""Find the origin of the statements of the generated C headers and Python modules: templates, Python strings, or both.
+"""Find the origin of the statements in the generated C headers and Python modules: templates, Python strings, or both.
 
-A statement counts once, however many lines it takes. In C it is the text in the body of a function up to a ``;``, a
-``{`` or the ``:`` of a ``case``: ``if (…) {``, ``for (…) {``, ``return …;``, a declaration. In Python it is a
-statement in the body of a function, or the head of a compound one, ``if …:``, ``for …:``. Comments, docstrings,
-preprocessor lines, signatures, single braces, and the initialisers of tables are left out: in C ``… = {…};``, in
-Python everything outside of functions.
+A statement counts once, no matter how many lines it takes. In C, it is the text in the body of a function up to a
+``;``, a ``{`` or the ``:`` of a ``case``, such as ``if (…) {``, ``for (…) {``, ``return …;`` or a declaration. In
+Python, it is a simple statement in the body of a function, or the head of a compound one, such as ``if …:`` or ``for
+…:``. Not counted are comments, docstrings, preprocessor lines, signatures, single braces, and initialisers of tables,
+which are ``… = {…};`` in C and everything outside functions in Python.
 
-The letters, digits and operators decide the origin. Blanks, brackets, commas, points, colons, semicolons and quotes do
-not count. ``out->{{ name }} = {{ value }};`` mixes template and Python, and so does ``{{ name }} = {{ value }};``,
-because the template assigns.
+Letters, digits and operators determine the origin. Spaces, brackets, commas, periods, colons, semicolons and quotes do
+not count. ``out->{{ name }} = {{ value }};`` mixes template and Python. So does ``{{ name }} = {{ value }};``, because
+the ``=`` is in the template.
 """
 
 from __future__ import annotations
@@ -53,10 +53,10 @@ class Statement:
 
 
 def printed(checkout: Checkout) -> dict[str, Printed]:
-    """Return the headers and modules that a checkout generates from its specs.
+    """Return the headers and modules that a checkout generates from its own specs.
 
     Raises:
-        RuntimeError: The checkout generates none.
+        RuntimeError: The checkout generates no files.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -78,7 +78,7 @@ def printed(checkout: Checkout) -> dict[str, Printed]:
 
 
 def _lay_out(checkout: Checkout, package: Path) -> None:
-    """Turn ``package`` into the package ``codewheel`` of a checkout, as if it were installed."""
+    """Make ``package`` the package ``codewheel`` of a checkout, as if it were installed."""
     package.mkdir(parents=True)
     for item in (checkout.root / "generator").iterdir():
         if item.name != "__pycache__":
@@ -88,7 +88,7 @@ def _lay_out(checkout: Checkout, package: Path) -> None:
 
 
 def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Counter[str]]:
-    """Count the origins of the statements, for each sort of file."""
+    """Count the origins of the statements for each kind of file."""
     families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
     counts = {
         f"{language}, {sort}": Counter[str]() for language in ("C", "Python") for sort in ("families", "shared by all")
@@ -101,7 +101,7 @@ def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Cou
 
 
 def statements(path: str, file: Printed) -> list[Statement]:
-    """Return the statements of a C header or a Python module, by the end of its name."""
+    """Return the statements of a C header or a Python module, depending on the file extension."""
     masked, spans = _in_c(file.text) if path.endswith(".h") else _in_python(file.text)
     found = []
     for start, end in spans:
@@ -128,14 +128,14 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def _in_c(text: str) -> tuple[str, list[Span]]:
-    """Return a header without comments and preprocessor lines, every character in its place, and its statements."""
+    """Return a header with comments and preprocessor lines blanked out, and its statements."""
     masked = _C_COMMENT.sub(lambda match: _blank(match) if match[1] else match[0], text)
     masked = _C_PREPROCESSOR.sub(_blank, masked)
     return masked, list(_CScanner(masked).statements())
 
 
 class _CScanner:
-    """One pass through a header. ``inside`` says for each open brace whether it holds code."""
+    """One pass through a header. ``inside`` has the kind of content for each open brace."""
 
     def __init__(self, masked: str) -> None:
         self.code = _C_TEXT.sub(lambda match: "x" * len(match[0]), masked)
@@ -157,7 +157,7 @@ class _CScanner:
                 self.start = index + 1
 
     def _opened(self, index: int) -> Iterator[Span]:
-        """Handle the start of a function, a block, an initialiser in code, or outside a type or ``extern "C"``."""
+        """Handle an opening brace of a function, a block, an initialiser, a type or ``extern "C"``."""
         head = self.code[self.start : index].strip()
         if self._in_code() and not head.endswith("="):
             yield self.start, index
@@ -174,7 +174,7 @@ class _CScanner:
 
 
 def _in_python(text: str) -> tuple[str, list[Span]]:
-    """Return a module without comments, every character in its place, and its statements."""
+    """Return a module with comments blanked out, and its statements."""
     starts = [0]
     for line in text.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
@@ -208,7 +208,7 @@ def _statements_below(function: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _head_end(node: ast.stmt) -> tuple[int, int]:
-    """Return the end of a statement, or of its head."""
+    """Return the end of a simple statement, or of the head of a compound one."""
     body: list[ast.stmt] = getattr(node, "body", [])
     if body:
         return body[0].lineno, body[0].col_offset

@@ -2,14 +2,14 @@
 
     python -m figures.traced RESULT FOLDER ARGUMENTS...
 
-runs ``codewheel ARGUMENTS...`` with the codewheel on the module path, and writes to RESULT, as JSON, the text and the
-origin of every file that FOLDER then has. It needs its own process, because it changes Jinja.
+runs ``codewheel ARGUMENTS...`` with the codewheel on the module path. It then writes the text and the origin of every
+file in FOLDER to RESULT, as JSON. It needs its own process because it changes Jinja.
 
-The text of a template and the strings in its expressions belong to the template: in ``{{ "if (" ~ limit ~ ")" }}``
-these are ``if (`` and ``)``. This is kept through macros, ``{% set %}`` blocks, ``~``, ``+``, ``%``, ``strip``,
-``join``, and every filter that changes blanks or adds something. If a filter changes a string in another way
-(``upper``, ``replace``), the result counts as Python's, and so does a string of a template that Python code cuts or
-joins. Templates with autoescape, those of XML, are not traced.
+The text of a template and the strings in its expressions belong to the template. In ``{{ "if (" ~ limit ~ ")" }}``
+these are ``if (`` and ``)``. The origin is preserved through macros, ``{% set %}`` blocks, ``~``, ``+``, ``%``,
+``strip``, ``join``, and every filter that changes whitespace or adds something. If a filter changes a string in another
+way (``upper``, ``replace``), the result counts as Python's, and so does a string from a template that Python code cuts
+or joins. Templates with autoescape, which produce XML, are not traced.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ TEMPLATE, PYTHON = "t", "p"
 
 _PLACEHOLDER = re.compile(r"%[sdr]|%\(\w+\)s|\{\w*\}")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
-#: A formatter of Python adds brackets and commas where it breaks a line.
+#: A Python formatter adds brackets and commas where it breaks a line.
 _MOVED = frozenset(" \t\n\r(),")
 _RENDERED: list[Traced] = []
 
@@ -50,7 +50,7 @@ class Traced(str):
         return made
 
     def __str__(self) -> str:
-        return self  # Jinja calls str() on printed values.
+        return self  # Jinja calls str() on printed values
 
     def __add__(self, other: str) -> str:
         return _joined((self, _traced(other)))
@@ -84,7 +84,7 @@ def template_text(text: str) -> Traced:
 
 
 def _traced(value: object) -> Traced:
-    """Return the value of an expression of a template."""
+    """Return the value of an expression in a template, traced."""
     return value if isinstance(value, Traced) else Traced(text := str(value), PYTHON * len(text))
 
 
@@ -94,12 +94,12 @@ def _joined(parts: Iterable[Traced]) -> Traced:
 
 
 def _printed(parts: Iterable[str]) -> Traced:
-    """Return the output of a template, a macro or a block: traced values, with the template's text between them."""
+    """Return the output of a template, a macro or a block: traced values with the template's text between them."""
     return _joined(part if isinstance(part, Traced) else template_text(part) for part in parts)
 
 
 def aligned(text: str, sources: Iterable[Traced]) -> Traced:
-    """Return ``text``, made from ``sources`` by changing blanks and adding characters, with their origins."""
+    """Return ``text`` with the origins of ``sources``. It differs from them in whitespace and added characters."""
     places = [index for index, letter in enumerate(text) if not letter.isspace()]
     dense = "".join(text[index] for index in places)
     origin = [PYTHON] * len(text)
@@ -116,13 +116,13 @@ def aligned(text: str, sources: Iterable[Traced]) -> Traced:
 
 
 def _dense(text: Traced) -> Traced:
-    """Return ``text`` without blanks."""
+    """Return ``text`` without whitespace."""
     kept = [index for index, letter in enumerate(text) if not letter.isspace()]
     return Traced("".join(text[index] for index in kept), "".join(text.origin[index] for index in kept))
 
 
 def _runs(text: Traced) -> Iterator[Traced]:
-    """Yield the parts of ``text`` with one origin, and those between the placeholders of a format."""
+    """Yield the parts of ``text`` that have a single origin, split also at the placeholders of a format string."""
     for run in re.finditer(f"{TEMPLATE}+|{PYTHON}+", text.origin):
         for part in _PLACEHOLDER.split(text[run.start() : run.end()]):
             dense = "".join(part.split())
@@ -147,7 +147,7 @@ class _Filters(dict[str, Callable[..., Any]]):
 
 
 def _filtered(arguments: Iterable[Any]) -> Iterator[Traced]:
-    """Yield the input of a filter: its first argument after those that Jinja passes, or the items of it."""
+    """Yield the input of a filter: the first argument after those that Jinja passes, or the items of that argument."""
     value = next(item for item in arguments if not isinstance(item, (Context, nodes.EvalContext, jinja2.Environment)))
     for item in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(item, Traced):
@@ -155,7 +155,7 @@ def _filtered(arguments: Iterable[Any]) -> Iterator[Traced]:
 
 
 class _Generator(CodeGenerator):
-    """Code generator that makes the strings in a template's expressions record their origin."""
+    """Code generator that makes strings in the expressions of a template record their origin."""
 
     def visit_Const(self, node: nodes.Const, frame: Frame) -> None:  # noqa: N802 (Jinja's name)
         value = node.as_const(frame.eval_ctx)
@@ -195,7 +195,7 @@ def _str_join(parts: Iterable[Any]) -> str:
 
 
 def _code(text: str) -> list[int]:
-    """Return the places of the characters that stay when a formatter breaks lines: no blanks, no C comments."""
+    """Return the indexes of the characters that a line-breaking formatter keeps: no whitespace, no C comments."""
     kept = set(range(len(text)))
     for found in _COMMENT.finditer(text):
         kept.difference_update(range(*found.span()))
@@ -203,7 +203,7 @@ def _code(text: str) -> list[int]:
 
 
 def _origin(text: str) -> str:
-    """Return the origin of each character of a file, from the template or templates that printed it."""
+    """Return the origin of each character of a file, as recorded by the templates that printed it."""
     whole = next((item for item in _RENDERED if item == text), None)
     if whole is not None:
         return whole.origin

@@ -1,4 +1,4 @@
-"""A checkout as files: modules, templates, their lines and characters. An earlier commit gets its own folder."""
+"""Files of a checkout: modules, templates, and their lines and characters. An earlier commit gets its own folder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 
-#: Folders with written sources, and the endings of their files.
+#: Folders with handwritten sources, and the extensions of their files.
 WRITTEN = ("generator", "templates", "tests", "benchmarks")
 #: Longest line that the formatter allows.
 COLUMNS = 120
@@ -20,7 +20,7 @@ COLUMNS = 120
 
 @dataclass(frozen=True)
 class Source:
-    """A file: its path in the checkout, and its content."""
+    """A file, with its path in the checkout and its content."""
 
     path: str
     text: str
@@ -34,18 +34,18 @@ class Source:
         return len(self.text.splitlines())
 
     def at(self, line: int) -> str:
-        """Return a place in it, as an editor expects it."""
+        """Return a location in the file, in the form that editors expect."""
         return f"{self.path}:{line}"
 
 
 @dataclass(frozen=True)
 class Checkout:
-    """Folder of a repository."""
+    """Folder that holds a working copy of the repository."""
 
     root: Path
 
     def files(self, folder: str, suffix: str) -> list[Source]:
-        """Return the files of a folder that end in ``suffix``, in order of path, without caches and hidden folders."""
+        """Return the files in a folder that end in ``suffix``, ordered by path, without caches and hidden folders."""
         found = sorted((self.root / folder).rglob(f"*{suffix}"))
         names = [path.relative_to(self.root) for path in found if path.is_file()]
         return [
@@ -64,16 +64,16 @@ class Checkout:
         return self.files("templates", ".jinja")
 
     def size(self) -> int:
-        """Return the number of characters without blanks of the generator and its templates."""
+        """Return the number of characters in the generator and its templates, without whitespace."""
         return sum(len("".join(item.text.split())) for item in (*self.modules, *self.templates))
 
     def flat_modules(self) -> list[str]:
-        """Return the modules that are in no package."""
+        """Return the modules that are not in a package."""
         paths = [Path(item.path) for item in self.modules]
         return [path.stem for path in paths if len(path.parts) == 2 and not path.stem.startswith("__")]
 
     def lines_of_targets(self) -> Counter[str]:
-        """Count the lines of each target, which has a folder or, in earlier commits, modules with its name."""
+        """Count the lines of each target, which has a folder or, in earlier commits, modules named after it."""
         lines: Counter[str] = Counter()
         for item in self.modules:
             parts = Path(item.path).parts
@@ -99,10 +99,10 @@ class Checkout:
 
 
 def unpack(repository: Path, commit: str, folder: Path) -> Checkout:
-    """Copy the files of a commit into ``folder``, and leave the repository unchanged.
+    """Copy the files of a commit into ``folder`` and leave the repository unchanged.
 
     Raises:
-        LookupError: The repository knows no such commit.
+        LookupError: The repository has no such commit.
     """
     packed = subprocess.run(["git", "-C", str(repository), "archive", commit], capture_output=True, check=False)
     if packed.returncode:

@@ -1,1 +1,1 @@
-"""Mutants of specs: planted mistakes of a transcriber, to see which of them ``check`` refuses."""
+"""Mutants of specs: planted transcription mistakes that show which mistakes ``check`` detects."""

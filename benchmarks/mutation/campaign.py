@@ -1,4 +1,4 @@
-"""A campaign: mutants drawn evenly over files and classes of facts, each tried, by several processes."""
+"""A campaign: mutants are drawn evenly over files and classes of facts, and several processes try each of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from .mistakes import Mutant
 from .trial import Trial, Verdict
 
-#: Number of mutants that a process gets at a time.
+#: Number of mutants that are passed to a process at a time.
 _AT_A_TIME = 20
 
 
@@ -24,7 +24,7 @@ class Tried:
 
 
 def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
-    """Draw this many mutants, evenly over files and classes of facts, and within these over the mistakes."""
+    """Draw this many mutants, evenly over files and classes of facts, and over the mistakes within each class."""
     draw = random.Random(seed)
     mistakes: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
     for mutant in mutants:
@@ -38,17 +38,17 @@ def _shuffled(mutants: Sequence[Mutant], draw: random.Random) -> list[Mutant]:
 
 
 def _in_turns(columns: Sequence[Sequence[Mutant]]) -> Iterator[Mutant]:
-    """Yield the first of each column, then the second of each that has one, and so on."""
+    """Yield the first item of each column, then the second of each column that has one, and so on."""
     for index in range(max(map(len, columns), default=0)):
         yield from (column[index] for column in columns if index < len(column))
 
 
 def tried(trial: Trial, mutants: Sequence[Mutant], jobs: int) -> Iterator[Tried]:
-    """Yield the result of each mutant, in their order."""
+    """Yield the result of each mutant, in the order of the mutants."""
     if jobs < 2 or "fork" not in multiprocessing.get_all_start_methods():
         yield from (Tried(mutant, trial.verdict(mutant)) for mutant in mutants)
         return
-    # The processes inherit trial and mutants from this one. Only numbers and verdicts are sent.
+    # The child processes inherit trial and mutants from this one. Only numbers and verdicts are sent.
     _Shared.trial, _Shared.mutants = trial, mutants
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
         verdicts = pool.imap(_verdict, range(len(mutants)), _AT_A_TIME)

@@ -18,16 +18,16 @@ from codewheel.targets.registry import files_of, load_target
 
 #: Outputs that machines read.
 _CODE = ("python", "c", "biss")
-#: Texts that are facts: signals of contacts.
+#: Texts that are facts: the signals of contacts.
 _FACTS = frozenset(("contact", "signal"))
-#: Lists whose order is a fact. The order of all others only decides the order in the outputs.
+#: Lists whose order is a fact. The order of all other lists only determines the order in the outputs.
 _ORDERED = frozenset("fields join steps arguments digits control_data answers columns cells writes".split())
 _C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 class Effect(Enum):
-    """Changed part: the outputs, only their order, or only a second reading."""
+    """Part that a mutant changes: the outputs, only their order, or only a second reading."""
 
     NOTHING = "nothing"
     ORDER = "order"
@@ -40,7 +40,7 @@ class Outputs:
     """Outputs of an unchanged device, for comparison with those of its mutants.
 
     Attributes:
-        targets: The outputs that machines read, without those that cannot be made of the device.
+        targets: The outputs that machines read, without those that cannot be generated for the device.
     """
 
     def __init__(self, device: Device) -> None:
@@ -50,7 +50,7 @@ class Outputs:
         self.targets = tuple(self._code)
 
     def effect(self, device: Device) -> Effect:
-        """Return the effect of the change to another device. Outputs are generated only if the facts differ."""
+        """Return the effect of replacing the device with another. Outputs are generated only if the facts differ."""
         if device == self._device:
             return Effect.NOTHING
         dump = device_dump(device)
@@ -66,7 +66,7 @@ class Outputs:
 
 @cache
 def _text_keys() -> frozenset[str]:
-    """Return the keys under which plain data have words for people."""
+    """Return the keys under which plain data has words for people."""
     schema = load_schema("show")
     parts: list[Mapping[str, Any]] = [schema, *schema["$defs"].values()]
     members = [member for part in parts for member in part.get("properties", {}).items()]
@@ -81,7 +81,7 @@ def _is_text(item: Mapping[str, Any]) -> bool:
 
 
 def _unordered(data: Any, key: str = "") -> Any:
-    """Return plain data without the order of lists that have none."""
+    """Return plain data with all lists sorted whose order has no meaning."""
     if isinstance(data, dict):
         return {name: _unordered(item, name) for name, item in data.items()}
     if not isinstance(data, list):

@@ -1,4 +1,4 @@
-"""Mistakes of a transcriber in the values of a spec."""
+"""Transcription mistakes in the values of a spec."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Change = tuple[Path, Any]
 
 @dataclass(frozen=True)
 class Mutant:
-    """A spec with one mistake: the place, the name of the mistake, and the change."""
+    """A spec with one mistake: its place, its name, and the change."""
 
     file: str
     place: Place
@@ -35,7 +35,7 @@ class Mutant:
 
     @property
     def difference(self) -> str:
-        """Return the mistake in one line of Markdown, as a comparison of the files would show it."""
+        """Return the mistake as one line of Markdown, as a diff of the files would show it."""
         return f"{_shown(self.place.value)} -> {_shown(self.changes[0][1])}"
 
     @property
@@ -44,7 +44,7 @@ class Mutant:
         return self.mistake in ("item omitted", "key omitted")
 
 
-#: Digits that are easily confused, in print and in handwriting.
+#: Digits that are easily confused in print and in handwriting.
 _ALIKE = {
     "0": "86", "1": "7", "2": "7", "3": "8", "4": "9", "5": "63", "6": "85", "7": "1", "8": "3B", "9": "40",
     "A": "4", "B": "8", "C": "0", "D": "0", "E": "F", "F": "E",
@@ -52,14 +52,14 @@ _ALIKE = {
 _NUMBER = re.compile(r"0x[0-9A-Fa-f]+|[0-9]+(?:\.[0-9]+)*")
 _IN_TEXT = re.compile(r"0x[0-9A-Fa-f]+|[0-9]+")
 _WORD = re.compile(r"(?<![a-z0-9_^])[a-z][a-z0-9_]*|(?<=\^)[a-z][a-z0-9_]*")
-#: Lists whose order matters. Each of their items can be exchanged with its neighbour.
+#: Lists whose order matters. Each item can be exchanged with its neighbour.
 _ORDERED = re.compile(r".*\b(fields|steps|digits|join\.NAME|writes|printed_writes)")
 #: Keys whose text is hexadecimal without a prefix.
 _HEX_TEXTS = frozenset(("bytes",))
 
 
 def mutants(document: Document) -> Iterator[Mutant]:
-    """Yield every mistake in one place of a document, in the order of the file."""
+    """Yield every possible single mistake in a document, in the order of the file."""
     for place in places(document):
         for mistake, changes in _mistakes(place, document):
             yield Mutant(document.file, place, mistake, changes)
@@ -128,7 +128,7 @@ def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
 
 
 def _written(place: Place, document: Document) -> str:
-    """Return a number as the file has it."""
+    """Return a number as it is written in the file."""
     line, column = document.position(place.path)
     found = _NUMBER.match(document.line(line), column - 1)
     return found[0] if found is not None else str(place.value)
@@ -142,7 +142,7 @@ def _of_number(value: int, written: str) -> Iterator[tuple[str, int]]:
 
 
 def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
-    """Yield mistakes in the digits of a number as it is written. A ``bare`` one is hexadecimal without a prefix."""
+    """Yield mistakes in the digits of a number as written. A ``bare`` number is hexadecimal without a prefix."""
     start = 2 if written.startswith("0x") else 0
     hexadecimal, digits = bare or start > 0, written[start:]
     for index, digit in enumerate(digits):
@@ -200,7 +200,7 @@ def _of_label(label: str, found: re.Match[str]) -> Iterator[tuple[str, str]]:
 
 
 def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
-    """Yield this value and the next exchanged, as when a reader skips a row of a table."""
+    """Yield the exchange of this value and the next one, as if a reader had confused two rows of a table."""
     path = place.path
     for depth in (1, 2):
         if len(path) <= depth:
@@ -218,7 +218,7 @@ def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Ch
 
 
 def _following(siblings: Any, step: str | int, place: Place) -> str | int | None:
-    """Return the step to the item after this one, in a list or in a map of free names."""
+    """Return the step to the item after this one, in a list or in a map with free names."""
     if isinstance(siblings, list) and isinstance(step, int):
         return step + 1 if step + 1 < len(siblings) else None
     if isinstance(siblings, dict) and ".NAME." in f"{place.keys}.":
@@ -245,7 +245,7 @@ def _shown(value: Any) -> str:
 
 
 def code_span(text: str) -> str:
-    """Return a text as a code span of Markdown. Its fence is longer than any run of backticks in the text."""
+    """Return a text as a Markdown code span. Its fence is longer than any run of backticks in the text."""
     fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
     space = " " if text.startswith("`") or text.endswith("`") else ""
     return f"{fence}{space}{text}{space}{fence}" if text else '`""`'

@@ -1,4 +1,4 @@
-"""Names that a transcriber can confuse: those of the things that a key can name."""
+"""Names that a transcriber can confuse: those of all items to which a key can refer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from codewheel.language.rules.walk import items, mapping
 
 from .places import Place
 
-#: Keys that name an item of a list at the top, with the list.
+#: Keys that refer to an item of a top-level list, with that list.
 _OF_LISTS = {
     "register": "registers",
     "of": "registers",
@@ -24,12 +24,12 @@ _OF_LISTS = {
     "erratum": "errata",
     "alternative": "alternatives",
 }
-#: Keys that name the thing itself. All references must use that name.
+#: Keys that hold the name of the item itself. All references must use that name.
 _DEFINES = frozenset(("name", "device", "manufacturer"))
 
 
 def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
-    """Yield names that could be in this place by mistake. A place without a reference has none."""
+    """Yield names that could be in this place by mistake. There are none if the place holds no reference."""
     key = next((step for step in reversed(place.path) if isinstance(step, str)), "")
     value = str(place.value)
     if "." in value and place.kind == "" and "pattern" in place.schema:
@@ -45,7 +45,7 @@ def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
 
 
 def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
-    """Yield other fields of a register that is named as ``register.field``."""
+    """Yield other fields of the register in a reference such as ``register.field``."""
     name, _, field = text.partition(".")
     register = next((item for _, item in items(data, "registers") if item.get("name") == name), {})
     yield from (
@@ -54,7 +54,7 @@ def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
 
 
 def _beside(place: Place, data: dict[str, Any]) -> list[str]:
-    """Yield names near the place: fields and joins of its layout, values of the register that a step names."""
+    """Return names near the place: fields and joins of its layout, and values of the register that a step uses."""
     chain = [data]
     for step in place.path[:-1]:
         chain.append(chain[-1][step])
@@ -72,7 +72,7 @@ def _beside(place: Place, data: dict[str, Any]) -> list[str]:
 
 
 def _under(key: str, node: Any) -> Iterator[str]:
-    """Yield all texts under a key, anywhere."""
+    """Yield all texts under a key, at any depth."""
     if isinstance(node, dict):
         for name, item in node.items():
             if name == key:

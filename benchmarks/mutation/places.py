@@ -1,4 +1,4 @@
-"""Values of a spec that a mistake can change: their places, kinds, and classes of fact."""
+"""Values in a spec that a mistake can change: their places, kinds, and classes of fact."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 from codewheel.language.document import Document, Path
 from codewheel.language.schema import load_schema
 
-#: Keys of facts that are only prose for the tool, with everything below them.
+#: Keys of facts that the tool treats only as prose, including everything below them.
 PROSE_FACTS = ("characteristics", "leds", "tables", "lost_figures", "documents")
-#: Classes of facts by their keys without lists. The first match counts. Capitals stand for a key of any name.
+#: Classes of facts by their keys without list indexes. The first match applies. Capitals stand for a key with any name.
 _CLASSES = (
     ("erratum", r"errata\b.*"),
     ("example", r"examples\b.*"),
@@ -75,25 +75,25 @@ _CLASSES = (
 )
 _COMPILED = tuple((name, re.compile(pattern)) for name, pattern in _CLASSES)
 
-#: Classes in which a wrong value moves a position, breaks a check or an access, or comes at the wrong time.
+#: Classes in which a wrong value shifts a position, breaks a check or an access, or causes wrong timing.
 STRICT = frozenset(("position", "CRC", "address", "byte order", "access", "default", "limit", "clock", "time", "wait"))
-#: Classes that are words for people: no output computes with them, and no other fact repeats them.
+#: Classes that are words for people. No output computes with them, and no other fact repeats them.
 PROSE = frozenset(("prose", "prose fact", "source", "erratum", "manual"))
-#: Classes that exist to find mistakes in others.
+#: Classes that exist to detect mistakes in others.
 WITNESSES = frozenset(("example", "printed once more"))
 
-#: Texts that are facts: a pin, a wire, the text on a label.
+#: Texts that are facts: those of a pin, a wire or a label.
 _FACTUAL_TEXTS = frozenset(("contact", "signal", "description_file", "pattern", "open", "then"))
 
 
 @dataclass(frozen=True)
 class Place:
-    """A value of a spec: its place, its keys without lists, and its definition in the language."""
+    """A value in a spec: its place, its keys without list indexes, and its definition in the language."""
 
     path: Path
     keys: str
     value: Any
-    #: The definition of the language for the value, such as ``name`` or ``expression``, else empty.
+    #: The definition of the value in the language, such as ``name`` or ``expression``, or an empty text.
     kind: str
     schema: Mapping[str, Any]
     #: True if the value is optional.
@@ -108,7 +108,7 @@ class Place:
 
 
 def places(document: Document) -> Iterator[Place]:
-    """Yield every value of a device or manufacturer file, containers after their content."""
+    """Yield every value in a device or manufacturer file. Containers come after their content."""
     kind = "device" if "device" in document.data else "manufacturer"
     schema = load_schema(kind)
     yield from (place for place in _inside((), "", document.data, schema, _Language(schema)) if place.keys)
@@ -121,7 +121,7 @@ class _Language:
     schema: Mapping[str, Any]
 
     def followed(self, schema: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the definition that a schema refers to, with its name, or the schema itself."""
+        """Return the definition to which a schema refers, with its name, or the schema itself."""
         if "$ref" not in schema:
             return "", schema
         name = str(schema["$ref"]).removeprefix("#/$defs/")

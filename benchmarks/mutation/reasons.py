@@ -1,4 +1,4 @@
-"""Reasons why a mutant passes although it is not equivalent. Each such mutant must have one."""
+"""Reasons why a mutant passes although it is not equivalent. Every such mutant must have a reason."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from .mistakes import Mutant
 from .places import PROSE
 
-#: Reasons by class of fact, keys, mistake, and name of the file. The first match counts.
+#: Reasons by class of fact, keys, mistake, and file name. The first match applies.
 _REASONS = (
     (
         "words for people",
@@ -54,12 +54,12 @@ _REASONS = (
 
 
 def reason(mutant: Mutant) -> str:
-    """Return the reason why a mutant passes. An empty string marks a gap."""
+    """Return the reason why a mutant passes. If it is empty, the mutant is a gap."""
     return next(_fitting(mutant), "")
 
 
 def explanation(name: str) -> str:
-    """Return a reason in a sentence."""
+    """Return a reason as a sentence."""
     return next(text for known, text, _ in _REASONS if known == name)
 
 

@@ -1,4 +1,4 @@
-"""Report of a campaign: a table by class of fact, and every mutant that passes with the reason."""
+"""Report of a campaign: a table by class of fact, and every mutant that passes, with the reason."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _HEADINGS = ("mutants", "refused", "same", "left out", "texts", "code", "wrong")
 
 @dataclass
 class Row:
-    """The mutants of a class: their number and their results.
+    """Mutants of a class: their number and their results.
 
     Attributes:
-        same: Those that change no output, or only an order without a meaning.
-        left_out: Those that pass and omit something, so that no output is wrong.
-        texts: Those that pass with a wrong value in texts only.
-        code: Those that pass with a wrong value in code.
+        same: Mutants that change no output, or only an order that has no meaning.
+        left_out: Mutants that pass and only omit something, so that no output is wrong.
+        texts: Mutants that pass with a wrong value that is only in texts.
+        code: Mutants that pass with a wrong value in code.
     """
 
     mutants: int = 0
@@ -42,7 +42,7 @@ class Row:
 
     @property
     def wrong(self) -> float:
-        """Return the share of wrong values that pass, without mutants that change nothing."""
+        """Return the share of wrong values that pass. Mutants that change nothing are not counted."""
         return (self.texts + self.code) / max(self.mutants - self.same, 1)
 
     def cells(self) -> tuple[str, ...]:
@@ -64,8 +64,8 @@ class Outcome:
     """The outcome of a campaign.
 
     Attributes:
-        rows: The table by class. ``second readings`` are a separate class.
-        passed: Every mutant that passes and changes something, in order of place.
+        rows: The table by class. ``second readings`` is a separate class.
+        passed: Every mutant that passes and changes something, ordered by place.
         crashes: Crashes of the tool itself.
     """
 
@@ -103,7 +103,7 @@ class Outcome:
 
     @property
     def gaps(self) -> list[Passed]:
-        """Return the mutants that pass without a reason."""
+        """Return the mutants that pass and have no reason."""
         return [item for item in self.passed if not item.reason]
 
     def of(self, classes: Iterable[str]) -> Row:
@@ -122,7 +122,7 @@ class Outcome:
 
     @property
     def not_in_all_facts(self) -> list[str]:
-        """Return the classes that the sum ``all facts`` leaves out."""
+        """Return the classes that are not included in the sum ``all facts``."""
         return sorted(self._known & (PROSE | WITNESSES))
 
     @property
@@ -131,7 +131,7 @@ class Outcome:
 
 
 def table(outcome: Outcome) -> list[str]:
-    """Return the table of a campaign, as Markdown. A star marks classes in which no mutant may pass."""
+    """Return the table of a campaign as Markdown. An asterisk marks classes in which no mutant may pass."""
     rows = [("class", _HEADINGS), ("---", ("---:",) * len(_HEADINGS))]
     rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted(outcome.rows)]
     rows += [(f"**{name}**", row.cells()) for name, row in outcome.sums()]
@@ -144,7 +144,7 @@ def _sorted(names: Iterable[str]) -> list[str]:
 
 
 def note(outcome: Outcome) -> list[str]:
-    """Return the text below the table, in lines: the classes that the sum ``all facts`` leaves out."""
+    """Return the lines below the table, about the classes that are not included in the sum ``all facts``."""
     classes = outcome.not_in_all_facts
     if not classes:
         return []
@@ -164,7 +164,7 @@ def _listed(words: Iterable[str]) -> str:
 
 
 def survivors(outcome: Outcome) -> Iterator[str]:
-    """Yield every mutant that passes, by reason, as Markdown."""
+    """Yield every mutant that passes, grouped by reason, as Markdown."""
     counts = Counter(item.reason for item in outcome.passed)
     for name in sorted(counts):
         yield f"## {name or 'without a reason'}: {counts[name]}"

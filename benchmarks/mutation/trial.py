@@ -1,6 +1,6 @@
-"""Trial of mutants: ``check`` examines each, in this process, with the documents changed in memory.
+"""Trial of mutants: ``check`` examines each one in this process, with the documents changed in memory.
 
-Everything that a mutant does not touch is read, built and computed once: the other specs, and the other reading.
+Everything that a mutant does not affect is read and computed only once: the other specs, and the other reading.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from codewheel.readings.second import Readings, Second, compare_readings, explai
 from .effects import Effect, Outputs
 from .mistakes import Mutant, mutants, mutated
 
-#: Rules of ``check --coverage`` in addition to those of ``check``: facts that are no longer read twice.
+#: Rules that ``check --coverage`` adds to those of ``check``, for facts that are no longer read twice.
 READ_ONCE = "read once"
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Result for a mutant: the rules that refuse it, or its effect on the outputs."""
+    """Result for a mutant: the rules that reject it, or its effect on the outputs."""
 
     rules: tuple[str, ...]
     effect: Effect
@@ -43,14 +43,14 @@ class Verdict:
 
 
 class Unfit(Exception):
-    """The specs have problems before any change."""
+    """The specs already have problems before any change."""
 
 
 class Trial:
-    """Specs without a problem, and the answer of ``check`` after a change of one value in them or a second reading.
+    """Specs without problems, and the result of ``check`` after a change to one value in them or in a second reading.
 
     Raises:
-        Unfit: The specs have a problem as they are.
+        Unfit: The specs already have a problem.
     """
 
     def __init__(self, paths: Sequence[Path] = ()) -> None:
@@ -72,7 +72,7 @@ class Trial:
         return [item.document for item in self._seconds.values()]
 
     def mutants(self, names: Sequence[str] = ()) -> list[Mutant]:
-        """Return every mutant of the documents and second readings, or of those whose files have one of these names."""
+        """Return every mutant of the documents and second readings, or only of those with one of these file names."""
         documents = [*self.documents, *self.second_readings]
         wanted = (item for item in documents if not names or Path(item.file).stem in names)
         return [mutant for document in wanted for mutant in mutants(document)]
@@ -86,7 +86,7 @@ class Trial:
         return next(item for item in (*self.documents, *self.second_readings) if item.file == mutant.file)
 
     def verdict(self, mutant: Mutant) -> Verdict:
-        """Return the verdict of ``check`` on a mutant and, if it passes, its effect."""
+        """Return the verdict of ``check`` on a mutant and, if the mutant passes, its effect."""
         document = self._document(mutant)
         changed = replace(document, data=mutated(document, mutant), kept={})
         try:

@@ -1,11 +1,12 @@
 """The model as plain data, for ``show --json`` and the XML description.
 
-Every dataclass of the model becomes a map with the same members, so that none can be forgotten. The few members with
-another name or shape outside are in the tables and functions below. Every member is always present. A missing number
-is null, and a missing text is empty. Numbers are integers. A position or limit of a family that depends on the order
-code is its expression as text, such as ``48 - singleturn_bits``. With an order code, all expressions are resolved.
+Every dataclass of the model becomes a map with the same members, so none can be forgotten. The tables and functions
+below list the few members that have a different name or shape in the data. Every member is always present. A missing
+number is null, and a missing text is empty. Numbers are integers. In the data of a family, a position or limit that
+depends on the order code is an expression as text, such as ``48 - singleturn_bits``. In the data of an order code, all
+expressions are resolved.
 
-The shape is described by ``language/show.schema.json``.
+``language/show.schema.json`` describes the shape.
 """
 
 from __future__ import annotations
@@ -49,11 +50,11 @@ VERSION = 1
 
 Item = dict[str, Any]
 
-#: Members about computation rather than the encoder. The kind of a field has a function below.
+#: Members that are for computation and not about the encoder. There is a function below for the kind of a field.
 _LEFT_OUT = {"Field": {"kind", "pieces", "widest"}, "Layout": {"widest"}}
-#: Properties that are given like members.
+#: Properties that are output like members.
 _DERIVED = {"Crc": ("polynomial",)}
-#: Members with another name outside.
+#: Members that have a different name in the data.
 _RENAMED = {
     "Layout": {
         "sender": "from",
@@ -67,7 +68,7 @@ _RENAMED = {
     # In C and IP-XACT, "volatile" means that a value may change by itself.
     "Register": {"volatile": "lost_unless_saved"},
 }
-#: Types without a source, because they are one or are not part of the manual.
+#: Types without a source, because they are sources themselves or are not part of the manual.
 _UNSOURCED = {"Overlay", "ManualEdition", "Manufacturer", "Manual", "Edition", "Revision", "Document"}
 _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
@@ -78,7 +79,7 @@ def device_dump(device: Device) -> Item:
 
 
 def variant_dump(device: Device, match: Match) -> Item:
-    """Return one order code as plain data with resolved expressions, without other interfaces."""
+    """Return one order code as plain data, with expressions resolved and without the other interfaces."""
     variant = match.variant
     label = {
         "code": variant.code,
@@ -93,7 +94,7 @@ def variant_dump(device: Device, match: Match) -> Item:
 
 @dataclass(frozen=True)
 class _Dump:
-    """Conversion of a device to plain data. With a variant, expressions become numbers."""
+    """Conversion of a device to plain data. If a variant is given, expressions become numbers."""
 
     device: Device
     variant: Variant | None
@@ -131,7 +132,7 @@ class _Dump:
         }
 
     def _talk(self) -> Item:
-        """Return the frames, registers and their meanings."""
+        """Return the frames and registers with their meanings."""
         device = self.device
         return {
             "interfaces": {item.name: self._interface(item) for item in device.interfaces},
@@ -168,7 +169,7 @@ class _Dump:
         }
 
     def plain(self, value: Any, inherited: Sources) -> Any:
-        """Return any part of the model as plain data. A part without a source has that of its parent."""
+        """Return any part of the model as plain data. A part without a source inherits that of its parent."""
         if isinstance(value, Expression):
             return self._number(value)
         if isinstance(value, bytes):
@@ -282,7 +283,7 @@ class _Dump:
         return filled(self.plain(step, inherited) | {"do": step.do}, "step")
 
     def _example(self, example: Example) -> Item:
-        # A layout that is not a frame has always had the encoder as its sender outside.
+        # In the data, a layout that is not a frame has always had the encoder as its sender.
         return filled({"from": "encoder"} | self.plain(example, ()) | {"kind": example.kind}, "example")
 
     def _timings(self) -> list[Item]:

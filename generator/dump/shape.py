@@ -1,4 +1,4 @@
-"""Shape of the plain data from ``language/show.schema.json``: members of objects and how they are written."""
+"""Shape of the plain data, as defined by ``language/show.schema.json``: members of objects and their form in XML."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def show_schema() -> Shape:
 
 
 class Kind(Enum):
-    """Way of writing a member. LIST is also an attribute, KEYED are objects by one of their members."""
+    """Form of a member in XML. LIST is also an attribute. KEYED is a map of objects, keyed by one of their members."""
 
     ATTRIBUTE = auto()
     LIST = auto()
@@ -32,7 +32,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Member:
-    """Member of an object: how it is written, and the shape of its value."""
+    """Member of an object: its form in XML, and the shape of its value."""
 
     name: str
     kind: Kind
@@ -46,7 +46,7 @@ class Member:
 
     @property
     def empty(self) -> Any:
-        """Value of a member that an object does not have."""
+        """Value that stands for a missing member."""
         if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
             return []
         if self.kind in (Kind.KEYED, Kind.MAP):
@@ -57,21 +57,21 @@ class Member:
 
 
 def filled(item: Mapping[str, Any], type_name: str) -> dict[str, Any]:
-    """Return an object with every member of its type in schema order. Missing members are empty."""
+    """Return an object with every member of its type, in schema order. Missing members are empty."""
     shape = show_schema()["$defs"][type_name]
     made = {member.name: item.get(member.name, member.empty) for member in members(shape)}
     return made | {name: item[name] for name in ("source", "sources") if name in item}
 
 
 def members(shape: Shape) -> Iterator[Member]:
-    """Return the members of an object in schema order, without its sources."""
+    """Yield the members of an object in schema order, without its sources."""
     for name, inner in shape["properties"].items():
         if name not in ("source", "sources"):
             yield _member(name, inner)
 
 
 def resolved(shape: Shape) -> tuple[Shape, str]:
-    """Return the shape with its reference followed, and the name of the reference.
+    """Return the shape to which a reference leads, and the name of the reference.
 
     The null alternative of an optional object is dropped.
     """

@@ -1,16 +1,16 @@
 """Conversion of the plain data of a device to XML and back.
 
-``language/show.schema.json`` is the only definition of the shape. The XML has the same members under the same names.
-The schema decides how each is written:
+``language/show.schema.json`` is the only definition of the shape. The XML has the same members with the same names. The
+schema determines the form of each:
 
-* An object is an element. A list of objects is an element with one element per object, named after its type.
+* An object is an element. A list of objects is an element that contains one element per object, named after its type.
 * Running text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or
-  numbers is an attribute with spaces.
-* A map is an element of ``entry`` elements with names.
+  numbers is an attribute, separated by spaces.
+* A map is an element that contains named ``entry`` elements.
 * A number of the form ``hexadecimal`` in the schema, and a hexadecimal parameter, is written as ``0x11``. Any other
   number is decimal.
-* Null, empty texts, empty lists and default values of the schema are left out.
-* ``source`` elements cite the manual. An element without one has the sources of its parent.
+* Null, empty texts, empty lists and default values of the schema are omitted.
+* ``source`` elements cite the manual. An element without its own sources inherits those of its parent.
 
 ``dump/xsd.py`` derives the XML Schema from the same definition.
 """
@@ -187,7 +187,7 @@ def _read_entry(element: Any, member: Member) -> Any:
 
 
 def _value(text: str, types: tuple[str, ...]) -> Any:
-    """Return a written value, converted by the JSON types that it may have."""
+    """Return a value from its text, converted to one of the JSON types that it may have."""
     if "boolean" in types and text in ("true", "false"):
         return text == "true"
     if "integer" in types and _INTEGER.fullmatch(text):

@@ -1,8 +1,8 @@
-"""The model: one encoder family, fully resolved, as frozen data.
+"""The model: frozen data about one encoder family, with everything resolved.
 
-Everything that can be derived is derived here or before: positions, widths, masks, CRC plans, order codes. A target
-reads the model and computes no bit positions. Bit 0 is the least significant bit everywhere, and a number of several
-bytes is one integer whose byte order is in the layout.
+Positions, widths, masks, CRC plans and order codes are derived here or earlier. A target reads the model and never
+computes bit positions itself. Bit 0 is the least significant bit everywhere, and a number of several bytes is one
+integer whose byte order is in the layout.
 """
 
 from .device import (

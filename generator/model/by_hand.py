@@ -1,16 +1,16 @@
-"""Steps that a person carries out by hand. A text with numbered steps is a list."""
+"""Steps that a person carries out by hand, as numbered steps in a text."""
 
 from __future__ import annotations
 
 import re
 
 _NUMBER = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
-#: A text with fewer steps is not a list.
+#: Lowest number of steps that make a list.
 _FEWEST = 3
 
 
 def steps_of(value: str) -> tuple[str, ...]:
-    """Return the text before the first step and the steps, or only the value if it has no steps numbered from one."""
+    """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
     places = list(_NUMBER.finditer(value))
     if [int(item[1]) for item in places] != list(range(1, len(places) + 1)):
         return (value,)

@@ -41,7 +41,7 @@ _Kind = TypeVar("_Kind", bound=Interface)
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A quantity that an order code sets, or that follows from others if ``equals`` is given."""
+    """A quantity set by the order code or, if ``equals`` is given, calculated from other quantities."""
 
     name: str
     meaning: str
@@ -58,7 +58,7 @@ class Parameter:
 
     @property
     def register(self) -> str:
-        """Register that holds the parameter at run time, or empty."""
+        """Register that holds the parameter at run time, or an empty text."""
         return self.read_from.partition(".")[0]
 
     @property
@@ -78,7 +78,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """A question that the manual leaves open. Order codes use the first answer until the user chooses."""
+    """A question that the manual leaves open. The first answer applies until the user chooses one."""
 
     name: str
     meaning: str
@@ -118,7 +118,7 @@ class CodePart:
 
 @dataclass(frozen=True, slots=True)
 class SpelledValue:
-    """Text in a spelling for a listed value of a part."""
+    """Text that a spelling uses for one listed value of a part."""
 
     part: str
     text: str
@@ -127,10 +127,10 @@ class SpelledValue:
 
 @dataclass(frozen=True, slots=True)
 class Spelling:
-    """Another notation for labels, used ``where`` the text says.
+    """Another notation of order codes on labels. ``where`` describes its use.
 
-    The parts in ``values`` can have only the texts listed there. ``then`` is a regular expression for a tail without
-    meaning here.
+    Parts in ``values`` can have only the texts listed there. ``then`` is a regular expression for text after the code
+    that has no meaning here.
     """
 
     pattern: str
@@ -142,7 +142,7 @@ class Spelling:
 
 @dataclass(frozen=True, slots=True)
 class OrderCode:
-    """Grammar of order codes: ``pattern`` with part names in braces, and the values of each part."""
+    """Grammar of order codes: a ``pattern`` with the names of parts in braces, and the values of each part."""
 
     pattern: str
     parts: tuple[CodePart, ...]
@@ -154,7 +154,7 @@ class OrderCode:
 
 @dataclass(frozen=True, slots=True)
 class FieldGroup:
-    """Fields that several layouts share. A field names its group."""
+    """Fields that several layouts share. Each of these fields refers to the group by name."""
 
     name: str
     printed_name: str
@@ -179,7 +179,7 @@ class RegisterMeaning:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """A register of ``length`` bytes from ``address`` on. ``layout`` has its fields."""
+    """A register of ``length`` bytes, starting at ``address``. ``layout`` has its fields."""
 
     name: str
     printed_name: str
@@ -223,7 +223,7 @@ class Register:
 
     @property
     def values(self) -> tuple[Value, ...]:
-        """Named values of a register that is one choice, or none."""
+        """Named values of a register whose only field is a choice, or none."""
         return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
 
     def bytes_of(self, value: int) -> bytes:
@@ -236,7 +236,7 @@ class Register:
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One enumerated order code: its text, parts, interface, and the value of every parameter."""
+    """One listed order code: its text, parts, interface, and the value of every parameter."""
 
     code: str
     parts: Mapping[str, str]
@@ -246,9 +246,9 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class TimesRead:
-    """Number of facts in a spec that were read twice and agree, differ for a stated reason, or were read once.
+    """Number of facts in a spec by how they were read: twice and equal, twice and different with a reason, or once.
 
-    ``derived`` ones follow from others.
+    ``derived`` counts facts that follow from others.
     """
 
     twice: int
@@ -259,7 +259,7 @@ class TimesRead:
 
 @dataclass(frozen=True, slots=True)
 class ReleasedChange:
-    """A recorded change: its rule, its impact, a description, and the order codes and outputs that it affects."""
+    """A recorded change: its rule, its impact, a description, and the order codes and outputs affected."""
 
     rule: str
     impact: str
@@ -270,7 +270,7 @@ class ReleasedChange:
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """A version and its changes ``since`` an earlier one. ``manual`` is the revision on which it is based."""
+    """A version, with its changes ``since`` an earlier one. It is based on revision ``manual`` of the manual."""
 
     version: str
     since: str
@@ -280,7 +280,7 @@ class Release:
 
 @dataclass(frozen=True)
 class Device:
-    """An encoder family: all facts of its manual, resolved."""
+    """An encoder family, with all facts from its manual resolved."""
 
     name: str
     title: str
@@ -310,10 +310,10 @@ class Device:
     supply: Supply | None = None
     alternatives: tuple[Alternative, ...] = ()
     times_read: TimesRead | None = None
-    #: Overlays on the spec, and the family of which this is a special model or another edition.
+    #: Overlays on the spec, and the original family if this one is a special model or another edition.
     overlays: tuple[Overlay, ...] = ()
     base: str = ""
-    #: Editions of the manual, oldest first, and the one of this device if it is not that of the spec.
+    #: Editions of the manual, oldest first, and the edition of this device if it differs from that of the spec.
     editions: tuple[ManualEdition, ...] = ()
     edition: str = ""
     releases: tuple[Release, ...] = ()
@@ -370,7 +370,7 @@ class Device:
     def supply_of(self, variant: Variant) -> Supply | None:
         """Return the supply that an order code needs, or None if the manual does not give it.
 
-        It does not for an unlisted value of the part that determines the supply.
+        The manual gives none if the part that determines the supply has an unlisted value.
         """
         telling = [part for part in self.order_code.parts if any(value.supply is not None for value in part.values)]
         if not telling:
@@ -379,7 +379,7 @@ class Device:
         return next((value.supply for value in values if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
-        """Return the names of the fields and joins that are the measured position or a part of it.
+        """Return the names of the fields and joins that form the measured position or a part of it.
 
         Without a measurement, they are those named ``position``.
         """
@@ -389,7 +389,7 @@ class Device:
         return frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
-        """Return whether frames of this layout carry the position, or a part of it, to the master."""
+        """Return whether frames of this layout send the position, or a part of it, to the master."""
         names = self.position_names(interface)
         here = {item.name for item in layout.fields} | {item.name for item in layout.joins}
         return layout.sender == "encoder" and not names.isdisjoint(here)
@@ -398,7 +398,7 @@ class Device:
         return next(item for item in self.registers if item.name == name)
 
     def bank_selector(self, register: Register) -> str:
-        """Return the register that selects the bank of this one, or empty if there is none."""
+        """Return the register that selects the bank of this register, or an empty text if there is none."""
         interface = self.interface(register.interface)
         return interface.bank_select if isinstance(interface, Biss) and register.bank is not None else ""
 
@@ -416,7 +416,7 @@ class Device:
         return next(item for item in self.variants if item.code == code)
 
     def errata_for(self, path: str) -> tuple[Erratum, ...]:
-        """Return the errata about ``path``, such as ``registers.preset``, or anything above or below it."""
+        """Return the errata about ``path``, such as ``registers.preset``, or about anything above or below it."""
         return tuple(
             item
             for item in self.errata

@@ -1,4 +1,4 @@
-"""Worked examples of the manual, each of which is a test of every output."""
+"""Worked examples from the manual. Each one is a test of every output."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from .facts import Sources
 
-#: Value that an example gives for a field, a join or a run of digits.
+#: Value of a field, a join or a run of digits in an example.
 Values = Mapping[str, int | str | bool]
 
 
@@ -32,7 +32,7 @@ class _Example:
 class FrameExample(_Example):
     """A frame, in ``bits`` or in ``bytes``, with its values or the error for which it is ``refused``.
 
-    ``alternatives`` are the answers that it needs, each by the name of its alternative.
+    ``alternatives`` has the answers that it needs, keyed by the name of the alternative.
     """
 
     kind: ClassVar[str] = "frame"
@@ -59,7 +59,7 @@ class RegisterExample(_Example):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrcExample(_Example):
-    """Bytes and the CRC over them."""
+    """Bytes and their CRC."""
 
     kind: ClassVar[str] = "crc"
     crc: str
@@ -69,7 +69,7 @@ class CrcExample(_Example):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProcedureExample(_Example):
-    """The writes of a procedure for these arguments."""
+    """The bytes that a procedure writes for these arguments."""
 
     kind: ClassVar[str] = "procedure"
     order_code: str
@@ -88,5 +88,5 @@ class MeasureExample(_Example):
     micrometres: int
 
 
-#: ``kind`` is the word of the spec language, used for printing only.
+#: ``kind`` is the keyword in the spec language, used for printing only.
 Example = FrameExample | RegisterExample | CrcExample | ProcedureExample | MeasureExample

@@ -1,4 +1,4 @@
-"""Whole numbers that depend on parameters: ``24``, ``2^position_bits - 1``, ``spare_bits * offset``.
+"""Integers that depend on parameters: ``24``, ``2^position_bits - 1``, ``spare_bits * offset``.
 
 The spec language allows a sum of terms. A term is a number, or a product of parameters and powers of two of parameters.
 """
@@ -15,7 +15,7 @@ _TERM = re.compile(
 )
 _OPERATOR = re.compile(r"[-+*]")
 
-#: Far above any encoder's widths, positions and limits. It keeps a hostile spec from requesting a huge number.
+#: Limit far above the widths, positions and limits of any encoder. It prevents huge numbers in a hostile spec.
 LARGEST_EXPONENT = 128
 
 
@@ -25,7 +25,7 @@ class ExpressionError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A parameter, or two to its power if ``power`` is set."""
+    """A parameter or, if ``power`` is set, two to the power of it."""
 
     parameter: str
     power: bool = False
@@ -33,14 +33,14 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """``sign`` times the product of the factors, of which there is at least one."""
+    """``sign`` times the product of one or more factors."""
 
     sign: int
     factors: tuple[Factor, ...]
 
     @property
     def is_power(self) -> bool:
-        """True if a power of two is among the factors."""
+        """True if one of the factors is a power of two."""
         return any(factor.power for factor in self.factors)
 
     @property
@@ -50,7 +50,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A constant plus terms in their written order."""
+    """A constant plus terms in the order written."""
 
     constant: int = 0
     terms: tuple[Term, ...] = ()
@@ -58,7 +58,7 @@ class Expression:
     @classmethod
     @cache
     def parse(cls, text: int | str) -> Expression:
-        """Parse the text of a spec.
+        """Parse an expression from a spec.
 
         Raises:
             ExpressionError: The text is not a sum of numbers, parameters and powers of two.
@@ -87,7 +87,7 @@ class Expression:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters, each once, in order."""
+        """Names of the parameters in order, without duplicates."""
         return tuple(dict.fromkeys(factor.parameter for term in self.terms for factor in term.factors))
 
     @property
@@ -111,8 +111,8 @@ class Expression:
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
         """Replace parameters that are defined by others.
 
-        Powers and products keep theirs, since two to the power of a sum is not a sum. A parameter defined by a product
-        stays too, since its name is more readable.
+        Parameters in powers and products stay, since two to the power of a sum is not a sum. A parameter defined by a
+        product also stays, since its name is more readable.
         """
         result = Expression(self.constant)
         for term in self.terms:
@@ -132,11 +132,11 @@ class Expression:
         return _simplified(self.constant - other.constant, self.terms + negated)
 
     def render(self, prefix: str = "", power: str = "2^{}", suffix: str = "") -> str:
-        """Return the expression as text, terms first, such as ``variant.singleturn_bits + 8``.
+        """Return the expression as text with the terms first, such as ``variant.singleturn_bits + 8``.
 
         Args:
             prefix: Text before each parameter, such as ``variant.``.
-            power: Notation of two to the power of a parameter, which replaces ``{}``.
+            power: Notation for two to the power of a parameter. The parameter replaces ``{}``.
             suffix: Text after each number, such as ``U`` in C.
         """
         text = ""

@@ -1,4 +1,4 @@
-"""Facts that outputs only show: sources, the manual, times, connections, lights, errata."""
+"""Facts that outputs only display: sources, the manual, times, connections, lights, errata."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Place that states a fact.
+    """Place in a document that states a fact.
 
     ``document`` is empty for the manual itself, a language code for another edition, or a key of ``documents``.
     """
@@ -35,7 +35,7 @@ def cite(sources: Sources) -> str:
 
 
 def own_first(sources: Sources) -> Sources:
-    """Return the sources with those in the manual itself first, so that each stays apart from the named documents."""
+    """Return the sources with those in the manual itself first, so that they do not seem to be in a named document."""
     return tuple(sorted(sources, key=lambda source: source.document != ""))
 
 
@@ -166,7 +166,7 @@ class Characteristic:
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """A hardware input. ``inverts`` and ``needs`` name register bits as ``register.field``."""
+    """A hardware input. ``inverts`` and ``needs`` refer to register bits as ``register.field``."""
 
     name: str
     printed_name: str
@@ -192,7 +192,7 @@ class Table:
     source: Sources
 
 
-#: Replacements in an overlay or another edition for a fact that it lacks, and for an unknown one.
+#: Replacements, in an overlay or another edition, for a fact that is absent or unknown there.
 LEFT_OUT, NOT_KNOWN = "left out", "not known"
 
 
@@ -200,8 +200,8 @@ LEFT_OUT, NOT_KNOWN = "left out", "not known"
 class Erratum:
     """An error in the manual.
 
-    With ``overlay`` or ``edition``, it is a change of the spec instead: ``printed`` is from the spec, ``used`` is the
-    replacement, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
+    With ``overlay`` or ``edition``, it is a change to the spec instead: ``printed`` is the content of the spec, and
+    ``used`` is the replacement, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
     """
 
     name: str
@@ -219,7 +219,7 @@ class Erratum:
 
 @dataclass(frozen=True, slots=True)
 class EditionTest:
-    """A register that identifies older encoders: its digits ``run``, read as in this edition, are out of bounds."""
+    """A register that identifies older encoders, where its digits ``run`` are out of bounds for this edition."""
 
     register: str
     run: str
@@ -231,7 +231,7 @@ class EditionTest:
 
 @dataclass(frozen=True, slots=True)
 class ManualEdition:
-    """An edition of the manual that users can choose. ``labels`` are patterns of labels written as in it."""
+    """An edition of the manual that users can choose. ``labels`` lists patterns for its labels."""
 
     revision: str
     date: str
@@ -241,7 +241,7 @@ class ManualEdition:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """Changes to a spec: a correction, or the manufacturer's facts about the models that end in ``special``."""
+    """Changes to a spec: a correction, or the manufacturer's facts about the models whose codes end in ``special``."""
 
     name: str
     title: str

@@ -1,4 +1,4 @@
-"""The errors for which a decoder rejects a frame."""
+"""Errors that make a decoder reject a frame."""
 
 from enum import Enum
 

@@ -1,4 +1,4 @@
-"""The kinds of fields, which define how bits become a value. Each kind has only the facts specific to it."""
+"""Kinds of fields. The kind defines how bits are converted to a value. Each kind has only its own facts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import Enum
 
 from .facts import Sources
 
-#: Meaning of an active flag that the manual explains for other order codes only.
+#: Meaning of an active flag that the manual explains only for other order codes.
 UNEXPLAINED = "the manual does not say what this bit means for this order code"
 
 
@@ -16,8 +16,7 @@ class Verdict(Enum):
     """Usability of the position in a valid frame, from worst to best.
 
     UNKNOWN: no flag of the frame gives any information.
-    C and the Python columns number the verdicts in this order. The most severe one decides, so a warning never makes a
-    position better than no information.
+    C and the Python columns number the verdicts in this order. The most severe one applies, so UNKNOWN beats a warning.
     """
 
     NOT_USABLE = "not_usable"
@@ -40,7 +39,7 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Digits:
-    """A run of decimal digits inside a number: ``number // divisor % modulus``."""
+    """A run of decimal digits within a number: ``number // divisor % modulus``."""
 
     name: str
     digits: int
@@ -51,7 +50,7 @@ class Digits:
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An integer, in two's complement if ``signed``. All bits 0 mean ``zero_means``."""
+    """An integer, in two's complement if ``signed``. If all bits are 0, it means ``zero_means``."""
 
     signed: bool = False
     zero_means: int = 0
@@ -63,8 +62,8 @@ class Flag:
     """One bit, true when active.
 
     ``makes_position`` is the verdict on the position in the same frame while the flag is active, or None without a
-    position. ``sums_up`` names the flags that it combines. All of this holds for the order codes ``only``, those whose
-    parameter ``only_while`` is not 0. For the others, an active flag is ``unexplained``.
+    position. ``sums_up`` lists the flags that it combines. All of this applies to the order codes ``only``, for which
+    the parameter ``only_while`` is not 0. For all others, the flag is ``unexplained``.
     """
 
     active_low: bool = False
@@ -77,24 +76,25 @@ class Flag:
 
     @property
     def unexplained(self) -> Flag:
-        """The flag for order codes for which the manual does not explain it."""
+        """The same flag for order codes for which the manual does not explain it."""
         worth = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
         return Flag(self.active_low, UNEXPLAINED, makes_position=worth)
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of the named values."""
+    """One of several named values."""
 
     values: tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """Always the same bits.
+    """Bits that are always the same.
 
-    ``padding_of`` names the field that the zeros pad. The two together fill its ``container`` from the low end. Zeros
-    that fill a gap between fields are not in the spec: they follow from their neighbours.
+    ``padding_of`` is the name of the field that the zeros pad. Field and zeros together fill the field's ``container``
+    from the low end. Zeros that fill a gap between fields are not in the spec. They follow from the neighbouring
+    fields.
     """
 
     value: int = 0
@@ -104,7 +104,7 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Unused:
-    """Reserved bits. This encoder sends ``value``, similar ones may send anything.
+    """Reserved bits. This encoder sends ``value``. Similar encoders may send anything.
 
     Other values are reported, not rejected. ``makes_position`` is the verdict on the position in that case.
     """
@@ -122,7 +122,7 @@ class CrcValue:
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """A bit that makes the number of ones in itself and the fields ``of`` even or odd."""
+    """A bit that makes the number of ones even or odd, counting itself and the fields ``of``."""
 
     of: tuple[str, ...]
     odd: bool = False
@@ -130,7 +130,7 @@ class Parity:
 
 @dataclass(frozen=True, slots=True)
 class Decimal:
-    """A number read as runs of decimal digits, the most significant run first."""
+    """A number made of runs of decimal digits, most significant run first."""
 
     runs: tuple[Digits, ...]
 
@@ -141,7 +141,7 @@ class Decimal:
 
     @property
     def limit(self) -> int:
-        """Lowest number with more digits."""
+        """Lowest number that has too many digits."""
         return self.runs[0].divisor * self.runs[0].modulus
 
 

@@ -17,7 +17,7 @@ from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Numb
 
 @dataclass(frozen=True, slots=True)
 class Crc:
-    """A CRC by its standard parameters."""
+    """A CRC, defined by its standard parameters."""
 
     name: str
     width: int
@@ -39,7 +39,7 @@ class Crc:
 
     @property
     def is_xor(self) -> bool:
-        """True if the CRC of whole bytes is their XOR."""
+        """True if the CRC of whole bytes equals their XOR."""
         return self.width == 8 and self.poly == 1 and self.init == 0 and self.refin == self.refout
 
     @property
@@ -63,8 +63,8 @@ class Piece:
 class Field:
     """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
 
-    The field and its padding fill ``container`` bits from the field's low end. ``pieces`` is empty unless the layout is
-    carried as bytes and the container is at a fixed position.
+    The field and its padding fill ``container`` bits from the field's lowest bit. ``pieces`` is empty unless the layout
+    is transmitted as bytes and the container is at a fixed position.
     """
 
     name: str
@@ -91,12 +91,12 @@ class Field:
 
     @property
     def unexplained(self) -> Field:
-        """Flag for order codes for which the manual does not explain it."""
+        """The same flag for order codes for which the manual does not explain it."""
         assert isinstance(self.kind, Flag)
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
     def held_by(self, parameters: Mapping[str, int]) -> Field:
-        """Return the field for an order code with these parameters."""
+        """Return the field as it is for an order code with these parameters."""
         while_ = self.kind.only_while if isinstance(self.kind, Flag) else ""
         return self.unexplained if while_ and not parameters.get(while_) else self
 
@@ -107,7 +107,7 @@ class Field:
 
     @property
     def mask_in_place(self) -> int:
-        """Mask of the largest extent of the field in the layout. Its lowest bit must be fixed."""
+        """Mask of the field in the layout, at its largest width. The position of its lowest bit must be fixed."""
         return ((1 << self.widest) - 1) << self.low.constant
 
     @property
@@ -121,7 +121,7 @@ class Field:
 
     @property
     def number(self) -> Number:
-        """Kind of the field if it is a number, else a plain number."""
+        """Kind of the field if that is a number, else a plain number."""
         return self.kind if isinstance(self.kind, Number) else Number()
 
     @property
@@ -136,18 +136,18 @@ class Field:
 
     @property
     def padding_of(self) -> str:
-        """Name of the padded field, or empty if this is not padding."""
+        """Name of the padded field, or an empty text if this field is not padding."""
         return self.kind.padding_of if isinstance(self.kind, Constant) else ""
 
     @property
     def fills_gap(self) -> bool:
-        """True if it consists of zeros between two fields of the spec, or next to one."""
+        """True if it consists of zeros that are not in the spec, between two fields or next to one."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
 
 @dataclass(frozen=True, slots=True)
 class Join:
-    """A number that consists of several fields, most significant first."""
+    """A number made of several fields, most significant first."""
 
     name: str
     fields: tuple[str, ...]
@@ -155,7 +155,7 @@ class Join:
 
 @dataclass(frozen=True, slots=True)
 class PlacedField:
-    """A field at fixed bits, for one order code."""
+    """A field at fixed bits, as it is for one order code."""
 
     field: Field
     low: int
@@ -178,9 +178,9 @@ class PlacedField:
 class Layout:
     """A sequence of named fields.
 
-    It is carried ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or else as bits, most
-    significant first. ``fields`` are in the order sent for frames, and from the most significant bit down for
-    registers. ``channel`` is the BiSS data channel if the encoder has several.
+    It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
+    bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
+    for registers. ``channel`` is the BiSS data channel if the encoder has several.
     """
 
     name: str
@@ -205,12 +205,12 @@ class Layout:
         return next(item for item in self.fields if item.name == name)
 
     def names_in(self, name: str) -> tuple[str, ...]:
-        """Return the fields of a join, most significant first, or the name of a field itself."""
+        """Return the names of the fields of a join, most significant first. For a field, return its own name."""
         return next((item.fields for item in self.joins if item.name == name), (name,))
 
     @property
     def carried_as(self) -> str:
-        """Word of the spec language for ``in_bytes``."""
+        """Keyword in the spec language for ``in_bytes``."""
         return "bytes" if self.in_bytes else "bits"
 
     @property
@@ -219,7 +219,7 @@ class Layout:
 
     @property
     def spoiling_flags(self) -> tuple[Field, ...]:
-        """Flags that make the position of this frame unusable, without flags that only sum up others in the frame."""
+        """Flags that make the position in this frame unusable, except those that only combine other flags in it."""
         here = {item.name for item in self.fields}
         return tuple(
             item
@@ -232,10 +232,10 @@ class Layout:
 
     @property
     def unused(self) -> tuple[tuple[Field, int], ...]:
-        """Unused fields, lowest first, each with its lowest bit in the number that a decoder combines them into.
+        """Unused fields, lowest first, each with the position of its lowest bit in the decoder's number ``unused``.
 
         For bytes, that number has one byte for each byte of the frame with unused bits, and every bit keeps its
-        place in its byte. For words, and if fields move with the order code, the fields are adjacent.
+        position in the byte. For words, or if the order code moves fields, the fields are adjacent.
         """
         fields = [item for item in self.fields if isinstance(item.kind, Unused)]
         if self.in_bytes and all(item.low.is_constant and item.width.is_constant for item in fields):
@@ -244,19 +244,20 @@ class Layout:
             taken = sorted({byte for low, high in spans for byte in range(low // 8, high // 8 + 1)})
             places = [8 * taken.index(item.low.constant // 8) + item.low.constant % 8 for item in fields]
         else:
-            # The last field sent is the lowest in a word. With the low byte first, the first one is.
+            # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent
+            # first.
             fields = fields if self.byte_order == "low_byte_first" else fields[::-1]
             places = [sum(item.widest for item in fields[:index]) for index in range(len(fields))]
         return tuple(zip(fields, places, strict=True))
 
     @property
     def unused_width(self) -> int:
-        """Number of bits in the number of the unused fields."""
+        """Number of bits in ``unused``."""
         return max((place + item.widest for item, place in self.unused), default=0)
 
     @property
     def status_fields(self) -> tuple[Field, ...]:
-        """Bits for error and warning: flags, and bits in their place that are never active and so always 1."""
+        """Bits for error and warning: flags, and unused status bits, which are never active and therefore always 1."""
         return tuple(
             item
             for item in self.fields
@@ -268,7 +269,7 @@ class Layout:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
-        """Return the layout for one order code, without fields of no bits and with foreign flags unexplained."""
+        """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained."""
         every = (
             PlacedField(item.held_by(parameters), item.low.value(parameters), item.width.value(parameters))
             for item in self.fields
@@ -283,7 +284,7 @@ class Layout:
 class PlacedLayout:
     """A layout whose positions are numbers. If ``gray`` is set, the number ``layout.gray_of`` is sent in Gray code.
 
-    ``unused`` are the unused fields of the order code, each with its place as in ``layout.unused``.
+    ``unused`` lists the unused fields for the order code, each with its position as in ``layout.unused``.
     """
 
     layout: Layout
@@ -300,7 +301,7 @@ class PlacedLayout:
         return next((item for item in self.fields if item.name == name), None)
 
     def place_of(self, name: str) -> tuple[int, int]:
-        """Return low bit and width of a field, or of a join of adjacent fields. The width is 0 if it is absent."""
+        """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
         parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
         return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
 

@@ -1,4 +1,4 @@
-"""Limits of a register, or of its field that they apply to."""
+"""Limits of a register or of one of its fields."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .expressions import Expression
 
 
 def bounded(register: Register) -> str:
-    """Return the name of the limited field or join: the named one, or the only one, or empty for the whole register."""
+    """Return the name of the limited field or join, or an empty text if the limits apply to the whole register."""
     names = [*(item.name for item in register.layout.joins), *(item.name for item in register.layout.fields)]
     if register.limits_of in names:
         return register.limits_of
@@ -22,7 +22,7 @@ def bounded_width(register: Register, placed: PlacedLayout) -> int:
 
 
 def representable(register: Register, placed: PlacedLayout) -> tuple[int, int]:
-    """Return the lowest and the highest number that the limited field, join or register can hold."""
+    """Return the lowest and highest number that fit in the limited field, join or register."""
     width = bounded_width(register, placed)
     item = placed.field(bounded(register))
     if item is not None and item.field.number.signed:
@@ -36,7 +36,7 @@ def bounds(
     limits: tuple[Expression | None, Expression | None],
     parameters: Mapping[str, int],
 ) -> tuple[int, int]:
-    """Return the lowest and the highest value that may be written, from ``limits`` or else from the width."""
+    """Return the lowest and highest value that may be written, from ``limits`` or otherwise from the width."""
     lowest, highest = representable(register, placed)
     item = placed.field(bounded(register))
     if item is not None:

@@ -1,4 +1,4 @@
-"""Measurement of a position: an angle or a length."""
+"""Measurement of a position, which is an angle or a length."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .facts import Sources
 class Measurement:
     """Units of ``of``: ``counts_per_turn`` and ``turns`` for an angle, ``step_um`` and ``modulus`` for a length.
 
-    ``highest`` is the highest number sent if an offset can move positions above the total count.
+    ``highest`` is the highest number sent if an offset can shift positions above the total count.
     """
 
     of: str

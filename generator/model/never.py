@@ -1,4 +1,4 @@
-"""The end of every ``match`` over a union of the model."""
+"""The last case of every ``match`` over a union type of the model."""
 
 from typing import NoReturn
 

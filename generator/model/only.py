@@ -1,4 +1,4 @@
-"""``only``: the order codes for which a fact holds, abbreviated as in manuals, such as ``.../65K...``."""
+"""``only``: the order codes to which a fact applies, abbreviated as in manuals, such as ``.../65K...``."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ _PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
 
 
 def fits(only: str, code: str) -> bool:
-    """Return whether ``code`` is among the order codes ``only``, which are all if it is empty.
+    """Return whether ``code`` is one of the order codes ``only``. An empty ``only`` means all of them.
 
-    ``...`` stands for any text and ``x`` for any one character. A comma separates several. The hyphen after an order
-    code on a label counts as part of it.
+    ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
+    order code on a label counts as part of it.
     """
     return not only or any(pattern.fullmatch(f"{code}-") for pattern in _patterns(only))
 

@@ -1,4 +1,4 @@
-"""Procedures: the steps of a master."""
+"""Procedures: steps that a master carries out."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class _Step:
 
 @dataclass(frozen=True, slots=True)
 class WriteStep(_Step):
-    """Write ``value`` to the whole register. None stands for the argument ``value_name``."""
+    """Write ``value`` to the whole register. If it is None, write the argument ``value_name``."""
 
     do: ClassVar[str] = "write"
     register: str
@@ -26,7 +26,7 @@ class WriteStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class ModifyStep(_Step):
-    """Write ``value`` to one field and keep the others as read. None stands for the argument ``value_name``."""
+    """Write ``value`` to one field and keep the others as read. If it is None, write the argument ``value_name``."""
 
     do: ClassVar[str] = "write"
     register: str
@@ -37,7 +37,7 @@ class ModifyStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class ReadStep(_Step):
-    """Read the register, or one field of it if ``field`` names it."""
+    """Read the register or, if ``field`` is not empty, that field."""
 
     do: ClassVar[str] = "read"
     register: str
@@ -64,7 +64,7 @@ class WaitStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class SendStep(_Step):
-    """Send the bytes ``request``, which ask for ``data_id``, ``times`` times, ``microseconds`` apart.
+    """Send the request for ``data_id``, the bytes ``request``, ``times`` times at intervals of ``microseconds``.
 
     ``in_succession`` is true if no other request may be sent between them.
     """
@@ -78,15 +78,15 @@ class SendStep(_Step):
 
 
 RegisterStep = WriteStep | ModifyStep | ReadStep | PollStep
-#: ``do`` is the word of the spec language, used for reading and printing only.
+#: ``do`` is the keyword in the spec language, used for reading and printing only.
 Step = RegisterStep | WaitStep | SendStep
 
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A value that the caller of a procedure gives, for the register ``of``.
+    """A value for the register ``of`` that the caller passes to a procedure.
 
-    ``meant_as`` names the register's meaning, if it has several.
+    ``meant_as`` is the name of the register's meaning if it has several.
     """
 
     name: str

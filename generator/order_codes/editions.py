@@ -1,4 +1,4 @@
-"""Find the edition of the manual that an encoder belongs to by its label, and the registers that decide it."""
+"""Find the edition of the manual that applies to an encoder, from its label or with registers that identify it."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from .labels import Match
 
 
 def edition_before(device: Device, revision: str) -> str:
-    """Return the revision before this one."""
+    """Return the revision that precedes this one."""
     names = [item.revision for item in device.editions]
     return names[names.index(revision) - 1]
 
 
 def told_by_label(device: Device, match: Match) -> str:
-    """Return the edition in which labels are written like this one, or an empty text if the label does not show it."""
+    """Return the edition whose labels are written like this one, or an empty text if the label does not identify it."""
     patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
     found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
     return next(found, "")
 
 
 def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
-    """Yield the tests of a register, each with the first revision in which the register has the tested value."""
+    """Yield the tests of a register, each with the first revision for which the register passes the test."""
     for edition in device.editions:
         for test in edition.tests:
             if test.register == register:

@@ -1,4 +1,4 @@
-"""Reduce a device to some of its order codes: facts that hold ``only`` for others are left out or unexplained."""
+"""Reduce a device to some of its order codes, without the facts that apply ``only`` to others."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import Any
 from ..model import Device, Field, Flag
 from ..model.only import fits
 
-#: The parts of a device that have ``only`` or refer to such parts.
+#: Parts of a device that have ``only``, or that refer to such parts.
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
 
 
 def held_by(device: Device, codes: Collection[str]) -> Device:
     """Return the device for these order codes.
 
-    Facts that hold for none of them are left out, and flags are unexplained. Facts that hold for all lose ``only``.
+    Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
+    lose their ``only``.
     """
     made = replace(device, **{name: _held(getattr(device, name), codes) for name in _PARTS})
     steps = {item.name for item in made.characteristics}
@@ -47,7 +48,7 @@ def _is_of_others(item: Any, codes: Collection[str]) -> bool:
 
 
 def _with_steps(item: Any, known: Collection[str]) -> Any:
-    """Return the item without steps by hand that do not apply to the order codes."""
+    """Return the item without manual steps that do not apply to the order codes."""
     if isinstance(item, tuple):
         kept = tuple(_with_steps(one, known) for one in item)
         return item if all(new is old for new, old in zip(kept, item, strict=True)) else kept

@@ -1,4 +1,4 @@
-"""Enumerate order codes, and parse the text on a label."""
+"""Enumerate order codes, and parse the text of a label."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from ..model import CodePart, Device, OrderCode, Spelling, Variant
 
-#: Most characters of a label.
+#: Highest number of characters in a label.
 LONGEST = 100
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
@@ -20,10 +20,10 @@ _AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
 class UnknownOrderCode(ValueError):
-    """The order code does not exist. The message says which part is wrong and what would be right.
+    """The order code does not exist. The message names the wrong part and its valid values.
 
-    ``close`` is true if this message is the one to show: all but one part of the text matches the family, or the text
-    cannot belong to any family.
+    ``close`` is true if this message is the one to show: either all but one part of the text matches the family, or the
+    text cannot belong to any family.
     """
 
     def __init__(self, message: str, close: bool) -> None:
@@ -35,9 +35,9 @@ class UnknownOrderCode(ValueError):
 class Match:
     """An order code as read from a label.
 
-    ``variant`` is the matching enumerated code. ``unlisted`` names the parts whose value is not listed in the manual,
+    ``variant`` is the matching listed code. ``unlisted`` names the parts whose value is not listed in the manual,
     ``tail`` is the text after the code on the label, and ``special`` is set for codes that end in /Sxxx.
-    ``written_as_in`` says where codes are written like this label, if the order codes are listed in another notation.
+    ``written_as_in`` is where codes are written like this label, if the manual lists order codes in another notation.
     """
 
     variant: Variant
@@ -48,7 +48,7 @@ class Match:
 
 
 def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
-    """Yield every enumerated code: text, value of each part, interface, and the parameters that the parts set."""
+    """Yield every listed code: text, value of each part, interface, and the parameters that the parts set."""
     for values in itertools.product(*(part.values for part in order_code.parts)):
         chosen = {part.name: value for part, value in zip(order_code.parts, values, strict=True)}
         texts = {name: value.text for name, value in chosen.items()}
@@ -60,12 +60,12 @@ def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str]
 
 
 def filled(pattern: str, texts: Mapping[str, str]) -> str:
-    """Return a pattern with the parts in braces replaced by their texts."""
+    """Return a pattern with the names in braces replaced by the texts of these parts."""
     return _BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
 def find(device: Device, text: str) -> Match:
-    """Parse the label ``text`` for this family. A tail after ``-`` and ``/Sxxx`` are accepted, and blanks are ignored.
+    """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
 
     Raises:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
@@ -74,7 +74,7 @@ def find(device: Device, text: str) -> Match:
         size = f"it has {len(text)} characters, more than the {LONGEST} of any label"
         raise UnknownOrderCode(f"'{text[:20]}...' is not an order code: {size}", close=True)
     code = without_blanks(text).upper()
-    # A part of the code itself may look like /Sxxx, which counts only after the code.
+    # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (_as_listed(device.order_code), *device.order_code.also_written):
         match = re.fullmatch(_regex(device.order_code, spelling) + _AFTER, code, re.IGNORECASE)
         if match is not None:
@@ -87,7 +87,7 @@ def find(device: Device, text: str) -> Match:
 
 
 def without_blanks(text: str) -> str:
-    """Return a label or pattern without blanks, since the same codes are printed with and without them."""
+    """Return a label or pattern without spaces, since codes are printed both with and without them."""
     return "".join(text.split())
 
 
@@ -98,7 +98,7 @@ def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
-    """Return the possible beginnings of the family's labels, uppercase and without blanks, or "" for any."""
+    """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label."""
     found = set[str]()
     for spelling in (_as_listed(code), *code.also_written):
         text, *pieces = _BRACES.split(spelling.pattern)
@@ -112,12 +112,12 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
 
 
 def _as_listed(order_code: OrderCode) -> Spelling:
-    """Return the notation in which the manual lists order codes as a spelling."""
+    """Return, as a spelling, the notation in which the manual lists order codes."""
     return Spelling(order_code.pattern, "", (), "", ())
 
 
 def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Variant, tuple[str, ...]]:
-    """Return the order code with these parts, and the names of unlisted ones."""
+    """Return the order code with these parts, and the names of parts with unlisted values."""
     known = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
     variant = _fitting(device, known)
     if variant is None:
@@ -135,7 +135,7 @@ def _listed(part: CodePart, text: str) -> str | None:
 
 
 def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
-    """Return the first enumerated code with these parts, where None stands for an unlisted one."""
+    """Return the first listed code with these parts, where None stands for an unlisted value."""
     unlisted = [part for part in device.order_code.parts if known[part.name] is None]
     for variant in device.variants:
         if all(value in (None, variant.parts[name]) for name, value in known.items()) and all(
@@ -148,7 +148,7 @@ def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
 
 
 def _regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
-    """Return a regular expression for the whole code in this spelling. The part ``anything`` may be any text."""
+    """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
     own = {item.part for item in spelling.values}
     parts = {
         part.name: _any_of(spelled(part, spelling)) if part.name in own else _alternatives(part)
@@ -172,7 +172,7 @@ def _any_of(texts: Iterable[str]) -> str:
 
 
 def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[str, str | None]) -> str:
-    """Return the message about parts that are valid individually but not together, naming those to change."""
+    """Return the message about parts that are valid individually but not in combination, with the parts to change."""
     names = [
         part.name
         for part in device.order_code.parts
@@ -183,7 +183,7 @@ def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[s
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
-    """Return the error about ``code``, with the only part that is missing or unlisted, or else the nearest codes."""
+    """Return the error about ``code``, with the missing or unlisted part, if that is clear, and the nearest codes."""
     found = []
     for part in device.order_code.parts:
         match = re.fullmatch(
@@ -202,7 +202,7 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
     if not found:
         wrong = f"'{code}' is not an order code of {device.name.upper()}; the nearest are {_nearest(device, code)}"
         return UnknownOrderCode(wrong, close=False)
-    # Prefer a part that leaves the others with listed values, and prefer a missing one.
+    # Prefer a part without which all others have listed values, and then a missing part.
     _, _, part, given = min(found, key=lambda item: item[:2])
     valid = ", ".join(value.text for value in part.values)
     wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
@@ -216,12 +216,12 @@ def _nearest(device: Device, code: str) -> str:
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
-    """Return the three enumerated codes that are most similar to ``text``, or to its part before a tail.
+    """Return the three listed codes that are most similar to ``text``, or to ``text`` without its tail.
 
     Args:
         devices: The families.
         text: Text that was meant as an order code.
-        least: Least similarity, from 0 to 1.
+        least: Minimum similarity, from 0 to 1.
     """
     pieces = text.upper().split("-")
 

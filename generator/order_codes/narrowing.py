@@ -1,4 +1,4 @@
-"""Reduce a device to some of its interfaces or order codes, without parts that belong only to the others."""
+"""Reduce a device to some of its interfaces or order codes, without parts that belong only to others."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .parameters import parameters_of
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
-    """Return the device with only these listed order codes, and without interfaces and examples of the others."""
+    """Return the device with only these listed order codes, without interfaces and examples of the others."""
     variants = tuple(item for item in device.variants if item.code in codes)
     kinds = {item.interface for item in variants}
     here = for_interfaces(device, kinds) if kinds != {item.name for item in device.interfaces} else device
@@ -75,7 +75,7 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
 
 
 def _with_own(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only the parts that name one of these interfaces or none."""
+    """Return the device with only those parts that refer to one of these interfaces or to none."""
     return replace(
         device,
         interfaces=tuple(item for item in device.interfaces if item.name in kinds),
@@ -125,9 +125,9 @@ def _names(items: Iterable[_Named]) -> set[str]:
 
 
 def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
-    """Return a test of whether a path of an erratum leads to a part of these interfaces.
+    """Return a function that tests whether a path of an erratum leads to a part of these interfaces.
 
-    Paths that belong to no interface pass.
+    Paths that belong to no interface pass the test.
     """
 
     def found(path: str) -> bool:

@@ -1,4 +1,4 @@
-"""Parameters by interface: users of an SSI order code need not see the widths of a BiSS frame."""
+"""Parameters by interface. Users of an SSI order code, for example, do not need the widths of a BiSS frame."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ..model.expressions import Expression
 def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
     """Return the parameters that matter for the interface ``kind``.
 
-    Parameters used only by other interfaces are left out, unless they follow from the ones kept. Parameters used by no
-    interface are kept, since they are there for information.
+    Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
+    Parameters that no interface uses are kept, since they are for information.
     """
     used = {item.name: _used(device, item.name) for item in device.interfaces}
     elsewhere = set[str]().union(*used.values()) - used[kind]
@@ -28,7 +28,7 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
 
 
 def run_time_names(device: Device) -> frozenset[str]:
-    """Return the parameters that registers hold, and those that follow from them."""
+    """Return the parameters that registers hold, and those calculated from them."""
     found = {item.name for item in device.run_time_parameters}
     for _ in device.parameters:
         found |= {
@@ -40,14 +40,14 @@ def run_time_names(device: Device) -> frozenset[str]:
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
-    """Return whether registers decide the positions or the code of a layout's fields at run time."""
+    """Return whether registers determine the positions or the code of a layout's fields at run time."""
     return not run_time_names(device).isdisjoint(
         {layout.gray_when, *(name for item in _of_layout(layout) for name in item.parameters)}
     )
 
 
 def needed_parameters(device: Device, name: str) -> frozenset[str]:
-    """Return a parameter and all parameters that it follows from."""
+    """Return a parameter and all parameters from which it is calculated."""
     definition = next((item.equals for item in device.parameters if item.name == name), None)
     inputs = definition.parameters if definition is not None else ()
     return frozenset({name}.union(*(needed_parameters(device, other) for other in inputs)))
@@ -60,7 +60,7 @@ def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
 
 
 def _used(device: Device, kind: str) -> set[str]:
-    """Return the parameters used in frames, registers and measurement of an interface, with those they follow from."""
+    """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
     expressions = list(_expressions(device, kind))
     found = {name for item in expressions for name in item.parameters}
     found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}

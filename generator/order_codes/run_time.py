@@ -17,7 +17,7 @@ class RegisterError(ValueError):
 
 
 def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
-    """Return ``given`` with all parameters that follow from others."""
+    """Return ``given`` together with all parameters that are calculated from others."""
     parameters = dict(given)
     left = {name: item for name, item in definitions.items() if name not in parameters}
     while left:
@@ -28,18 +28,18 @@ def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expre
             try:
                 parameters[name] = left.pop(name).value(parameters)
             except ExpressionError:
-                parameters[name] = 0  # out of range, which is reported where the width is used
+                parameters[name] = 0  # out of range, reported where the width is used
     return MappingProxyType(parameters)
 
 
-#: Most combinations of extremes. Beyond this, only pairs of parameters are combined.
+#: Highest number of combinations of extremes. If there are more, only pairs of parameters are combined.
 _MOST_CORNERS = 64
 
 
 def corners(extremes: Mapping[str, Sequence[int]]) -> Iterator[Mapping[str, int]]:
-    """Yield the combined extremes of parameters, since a value may fit with one of them at its end but not with two.
+    """Yield combined extremes of parameters, since a value may fit with one extreme but not with two.
 
-    If there are too many, yield those of each pair with the others unchanged, and those with all at the same end.
+    If there are too many, yield those of each pair with the others unchanged, and those with all at the same extreme.
     """
     names = [name for name, values in extremes.items() if values]
     if prod(len(set(extremes[name])) for name in names) <= _MOST_CORNERS:
@@ -72,10 +72,10 @@ def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) ->
     Args:
         device: The family.
         variant: One of its order codes.
-        held: Bytes by address. Other registers have their defaults.
+        held: Register bytes by address. Other registers have their defaults.
 
     Raises:
-        RegisterError: An address holds no parameter, or a value is invalid.
+        RegisterError: There is no parameter at an address, or a value is invalid.
     """
     parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
     used: set[int] = set()
@@ -100,7 +100,7 @@ def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) ->
 
 
 def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
-    """Return the variant with these answers, each by the name of its alternative.
+    """Return the variant with these answers, keyed by the name of the alternative.
 
     Raises:
         KeyError: There is no such alternative or answer.
@@ -127,7 +127,7 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
 
 
 def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) -> int:
-    """Return the parameter from a register's bytes in ``held`` or its defaults."""
+    """Return the value of the parameter from the register's bytes in ``held`` or its default."""
     default = register.default_bytes() or bytes(register.length)
     data = bytes(held.get(register.address + index, byte) for index, byte in enumerate(default))
     field = register.layout.field(parameter.field)

@@ -1,4 +1,4 @@
-"""Reduce a device to one order code, with numbers in place of quantities that depend on it."""
+"""Reduce a device to one order code, with numbers in place of quantities that depend on the code."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PARTS = ("interfaces", "registers", "procedures", "measurement")
 
 
 def applied(device: Device, variant: Variant) -> Device:
-    """Return the device with the quantities of an order code filled in. Questions left open by the manual remain.
+    """Return the device with the quantities of an order code filled in. Questions that the manual leaves open remain.
 
     Quantities held in registers have their factory defaults.
     """
@@ -38,14 +38,14 @@ def _filled(item: Any, known: Mapping[str, int]) -> Any:
 
 
 def _decoded(layout: Layout, known: Mapping[str, int]) -> Layout:
-    """Return the layout with a fixed code, Gray or binary."""
+    """Return the layout with a fixed code, which is Gray or binary."""
     if layout.gray_when not in known:
         return layout
     return replace(layout, gray_of=layout.gray_of if known[layout.gray_when] else "", gray_when="")
 
 
 def _without_empty(layout: Layout) -> Layout:
-    """Return the layout without fields of no bits, also in its joins."""
+    """Return the layout without zero-width fields, in the layout itself and in its joins."""
     empty = {item.name for item in layout.fields if item.width == Expression(0)}
     if not empty:
         return layout
@@ -58,7 +58,7 @@ def _without_empty(layout: Layout) -> Layout:
 
 
 def _number(item: Expression, known: Mapping[str, int]) -> Expression:
-    """Return the sum with known terms replaced by numbers."""
+    """Return the expression with known terms replaced by numbers."""
     if item.is_constant:
         return item
     open_terms = tuple(term for term in item.terms if not all(_is_known(factor, known) for factor in term.factors))

@@ -1,4 +1,4 @@
-"""Steps of a procedure that undo an opening step before them, according to the written register."""
+"""Closing steps of a procedure: each one undoes an earlier opening step that wrote to the same register."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ..model import Device, ModifyStep, Register, Step, WriteStep
 def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     """Return the indices of the closing steps.
 
-    A step opens if it writes the number that opens a register of the procedure (``opened_by``). The first step after it
-    that writes another number to the same place closes.
+    An opening step writes the number that opens a register used in the procedure (``opened_by``). Its closing step is
+    the next step that writes a different number to the same place.
     """
     written = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
     openers = [item for item in device.registers if item.opened_by and item.name in written]

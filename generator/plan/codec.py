@@ -17,10 +17,10 @@ from .values import Meaning, meaning_of
 
 @dataclass(frozen=True, slots=True)
 class Bits:
-    """``width`` bits from bit ``low`` of the word up. ``pieces`` describe the same in bytes, lowest bits first.
+    """``width`` bits of the word, starting at ``low``. ``pieces`` describe the same bits in bytes, lowest bits first.
 
-    ``on_top`` is true if there are no bits above, so that a shift is enough to extract them. ``widest`` is the width
-    for the order code with the most bits.
+    ``on_top`` is true if there are no bits above them, so a shift is enough to extract them. ``widest`` is the largest
+    width of any order code.
     """
 
     low: Expression
@@ -31,11 +31,11 @@ class Bits:
 
     @property
     def are_fixed(self) -> bool:
-        """True if they are at the same position for every order code."""
+        """True if the bits have the same position for every order code."""
         return self.low.is_constant and self.width.is_constant
 
 
-# -- checks of a frame
+# -- frame checks
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +50,9 @@ class AlwaysIs:
 
 @dataclass(frozen=True, slots=True)
 class ZerosAbove:
-    """The field fills its container up to ``width`` bits, and the constant ``padding`` is above it.
+    """The field fills its container up to ``width`` bits. The constant ``padding`` is above it.
 
-    ``bits`` are the bits of the container that the field can reach, ``beyond`` the bytes that it never reaches.
+    ``bits`` are the bits of the container that the field can occupy. ``beyond`` are the bytes that it never occupies.
     """
 
     field: Field
@@ -63,16 +63,16 @@ class ZerosAbove:
 
     @property
     def may_reach(self) -> bool:
-        """True if there are bits above the field in the bytes that it reaches."""
+        """True if there are bits above the field in the bytes that it occupies."""
         reached = self.field.container - 8 * len(self.beyond)
         return reached > (self.field.widest if self.bits.width.is_constant else 0)
 
 
 @dataclass(frozen=True, slots=True)
 class ParityIs:
-    """The bit is the parity of the fields ``of``: 1 for an odd number of ones, or with ``odd`` for an even one.
+    """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
-    ``known`` is the only valid bit in this frame if each field in ``of`` has a single value.
+    ``known`` is the only valid value of the bit in this frame if each field in ``of`` has a single value.
     """
 
     field: Field
@@ -85,14 +85,14 @@ class ParityIs:
 
     @property
     def selector(self) -> Field:
-        """The only field with a known value."""
+        """The only field in ``of`` if the parity is known."""
         (field,) = self.of
         return field
 
 
 @dataclass(frozen=True, slots=True)
 class IsOneOf:
-    """The field has one of these values: its named ones, or for a selector those that identify this frame."""
+    """The field has one of these values: its named values or, for a selector, those that identify this frame."""
 
     field: Field
     bits: Bits
@@ -102,7 +102,7 @@ class IsOneOf:
 
 @dataclass(frozen=True, slots=True)
 class AtMost:
-    """The field, read as decimal digits, has at most as many digits as ``runs``."""
+    """The field, as a decimal number, has no more digits than ``runs``."""
 
     field: Field
     bits: Bits
@@ -121,10 +121,10 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost
 
 @dataclass(frozen=True, slots=True)
 class FrameCrc:
-    """The CRC at the end of a frame, over everything before it.
+    """The CRC at the end of a frame, which covers everything before it.
 
-    ``covered`` is the number of these bits. ``divides`` is true if the polynomial divides a whole valid word, after its
-    final XOR is removed. ``steps``, if any, then fold it without a table.
+    ``covered`` is the number of bits that it covers. ``divides`` is true if the polynomial divides every valid word
+    once the final XOR is removed. ``steps``, if any, then reduce the word without a table.
     """
 
     crc: Crc
@@ -136,13 +136,13 @@ class FrameCrc:
 
     @property
     def inverted(self) -> int:
-        """Bits of the CRC that are sent inverted, as a mask."""
+        """Mask of the CRC bits that are sent inverted."""
         return self.crc.xorout
 
 
 @dataclass(frozen=True, slots=True)
 class Gray:
-    """These bits are sent in Gray code while the parameter ``when`` is not 0."""
+    """The bits are sent in Gray code if the parameter ``when`` is not 0."""
 
     low: Expression
     width: Expression
@@ -154,7 +154,7 @@ class Gray:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A field in a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
+    """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field
     bits: Bits
@@ -168,7 +168,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Whole:
-    """A join: its fields as one number, most significant first. ``bits`` is set if they are adjacent in the word."""
+    """A join: several fields as one number, most significant first. ``bits`` is set if they are adjacent."""
 
     join: Join
     fields: tuple[Field, ...]
@@ -178,7 +178,7 @@ class Whole:
 
     @property
     def from_low(self) -> Iterator[tuple[Field, Expression]]:
-        """Yield its fields, lowest first, and the bit at which each begins in the number."""
+        """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
         low = Expression(0)
         for item in reversed(self.fields):
             yield item, low
@@ -186,16 +186,16 @@ class Whole:
 
     @property
     def depends(self) -> bool:
-        """True if the start of any field depends on the order code."""
+        """True if the position of any of its fields depends on the order code."""
         return not all(low.is_constant for _, low in self.from_low)
 
 
 @dataclass(frozen=True, slots=True)
 class Reserved:
-    """Reserved bits, which a decoder reports but does not reject.
+    """Reserved bits. A decoder reports unexpected values but does not reject them.
 
-    A decoded frame has one number for all of them, ``unused``. In it, the bits from ``place`` up are 1 where the field
-    differs from ``value``.
+    A decoded frame has one number for all reserved bits, ``unused``. Its bits starting at ``place`` are 1 where this
+    field differs from ``value``.
     """
 
     field: Field
@@ -206,14 +206,14 @@ class Reserved:
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """The same number in every such frame."""
+    """A number that is the same in every frame of this layout."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """The value of a field, converted to bits by the inverse of its meaning."""
+    """The value of a field. The inverse of its meaning converts it to bits."""
 
     field: Field
 
@@ -225,7 +225,7 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class ParityOf:
-    """The parity bit of fields."""
+    """The parity bit over several fields."""
 
     of: tuple[Field, ...]
     odd: bool
@@ -233,7 +233,7 @@ class ParityOf:
 
 @dataclass(frozen=True, slots=True)
 class Turned:
-    """Reserved bits: ``value``, with those inverted that are 1 in the frame's ``unused`` from ``place`` up."""
+    """Reserved bits: ``value``, with those bits inverted that are 1 in ``unused``, starting at ``place``."""
 
     value: int
     place: int
@@ -249,7 +249,7 @@ class Term:
 
     @property
     def depends(self) -> bool:
-        """True if its position, or for a signed field its width, depends on the order code."""
+        """True if its position or, for a signed field, its width depends on the order code."""
         return not self.field.low.is_constant or (self.field.number.signed and not self.field.width.is_constant)
 
 
@@ -257,9 +257,9 @@ class Term:
 class Codec:
     """The plan of a layout.
 
-    ``by_word`` is true if the frame is processed as one number: it is sent as bits, its fields move with the order
-    code, or Gray code must be converted first. Otherwise the bytes are processed one by one. ``alternatives`` are the
-    decisions that the caller must pass.
+    ``by_word`` is true if the frame is processed as one number, because it is sent as bits, the order code moves its
+    fields, or Gray code must be converted first. Otherwise its bytes are processed one by one. ``alternatives`` are the
+    questions whose answers the caller must pass.
     """
 
     layout: Layout
@@ -277,7 +277,7 @@ class Codec:
 
     @property
     def keeps_others(self) -> bool:
-        """True if bits without a field are kept: those of a register that the manual does not define."""
+        """True if bits that belong to no field are kept, which are register bits that the manual does not define."""
         return self.layout.gaps == "unspecified" and not self.layout.sender
 
     @property
@@ -301,11 +301,11 @@ class Codec:
 
     @property
     def from_low(self) -> range:
-        """Return the indices of the bytes, lowest byte of the number first."""
+        """Return the indices of the bytes, least significant byte first."""
         return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
 
     def faults(self) -> tuple[Fault, ...]:
-        """Return the errors that a decoder of this layout can find, each once."""
+        """Return the errors that a decoder of this layout can find, without duplicates."""
         found = {Fault.LENGTH, *(item.fault for item in self.checks), *([Fault.CRC] if self.crc is not None else [])}
         return tuple(item for item in Fault if item in found)
 
@@ -314,7 +314,7 @@ class Codec:
 
 
 def codec_of(device: Device, layout: Layout) -> Codec:
-    """Return the plan of a layout, of a frame or of the bytes of a register."""
+    """Return the plan for a layout of a frame or of a register's bytes."""
     placed = all(item.pieces or item.padding_of for item in layout.fields)
     by_word = not (layout.in_bytes and placed) or bool(layout.gray_of)
     selector = fixed_selector(layout)
@@ -347,20 +347,20 @@ def fixed_selector(layout: Layout) -> Field | None:
 
 
 def only_value(layout: Layout, item: Field) -> int | None:
-    """Return the only value of a field, if it is a constant or a selector with one value, or else None."""
+    """Return the only value of a constant or of a selector with one value, or None for any other field."""
     if isinstance(item.kind, Constant):
         return item.kind.value
     return layout.selects[0] if item is fixed_selector(layout) else None
 
 
 def constant_values(codec: Codec) -> dict[str, int]:
-    """Return the constants of a frame and their values, by name, with the zeros that pad other fields."""
+    """Return the values of a frame's constants by name, including the zeros that pad other fields."""
     found = {item.field.name: item.value for item in codec.checks if isinstance(item, AlwaysIs)}
     return found | {item.padding.name: 0 for item in codec.checks if isinstance(item, ZerosAbove)}
 
 
 def bits_of(layout: Layout, item: Field) -> Bits:
-    """Return the bits of a field. For a padded field in bytes, include all bytes that it can reach."""
+    """Return the bits of a field. For a padded field in bytes, include all bytes that it can occupy."""
     reached = tuple(piece for piece in item.pieces if not item.container or piece.left < item.widest)
     return _bits(layout, item.low, item.width, item.widest, reached)
 
@@ -398,7 +398,7 @@ def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
 
 
 def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
-    """Yield the checks of constants and parity bits in the order of the fields, which is that of their errors."""
+    """Yield the checks of constants and parity bits in the order of the fields, and therefore of their errors."""
     for item in layout.fields:
         bits = bits_of(layout, item)
         match item.kind:
@@ -427,16 +427,16 @@ def _ranges(layout: Layout) -> Iterator[Check]:
 
 
 def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
-    """Return the valid values of a selector or a choice, each once, or none if the field can hold no others."""
+    """Return the valid values of a selector or a choice, without duplicates. Return none if every value is valid."""
     named = (value.value for value in item.values)
     values = dict.fromkeys(layout.selects if item.name == layout.selector else named)
-    # Each value fits into the bits, so this many are all possible values.
+    # Each value fits in the bits, so this many values are all that are possible.
     is_full = item.width.is_constant and len(values) == 1 << item.widest
     return () if is_full else tuple(values)
 
 
 def _known_parity(layout: Layout, of: tuple[Field, ...], odd: bool) -> int | None:
-    """Return the parity bit if every field has a single value, or else None."""
+    """Return the parity bit if every field has a single value, otherwise None."""
     value = only_value(layout, of[0]) if len(of) == 1 else None
     return parity(value, odd) if value is not None else None
 
@@ -468,12 +468,12 @@ def _terms(layout: Layout) -> Iterator[Term]:
 
 
 def characters(item: Field) -> tuple[tuple[int, int], ...]:
-    """Return the characters of a text in reading order, as index and byte, or none if they do not fill bytes."""
+    """Return the characters of a text in reading order, as index and byte. Return none unless they fill whole bytes."""
     if not isinstance(item.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in item.pieces):
         return ()
     return tuple((item.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(item.pieces))
 
 
 def is_plain_flag(part: Part) -> bool:
-    """Return whether a part is a flag that only its own member uses."""
+    """Return whether a part is a flag whose bit no join and no parity bit uses."""
     return isinstance(part.field.kind, Flag) and not part.shared

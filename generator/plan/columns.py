@@ -1,6 +1,7 @@
-"""Plans for decoding many frames at once, with the same operations as for one frame.
+"""Plans for decoding many frames at once, with the same operations as for a single frame.
 
-A decoder of columns does not look at single bytes, so positions are bits of the number that the frame's bytes form.
+A column decoder does not look at single bytes, so positions are bit positions in the number formed by the frame's
+bytes.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from .reports import Judgement, Only, Reporting
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """``width`` bits from ``low`` up."""
+    """``width`` bits, starting at bit ``low``."""
 
     low: Expression
     width: Expression
@@ -24,7 +25,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Bits that must be one of ``values``, at most ``limit``, or the parity of all bits at ``parity_of``."""
+    """Bits whose value must be one of ``values``, at most ``limit``, or the parity of all bits at ``parity_of``."""
 
     place: Place
     check: Check
@@ -36,7 +37,7 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """A verdict and its cause: a flag, unless one of certain others is active, or any of some reserved bits.
+    """A verdict and its cause: a flag, unless certain other flags are active, or any of certain reserved bits.
 
     Without ``only`` it applies to all order codes.
     """
@@ -50,7 +51,7 @@ class Worth:
 
 @dataclass(frozen=True, slots=True)
 class Telling:
-    """A report and its cause: a flag, or any of some reserved bits."""
+    """A report and its cause: a flag, or any of certain reserved bits."""
 
     report: str
     flag: Part | None
@@ -95,7 +96,7 @@ def telling(reporting: Reporting) -> Iterator[Telling]:
 
 
 def crc_place(layout: Layout, width: int) -> int:
-    """Return the lowest bit of the CRC at the end of a frame, in the number that the frame forms."""
+    """Return the position of the lowest CRC bit in the number formed by the frame."""
     ends_on_top = layout.in_bytes and layout.byte_order == "low_byte_first"
     return layout.widest - width if ends_on_top else 0
 
@@ -108,7 +109,7 @@ def fixed(codec: Codec) -> Iterator[tuple[Place, int]]:
 
 
 def parities(codec: Codec) -> Iterator[tuple[Place, tuple[Place, ...], bool]]:
-    """Yield the parity bits to encode, each with the bits that it covers."""
+    """Yield the parity bits to encode, each with the bits that it covers and whether the parity is odd."""
     for item in codec.terms:
         if isinstance(item.value, ParityOf):
             of = tuple(Place(one.low, one.width) for one in item.value.of)

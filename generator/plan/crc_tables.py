@@ -1,4 +1,4 @@
-"""Algebra for fast CRCs: tables of remainders, and folds for polynomials of few terms."""
+"""Algebra for fast CRCs: tables of remainders, and table-free reduction for polynomials with few terms."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import cache
 class FoldStep:
     """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``.
 
-    With ``back`` 0 the last term is absent.
+    If ``back`` is 0, the last term is absent.
     """
 
     shift: int
@@ -24,9 +24,9 @@ def reflect(value: int, width: int) -> int:
 
 
 def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
-    """Return for each byte its remainder after a shift up by the width of the CRC.
+    """Return the remainder of each byte, shifted left by the width of the CRC.
 
-    ``reflected`` is for a register with its bits in reverse order, as needed for reflected input.
+    With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
     """
     whole = poly | 1 << width
     if reflected:
@@ -35,7 +35,7 @@ def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
 
 
 def word_table(width: int, poly: int) -> tuple[int, ...]:
-    """Return the remainder of each byte above the lowest ``max(width, 8)`` bits, to reduce a word byte by byte."""
+    """Return the remainder of each byte above the lowest ``max(width, 8)`` bits, used to reduce a word byte by byte."""
     return tuple(remainder(byte << max(width, 8), poly | 1 << width) for byte in range(256))
 
 
@@ -49,17 +49,17 @@ def remainder(number: int, polynomial: int) -> int:
 def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     """Return the fewest steps that reduce a word of ``bits`` bits to its remainder modulo x^n + x^m + 1 or x^n + 1.
 
-    Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word above bit n*2^k can be
-    added to the part below it once in place and once shifted by m*2^k. For x^n + 1 both places are the same part, added
-    once. The largest power is not always the best, since a smaller one may leave a word that needs fewer further
-    steps. Among plans with the same number of steps, the one that reaches 32 bits soonest is chosen, then the one with
-    the smaller powers, since a short mask is a cheaper constant.
+    Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word from bit n*2^k up can be
+    added to the lower part twice, once shifted to bit 0 and once to bit m*2^k. For x^n + 1, it is added only once. The
+    largest power is not always the best, since a smaller one may leave a word that needs fewer further steps. Among
+    plans with the same number of steps, the function chooses the one that reaches 32 bits soonest, and then the one
+    with the smallest powers, since a short mask is a cheaper constant.
     """
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
 
     @cache
     def cheapest(left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Return the number of steps, of those that leave more than 32 bits, the sum of the powers, and the powers."""
+        """Return the number of steps, how many of them leave more than 32 bits, the sum of powers, and the powers."""
         if left <= width:
             return 0, 0, 0, ()
         plans = []

@@ -1,4 +1,4 @@
-"""Plan the CRC functions of a family: over bits or bytes, and in which form."""
+"""Plan the CRC functions of a family: their form, and whether they cover bits or bytes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from ..model import Crc, Device, Layout
 from ..model.kinds import CrcValue
 from .crc_tables import FoldStep, fold_plan
 
-#: Bits of the longest word, and of the widest CRC that is folded in one.
+#: Width in bits of the longest word, and of the widest CRC that is folded in such a word.
 _WORD, _WIDEST_FOLD = 64, 32
 
 
 class Form(Enum):
-    """Way in which code computes a CRC.
+    """Method by which code computes a CRC.
 
-    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first. XOR is for x^8 + 1 over
-    whole bytes, which is their XOR. TABLE is for all others.
+    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first. XOR is for x^8 + 1 over whole
+    bytes, where the CRC is the XOR of the bytes. TABLE is for all others.
     """
 
     FOLD = "fold"
@@ -27,7 +27,7 @@ class Form(Enum):
 
 
 class Carrier(Enum):
-    """Data that a CRC covers."""
+    """Kind of data that a CRC covers."""
 
     BITS = "bits"
     BYTES = "bytes"
@@ -35,9 +35,10 @@ class Carrier(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CrcFunction:
-    """Function for ``crc``.
+    """Function that computes ``crc``.
 
-    ``alone`` is true if the CRC needs no other function, ``in_words`` if it ends frames that are one number.
+    ``alone`` is true if the CRC needs no other function. ``in_words`` is true if the CRC ends frames that are one
+    number.
     """
 
     crc: Crc
@@ -48,14 +49,14 @@ class CrcFunction:
 
     @property
     def steps(self) -> tuple[FoldStep, ...]:
-        """Steps that reduce any word of 64 bits to its remainder, none unless the CRC folds."""
+        """Steps that reduce any 64-bit word to its remainder. Empty if the CRC cannot be folded."""
         return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is Form.FOLD else ()
 
 
 def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
     """Return the carriers of a CRC in frames and registers.
 
-    If none uses it, its parameters decide: reflected input is defined for bytes only, and a width of whole bytes
+    For an unused CRC, the parameters decide. Reflected input is defined only for bytes, and a width of whole bytes
     suggests bytes.
     """
     layouts = [layout for _, layout in device.layouts()] + [item.layout for item in device.registers]
@@ -66,7 +67,7 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
 
 
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
-    """Yield the functions of a family in the order of its CRCs, over bytes before over bits."""
+    """Yield the functions of a family in the order of its CRCs, those over bytes before those over bits."""
     for crc in device.crcs:
         found = carriers(device, crc)
         in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
@@ -87,12 +88,12 @@ def folds(crc: Crc) -> bool:
 
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
-    """Return the steps that fold a frame of at most ``bits`` bits, or none if it does not fold."""
+    """Return the steps that fold a frame of at most ``bits`` bits, or none if the CRC cannot be folded."""
     return fold_plan(crc.width, crc.poly, bits) if folds(crc) and bits <= _WORD else ()
 
 
 def divides(crc: Crc, layout: Layout) -> bool:
-    """Return whether a valid word, its final XOR taken out, is divisible by the polynomial, and code checks that."""
+    """Return whether code checks a word, with its final XOR removed, by dividing it by the polynomial."""
     whole = not layout.in_bytes and crc.init == 0 and not crc.refout
     return whole and (folds(crc) or 8 <= crc.width <= 32)
 

@@ -21,7 +21,7 @@ class Branch:
 class Dispatch:
     """The frames of one sender, identified by ``selector``. ``fallback`` is the frame for all other values, or None.
 
-    The selector is at the same position in all of them. ``needs`` is the number of bytes needed to read it.
+    The selector has the same position in all of them. ``needs`` is the number of bytes needed to read it.
     """
 
     sender: str
@@ -33,7 +33,7 @@ class Dispatch:
 
 
 def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
-    """Yield the dispatch of an interface's frames, for each sender with more than one kind."""
+    """Yield a dispatch for each sender that sends more than one kind of frame on an interface."""
     for sender in dict.fromkeys(item.sender for item in layouts):
         sent = [item for item in layouts if item.sender == sender]
         if not sent[0].selector:

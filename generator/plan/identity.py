@@ -10,7 +10,7 @@ from ..model import Device, Field, Register
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """A register, and those of its fields with a documented value."""
+    """A register, and those of its fields that have a documented value."""
 
     register: Register
     fields: tuple[Field, ...]
@@ -18,7 +18,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Identifying registers of one interface. ``alone`` is true if no other interface has any."""
+    """Identifying registers of one interface. ``alone`` is true if no other interface has such registers."""
 
     interface: str
     compared: tuple[Compared, ...]

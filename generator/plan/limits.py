@@ -1,4 +1,4 @@
-"""Limits of the values that may be written to a register, and which of them are stricter than the width."""
+"""Limits of the values that may be written to a register, and whether they are stricter than the width."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from ..model.expressions import Expression
 class Limits:
     """The limits of a register, or of one of its meanings.
 
-    ``member`` is the limited field or join, or empty if they limit the whole register. ``low`` and ``high`` are None if
-    the manual gives none. ``binds_low`` and ``binds_high`` are true if a value that fits can be beyond them. A value
-    fits if it has ``width`` bits, with or without sign. ``stands_for`` is the meaning of 0 if it is above these values.
+    ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
+    are None if the manual gives no limit. ``binds_low`` and ``binds_high`` are true if a value of ``width`` bits,
+    signed or unsigned, can be outside the limit. ``stands_for`` is the meaning of 0 if that is a number above the
+    limits.
     """
 
     member: str
@@ -29,7 +30,7 @@ class Limits:
 
     @property
     def binding(self) -> tuple[tuple[str, Expression], ...]:
-        """``min`` and ``max``, if a value that fits can be beyond them."""
+        """``min`` and ``max``, each only if a value that fits can be outside it."""
         sides = (("min", self.low, self.binds_low), ("max", self.high, self.binds_high))
         return tuple((side, limit) for side, limit, binds in sides if limit is not None and binds)
 
@@ -47,7 +48,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
         for item in device.variants
         if item.interface == register.interface
     ]
-    # A limit that does not bind with the factory defaults may bind with other register values.
+    # A limit that rules out no value with the factory defaults may do so with other register values.
     held = {item.name for item in device.run_time_parameters}
     binds_low = low is not None and (
         not held.isdisjoint(low.parameters) or any(low.value(parameters) > least for parameters, least, _ in ranges)
@@ -61,7 +62,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 
 
 def limited_member(register: Register) -> str:
-    """Return the limited field or join: the named one, or the only field, or empty for the whole register."""
+    """Return the name of the limited field or join, or an empty text if the limits apply to the whole register."""
     layout = register.layout
     if register.limits_of in {*(item.name for item in layout.joins), *(item.name for item in layout.fields)}:
         return register.limits_of
@@ -69,6 +70,6 @@ def limited_member(register: Register) -> str:
 
 
 def _fitting(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
-    """Return the lowest and the highest number of this width."""
+    """Return the lowest and highest number of this width."""
     bits = width.value(parameters)
     return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)

@@ -1,4 +1,4 @@
-"""Conversion of positions to turns, degrees or micrometres, and the interfaces that share a formula."""
+"""Conversion of positions to turns, degrees or micrometres, and the interfaces that share each formula."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Formula = tuple["Expression | None", ...]
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Interfaces with the same measurement. ``everywhere`` is true if these are all interfaces."""
+    """Interfaces with the same measurement. ``everywhere`` is true if these are all the interfaces."""
 
     measurement: Measurement
     interfaces: tuple[Interface, ...]
@@ -24,7 +24,7 @@ class Measured:
 
 
 def measured(device: Device) -> Iterator[Measured]:
-    """Yield the formulas of a family in the order of its interfaces, without interfaces that measure nothing."""
+    """Yield the formulas of a family in the order of its interfaces, without interfaces that have no measurement."""
     groups: dict[Formula, list[tuple[Interface, Measurement]]] = {}
     for interface in device.interfaces:
         item = device.measurement_of(interface.name)
@@ -37,7 +37,7 @@ def measured(device: Device) -> Iterator[Measured]:
 
 @dataclass(frozen=True, slots=True)
 class Cases(Generic[T]):
-    """Values by interface: each value with its interfaces, the one with the most interfaces last.
+    """Values by interface: each value with its interfaces. The value with the most interfaces is last.
 
     ``everywhere`` is true if every interface has a value.
     """
@@ -47,7 +47,7 @@ class Cases(Generic[T]):
 
 
 def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
-    """Return the values of ``value``, which is None for an interface without one."""
+    """Return the results of ``value`` for each interface. It returns None for an interface without a value."""
     kinds: dict[T, list[str]] = {}
     for interface in device.interfaces:
         found = value(interface)
@@ -58,9 +58,9 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
 
 
 def also_measured(device: Device) -> frozenset[str]:
-    """Return the derived parameters that equal a quantity of the measurement for every order code.
+    """Return the derived parameters that equal a quantity of the measurement for all order codes.
 
-    These are the counts per revolution and the counts after which a position starts again.
+    These quantities are the counts per revolution and the number of counts after which a position wraps around.
     """
     derived = [item for item in device.parameters if item.equals is not None]
     return frozenset(item.name for item in derived if _is_measured(device, item))
@@ -83,7 +83,7 @@ def _is_measured(device: Device, parameter: Parameter) -> bool:
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
-    """Return the factors of the number of counts before a position starts again, or none if that is unknown."""
+    """Return the factors of the number of counts after which a position wraps around, or none if it is unknown."""
     if measurement.modulus is not None:
         return (measurement.modulus,)
     if measurement.counts_per_turn is None or measurement.turns is None:

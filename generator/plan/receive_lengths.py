@@ -1,4 +1,4 @@
-"""Number of bits to receive for a frame sent as bits, by order code, for use as constants in code."""
+"""Number of bits to receive for a frame that is sent as bits. Code uses it as a constant for each order code."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from itertools import product
 
 from ..model import Answer, Device, Interface, Layout, Rs485, Ssi, Variant, choices
 
-#: Before the start bit of a BiSS frame, the line is idle for two clocks, followed by acknowledge and line delay. No
-#: manual says how long an encoder takes. This is an allowance in bits, 4 us at 10 MHz.
+#: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
+#: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
 BISS_REST, BISS_ACKNOWLEDGE = 2, 40
-#: Start and CDS before the data, and the stop bit after them.
+#: Start bit and CDS before the data, and stop bit after the data.
 BISS_AROUND = 3
-#: On SSI the line is high until the first clock has stored the position, and one more clock shifts out the 0 after it.
+#: On SSI, the line is high until the first clock has latched the position. One more clock shifts out the 0 after it.
 SSI_AROUND = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """Size of a frame of one order code: its bits, and the bytes of a buffer that also fits the surrounding bits.
+    """Size of a frame for one order code: its bits, and the bytes of a buffer that also holds the surrounding bits.
 
-    ``answers`` are the user's decisions on which the length depends. ``held`` is true if registers change the bits at
-    run time. The bits are then those of the factory default, and the bytes are enough for any register value.
+    ``answers`` are the user's decisions on which the length depends. ``held`` is true if registers change the length at
+    run time. The number of bits is then that of the factory default, and the buffer is large enough for any register
+    value.
     """
 
     variant: Variant
@@ -34,7 +35,7 @@ class Received:
 
 
 def received(device: Device, interface: Interface) -> Iterator[Received]:
-    """Yield the frames that this interface carries as bits from the encoder, by order code.
+    """Yield the frames that the encoder sends as bits on this interface, by order code.
 
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
     """
@@ -58,7 +59,7 @@ def _bytes(interface: Interface, bits: int) -> int:
 
 
 def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the independent parameters that these follow from."""
+    """Yield the independent parameters from which these are calculated."""
     for name in names:
         item = next((item for item in device.parameters if item.name == name), None)
         if item is None or item.equals is None:
@@ -68,7 +69,7 @@ def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
 
 
 def longest_reply(devices: Iterable[Device]) -> int:
-    """Return the length in bytes of the longest RS-485 frame that one of these sends, or 0."""
+    """Return the length in bytes of the longest RS-485 frame that any of these encoders sends, or 0."""
     ports = (item for device in devices for item in device.interfaces if isinstance(item, Rs485))
     frames = (frame for port in ports for frame in port.layouts if frame.sender == "encoder" and frame.in_bytes)
     return max((frame.widest // 8 for frame in frames), default=0)

@@ -1,4 +1,4 @@
-"""Checks of an encoder: values that do not fit their fields, and members that contradict each other."""
+"""Checks before encoding: values that do not fit their fields, and members that contradict each other."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class NotSigned:
 
 @dataclass(frozen=True, slots=True)
 class NotZeroFor:
-    """The number is 0, or does not fit and is not the meaning of 0."""
+    """The number is 0, or it is too large and is not the number that 0 stands for."""
 
     field: Field
     stands_for: int
@@ -38,7 +38,7 @@ class NotZeroFor:
 
 @dataclass(frozen=True, slots=True)
 class NoPowerOfTwo:
-    """The number is not a power of two. Its range is a separate check."""
+    """The number is not a power of two. A separate check tests its range."""
 
     field: Field
 
@@ -61,7 +61,7 @@ class DigitTooHigh:
 
 @dataclass(frozen=True, slots=True)
 class DigitsDisagree:
-    """The runs of digits do not match the number, for languages that keep both."""
+    """The runs of digits do not match the number, in languages that keep both."""
 
     field: Field
     runs: tuple[Digits, ...]
@@ -69,14 +69,14 @@ class DigitsDisagree:
 
 @dataclass(frozen=True, slots=True)
 class WholeDisagrees:
-    """The fields of a join do not match its number, for languages that keep both."""
+    """The fields of a join do not match its number, in languages that keep both."""
 
     whole: Whole
 
 
 @dataclass(frozen=True, slots=True)
 class OutsideLimits:
-    """The member is beyond a limit of its register. ``bounds`` are the limits that bind."""
+    """The member is outside a limit of its register. ``bounds`` are the limits to check."""
 
     member: str
     bounds: tuple[tuple[str, Expression], ...]
@@ -96,7 +96,7 @@ Refusal = (
 
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
-    """Yield the checks in an encoder of this layout, in order, without the limits of a register."""
+    """Yield the checks before encoding this layout, in order, without the limits of a register."""
     for part in codec.parts:
         yield from _of_field(codec.layout, part.field)
     yield from (WholeDisagrees(item) for item in codec.wholes)
@@ -110,7 +110,7 @@ def powers_of_two(codec: Codec) -> frozenset[str]:
 def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     """Return the check of a register's limits if they apply to a member.
 
-    A minimum of 1 is left out if 0 is already rejected.
+    A minimum of 1 is omitted if 0 is already rejected.
     """
     if not limits.member:
         return None

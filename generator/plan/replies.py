@@ -1,4 +1,4 @@
-"""Checks of a reply that a master can do before it knows the encoder: its length, and the XOR of its bytes."""
+"""Checks of a reply that a master can make before it has identified the encoder: length, and XOR of the bytes."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Reports of the encoder in frames, and the verdict on their position.
 
-A valid frame may have an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
+A valid frame may contain an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from .codec import Codec, Part, Reserved, codec_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """One report of a family, with its bit ``number`` among all reports.
+    """One report of a family. ``number`` is its bit in the set of all reports.
 
-    ``field`` is the flag or the reserved bits, taken from the first frame that carries it.
+    ``field`` is the flag or the reserved bits, from the first frame that has them.
     """
 
     name: str
@@ -34,9 +34,9 @@ class Report:
 
 @dataclass(frozen=True, slots=True)
 class Only:
-    """Order codes: those whose ``parameter`` is not 0 if ``holds``, else those where it is 0.
+    """Order codes selected by a parameter: those with a value other than 0 if ``holds`` is true, else those with 0.
 
-    ``codes`` names the former in the spec.
+    ``codes`` is the text in the spec for those with a value other than 0.
     """
 
     parameter: str
@@ -46,7 +46,7 @@ class Only:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """Report in a frame: a flag while it is active, or reserved bits that differ from the manual.
+    """Report in a frame: an active flag, or reserved bits that differ from the manual.
 
     Without ``only`` it applies to all order codes.
     """
@@ -57,17 +57,17 @@ class Told:
 
     @property
     def made_of(self) -> Field:
-        """The field for these order codes."""
+        """The field as it is for these order codes."""
         is_explained = self.only is None or self.only.holds
         return self.by.field if is_explained else _unexplained(self.by.field)
 
 
 @dataclass(frozen=True, slots=True)
 class Speaks:
-    """Cause of a verdict, unless one of the flags ``unless`` is active, which it only sums up.
+    """Cause of a verdict, unless one of the flags ``unless``, which it combines, is active.
 
-    Flags that lead to the same or a worse verdict themselves are left out, since they make no difference. Without
-    ``only`` it applies to all order codes.
+    ``unless`` omits flags that lead to the same verdict or a worse one, since they make no difference. Without ``only``
+    it applies to all order codes.
     """
 
     by: Part | Reserved
@@ -77,9 +77,9 @@ class Speaks:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Verdict on the position of a frame: the worst active cause decides, and ``otherwise`` if none is active.
+    """Verdict on the position of a frame: that of the worst active cause, or ``otherwise`` if none is active.
 
-    If ``otherwise`` is UNKNOWN, which is worse than a warning, warnings do not count.
+    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning.
     """
 
     not_usable: tuple[Speaks, ...]
@@ -95,7 +95,7 @@ class Judgement:
 
 @dataclass(frozen=True, slots=True)
 class Reporting:
-    """Reports and verdict of one layout. ``judgement`` is None if it does not carry the position."""
+    """Reports and verdict of one layout. ``judgement`` is None if the layout does not contain the position."""
 
     interface: Interface
     codec: Codec
@@ -104,7 +104,7 @@ class Reporting:
 
 
 def reports_of(device: Device) -> tuple[Report, ...]:
-    """Return all reports in the frames of a family, in the order of the spec.
+    """Return all reports in the frames of a family, in the same order as in the spec.
 
     Flags with the same name and meaning are one report. Otherwise the interface or the frame precedes the name.
     """
@@ -112,7 +112,7 @@ def reports_of(device: Device) -> tuple[Report, ...]:
 
 
 def reportings(device: Device) -> Iterator[Reporting]:
-    """Yield reports and verdict of each frame of the encoder that has any."""
+    """Yield the reports and the verdict of each frame of the encoder that has any."""
     reports = _reports(device)
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
@@ -153,7 +153,7 @@ def worth_of(field: Field) -> Verdict | None:
 
 
 def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
-    """Yield the field by order codes: one that the manual explains only for some is another report for the others."""
+    """Yield the field by order codes. If the manual explains it only for some, the others have a separate report."""
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
             yield field, Only(parameter, True, codes)
@@ -167,7 +167,7 @@ def _unexplained(field: Field) -> Field:
 
 
 def verdict_of(field: Field) -> Verdict | None:
-    """Return the verdict while a flag is active, or while unused bits differ from the manual, if there is one."""
+    """Return the verdict while a flag is active or unused bits differ from the manual, or None."""
     return field.kind.makes_position if isinstance(field.kind, (Flag, Unused)) else None
 
 
@@ -177,7 +177,7 @@ def sums_up(field: Field) -> tuple[str, ...]:
 
 
 def _is_told(field: Field) -> bool:
-    """Return whether the field is about the encoder's state. A flag with a usable position need not be."""
+    """Return whether the field reports a problem. A flag that leaves the position usable may not."""
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
@@ -190,7 +190,7 @@ def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
         for item, only in _by_code(field)
         if _is_told(item)
     ]
-    # Unexplained flags come last, so that the others keep their numbers.
+    # Unexplained flags are last, so that the others keep their numbers.
     fields = [item[:3] for item in sorted(found, key=lambda item: item[3])]
     said: dict[str, set[object]] = {}
     for kind, _, item in fields:
@@ -226,7 +226,7 @@ def _judgement(codec: Codec) -> Judgement:
 
 
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
-    """Yield the flag by order codes, grouped by the verdict."""
+    """Yield the flag for each group of order codes that has a different verdict."""
     found = [(item.kind, only) for item, only in _by_code(field) if isinstance(item.kind, Flag)]
     alike = len({(kind.makes_position, kind.sums_up) for kind, _ in found}) == 1
     yield from [(found[0][0], None)] if alike else found

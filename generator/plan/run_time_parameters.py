@@ -1,4 +1,4 @@
-"""Parameters that registers hold at run time: how they are read from the bytes, and which values are invalid."""
+"""Parameters that registers hold at run time: how to read them from the bytes, and which values are invalid."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, Z
 class Held:
     """A parameter in a register.
 
-    ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field is
-    beyond them. ``most`` is the highest valid value.
+    ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field can be
+    outside them. ``most`` is the highest valid value.
     """
 
     parameter: Parameter
@@ -36,7 +36,7 @@ class HeldBy:
 
 
 def held_parameters(device: Device) -> Iterator[HeldBy]:
-    """Yield the registers that hold parameters, each once."""
+    """Yield the registers that hold parameters, without duplicates."""
     by_register: dict[str, list[Parameter]] = {}
     for item in device.run_time_parameters:
         by_register.setdefault(item.register, []).append(item)

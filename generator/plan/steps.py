@@ -1,4 +1,4 @@
-"""Plans for procedures: the bytes that their steps access, the checks of their arguments, and the values read."""
+"""Plans for procedures: the bytes that their steps access, the argument checks, and the values read."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class AsNumber:
 
 @dataclass(frozen=True, slots=True)
 class AsMember:
-    """The argument, as the field or join ``member`` from which the register is encoded."""
+    """The argument as the field or join ``member``, from which the register is encoded."""
 
     argument: Argument
     member: str
@@ -83,12 +83,12 @@ Source = Stated | InField | AsNumber | AsMember
 
 @dataclass(frozen=True, slots=True)
 class Writes:
-    """Write a register, or one field of it while keeping the others as read.
+    """Write a register, or one of its fields while keeping the others as read.
 
     ``pieces`` are the affected bytes: bits ``mask << right`` of the byte become ``(number >> left) & mask``. They are
-    empty if the field moves with the order code. ``teaches`` are the run-time parameters in the register on which
-    limits of later steps depend. Those steps use the written value. ``closes`` is true if the write undoes an opening
-    step before it. It is then also done if a step in between fails.
+    empty if the position of the field depends on the order code. ``teaches`` are the run-time parameters in the
+    register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the write
+    undoes an earlier opening step. It is then also done if a step between the two fails.
     """
 
     step: WriteStep | ModifyStep
@@ -106,7 +106,7 @@ class Writes:
 
 @dataclass(frozen=True, slots=True)
 class Reads:
-    """Read a register, or the bytes of one field of it."""
+    """Read a register, or the bytes of one of its fields."""
 
     step: ReadStep
     register: Register
@@ -128,7 +128,7 @@ class Polls:
 
 @dataclass(frozen=True, slots=True)
 class Verifies:
-    """Read back ``write``, and stop if any of ``pieces`` differs."""
+    """Read back what ``write`` wrote, and stop if any of ``pieces`` differs."""
 
     write: Writes
     pieces: tuple[Piece, ...]
@@ -144,7 +144,7 @@ class Verifies:
 
     @property
     def step(self) -> WriteStep | ModifyStep:
-        """The step whose write is read back. The manual has no step for this operation."""
+        """The step that wrote the value. The manual has no step for this operation."""
         return self.write.step
 
 
@@ -156,7 +156,7 @@ class Waits:
 
 @dataclass(frozen=True, slots=True)
 class Sends:
-    """Send a request a number of times. ``reply`` is the reply expected each time, or None if the spec has none."""
+    """Send a request one or more times. ``reply`` is the reply expected each time, or None if the spec has none."""
 
     step: SendStep
     reply: Reply | None = None
@@ -169,7 +169,7 @@ class Sends:
 Operation = Writes | Reads | Polls | Verifies | Waits | Sends
 
 
-# -- checks of arguments
+# -- argument checks
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +183,7 @@ class Beyond:
 
 @dataclass(frozen=True, slots=True)
 class Undecodable:
-    """The register's decoder does not accept the argument, for example with a bit set that is always 0."""
+    """Decoding the register rejects the argument, for example because a bit that must be 0 is set."""
 
     register: Register
 
@@ -193,9 +193,9 @@ ArgumentRefusal = Beyond | TooWide | NotOneOf | Undecodable
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """An argument, the operation that writes it, and the reasons to reject it before any write.
+    """An argument, the operation that writes it, and the reasons for which it is rejected before any write.
 
-    The register's encoder also rejects values that do not fit.
+    Values that do not fit are also rejected when the register is encoded.
     """
 
     argument: Argument
@@ -205,7 +205,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Run:
-    """Plan of a procedure. ``changes_frames`` is true if it writes a parameter that frames depend on."""
+    """Plan of a procedure. ``changes_frames`` is true if it writes a parameter on which frames depend."""
 
     procedure: Procedure
     operations: tuple[Operation, ...]
@@ -218,7 +218,7 @@ class Run:
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
-        """Return the operations that it needs from a master, each once."""
+        """Return the operations that it needs from a master, without duplicates."""
         found = {call for item in self.operations for call in item.calls}
         return tuple(call for call in Call if call in found)
 
@@ -246,7 +246,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
 
 
 def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with the written parameters that later limits depend on."""
+    """Yield the operations, with the written parameters on which later limits depend."""
     for index, item in enumerate(operations):
         if isinstance(item, Writes) and item.field is None and not isinstance(item.value, Stated):
             later = [other for other in operations[index + 1 :] if isinstance(other, Writes)]
@@ -259,11 +259,11 @@ def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operati
 
 
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with a ``Verifies`` for each write that can be read back, before it takes effect.
+    """Yield the operations, with a ``Verifies`` for each write that can be read back before it takes effect.
 
-    The manuals have no such step. But over BiSS a disturbed write can be echoed as if it were stored. A written value
-    takes effect with a write to a register that cannot be read, such as a command, with a closing write, or with
-    another write to the same place.
+    The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
+    value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
+    closing write, or writes to the same place again.
     """
     written: list[Verifies] = []
     for item in operations:
@@ -292,7 +292,7 @@ def _can_be_read_back(item: Writes) -> bool:
 
 
 def _stored(item: Writes) -> Iterator[Piece]:
-    """Yield the written bits with a meaning. Reserved bits may read as anything."""
+    """Yield the written bits that have a meaning. Reserved bits may read as anything."""
     for piece in item.pieces:
         mask = piece.mask & ~(_unused_bits(item.register, piece.byte) >> piece.right)
         if mask:
@@ -368,7 +368,7 @@ def _argument(value: Source) -> Argument | None:
 def _given(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
     refusals: list[ArgumentRefusal] = []
     for item in writes:
-        # A register that is written twice rejects an argument only once.
+        # An argument that is written to the same register twice is checked only once.
         refusals += [refusal for refusal in _refusals(device, item, argument) if refusal not in refusals]
     return Given(argument, writes, tuple(refusals))
 
@@ -376,7 +376,7 @@ def _given(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Gi
 def _refusals(device: Device, item: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
     match item.value:
         case AsMember():
-            # The encoder of the member checks the limits of the register.
+            # The limits of the register are checked when the member is encoded.
             if argument.meant_as:
                 yield from _beyond(device, item.register, argument)
         case AsNumber():
@@ -394,7 +394,7 @@ def _refusals(device: Device, item: Writes, argument: Argument) -> Iterator[Argu
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
 ) -> Iterator[TooWide | Beyond | NotOneOf]:
-    """Yield the reasons to reject an argument for one field of a register. With a meaning, its limits apply."""
+    """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
         yield from _beyond(device, register, argument)

@@ -1,7 +1,7 @@
-"""Choose language-independent operations for the meaning of a field's bits, each with its inverse.
+"""Choose language-independent operations that convert a field's bits to a value, each with its inverse.
 
-This is the one place between the model and the outputs that looks at kinds. An output matches over these operations,
-exhaustively, so that mypy names every output that does not know a new one.
+This is the only module between the model and the outputs that looks at kinds. Each output has an exhaustive match over
+these operations, so mypy reports every output that lacks a new one.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from ..model.never import assert_never
 
 @dataclass(frozen=True, slots=True)
 class Raw:
-    """An unsigned number: the bits as they are. The inverse refuses a number that is wider."""
+    """An unsigned number: the bits as they are. The inverse rejects a number that is too wide."""
 
 
 @dataclass(frozen=True, slots=True)
 class TwosComplement:
-    """A signed number in two's complement. The inverse refuses a number that does not fit."""
+    """A signed number in two's complement. The inverse rejects a number that does not fit."""
 
 
 @dataclass(frozen=True, slots=True)
 class ZeroMeans:
-    """An unsigned number, where zero bits mean ``number``.
+    """An unsigned number. If all bits are 0, it is ``number``.
 
-    The inverse writes 0 for ``number`` if it does not fit, and refuses 0.
+    The inverse writes 0 for ``number`` if that does not fit, and rejects 0.
     """
 
     number: int
@@ -35,35 +35,35 @@ class ZeroMeans:
 
 @dataclass(frozen=True, slots=True)
 class Active:
-    """Truth value that is true if the bit is 1, or with ``low`` if it is 0. The inverse writes the bit."""
+    """Boolean that is true if the bit is 1 or, with ``low``, if it is 0. The inverse writes the bit."""
 
     low: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """One of the named ``values``. The inverse refuses any other."""
+    """One of the named ``values``. The inverse rejects any other."""
 
     values: tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class DigitRuns:
-    """An unsigned number, shown as ``runs`` of decimal digits. The inverse puts the runs together."""
+    """An unsigned number, shown as ``runs`` of decimal digits. The inverse joins the runs."""
 
     runs: tuple[Digits, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Characters:
-    """Characters in Latin-1, one a byte, the first in the most significant byte. The inverse refuses other lengths."""
+    """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
 Meaning = Raw | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Characters
 
 
 def is_number(meaning: Meaning) -> bool:
-    """Return whether the value is one number: neither a truth value, a name, runs of digits, nor a text."""
+    """Return whether the value is a single number, not a Boolean, a name, runs of digits or a text."""
     match meaning:
         case Raw() | TwosComplement() | ZeroMeans():
             return True
@@ -87,7 +87,7 @@ def is_named(meaning: Meaning) -> bool:
 def meaning_of(field: Field) -> Meaning:
     """Return the meaning of the bits of a field.
 
-    Constants, unused bits, CRCs and parity bits have no value of their own: their bits are a number.
+    Constants, unused bits, CRCs and parity bits have no value of their own. Their bits are a number.
     """
     match field.kind:
         case Number(signed=True):
@@ -109,7 +109,7 @@ def meaning_of(field: Field) -> Meaning:
 
 
 def widest_value(field: Field) -> int:
-    """Return the number of bits of the widest number that the field can mean."""
+    """Return the width in bits of the largest number that the field can represent."""
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())

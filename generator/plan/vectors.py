@@ -1,6 +1,6 @@
-"""Public test vectors from outside the encoders' manuals, valid for all users of the same CRC, words or parity.
+"""Public test vectors from sources other than the encoders' manuals, for everyone with the same CRC, words or parity.
 
-They are in the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which has the sources.
+They are part of the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which has the sources.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _TI = "TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png"
 
 @dataclass(frozen=True, slots=True)
 class PublicVector:
-    """The CRC of a word, which begins with its first 1 bit."""
+    """A word and its CRC. The word begins with its first 1 bit."""
 
     title: str
     data: int
@@ -25,7 +25,7 @@ class PublicVector:
 
 
 def _single_cycle(title: str, position: int, flags: int, crc: int) -> PublicVector:
-    """Return the vector for 22 bits and two flags, error and warning."""
+    """Return the vector for a position of 22 bits and two flags, error and warning."""
     return PublicVector(title, position << 2 | flags, crc, _BRIDGE)
 
 
@@ -43,7 +43,7 @@ _CRC_6 = (
 )
 _CRC_4 = (PublicVector("data byte 40h", 0x40, 8, _TI), PublicVector("data byte 06h", 0x06, 5, _TI))
 
-#: Reads of one register, slave ID 0: the address, and the word of 32 bits.
+#: Reads of one register with slave ID 0: the address, and the 32-bit word.
 CONTROL_WORDS = (
     (0x44, 0x889B4000),
     (0x45, 0x88BD4000),
@@ -60,12 +60,12 @@ CONTROL_WORDS = (
     (0x7D, 0x8FB54000),
 )
 
-#: The first byte of a request in the T-format, by its data ID.
+#: The first byte of a T-format request, by data ID.
 CONTROL_FIELDS = {0: 0x02, 1: 0x8A, 2: 0x92, 3: 0x1A, 6: 0x32, 7: 0xBA, 8: 0xC2, 12: 0x62, 13: 0xEA, 5: 0x2A, 10: 0x52}
 
 
 def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
-    """Return the vectors for a CRC with these parameters: one of the two of BiSS, 6 or 4 bits, sent inverted."""
+    """Return the vectors for a CRC with these parameters if it is one of the two BiSS CRCs (6 or 4 bits, inverted)."""
     if crc.init or crc.xorout != crc.mask or crc.refin or crc.refout:
         return ()
     return {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}.get((crc.width, crc.poly), ())

@@ -1,4 +1,4 @@
-"""Encode and decode using only the model, for the command line and as the reference for all generated codecs."""
+"""Encode and decode using only the model, for the command line and as a reference for testing all generated codecs."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from .crc import compute_bits, compute_bytes
 
 Values = Mapping[str, "int | str | bool"]
 
-#: Name of the number of unused bits in a decoded frame.
+#: Name of the number that holds the unused bits of a decoded frame.
 UNUSED = "unused"
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """An error in a frame, with its field."""
+    """An error in a frame, with the field that has it."""
 
     fault: Fault
     field: str
@@ -55,7 +55,7 @@ class EncodeError(ValueError):
 class DecodedField:
     """A field of a decoded frame.
 
-    ``raw`` is the number on the wire, ``value`` its number, truth value, value name or text.
+    ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a text.
     """
 
     name: str
@@ -99,7 +99,7 @@ def number_of_text(text: str) -> int:
 def select(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
-    """Return the layout of ``data``, identified by the selecting field, or the reason why there is none."""
+    """Return the layout of ``data``, identified by the selector field, or the reason why there is none."""
     candidates = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
     if not candidates:
         return None, (Problem(Fault.RANGE, "", f"the {sender} sends no frames on this interface"),)
@@ -121,7 +121,7 @@ def select(
 
 
 def _selected(placed: PlacedLayout, data: bytes) -> int | None:
-    """Return the selecting field, counted from the start of a frame of any length, or None if it is not in ``data``."""
+    """Return the value of the selector field, or None if ``data`` is too short for it. Longer data is accepted."""
     selector = placed.field(placed.layout.selector)
     if selector is None:
         return None
@@ -134,7 +134,7 @@ def _selected(placed: PlacedLayout, data: bytes) -> int | None:
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
-    """Decode a frame of whole bytes, whose selecting field identifies the layout."""
+    """Decode a frame of whole bytes whose selector field identifies the layout."""
     placed, problems = select(device, variant, sender, data)
     return decode_placed(device, placed, data) if placed is not None else Decoded(None, 0, (), None, problems)
 
@@ -160,7 +160,7 @@ def _other_length(placed: PlacedLayout, number: int, needed: str, found: int) ->
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
-    """Decode ``number`` into all fields, the CRC, and all errors."""
+    """Decode ``number`` into all fields and the CRC, and find all errors."""
     if number >> placed.bits:
         return _other_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
@@ -206,7 +206,7 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> D
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
-    """Return the unused bits of a frame as one number, with 0 for bits as in the manual."""
+    """Return the unused bits of a frame as one number. A bit is 0 if it is as in the manual."""
     found = 0
     for item, place in placed.unused:
         found |= (number >> item.low & item.mask ^ _documented(item)) << place
@@ -214,19 +214,19 @@ def unused_bits(placed: PlacedLayout, number: int) -> int:
 
 
 def _documented(item: PlacedField) -> int:
-    """Return the documented value of an unused field, which may be narrower for this order code."""
+    """Return the documented value of an unused field, cut to the width of the field for this order code."""
     return item.field.kind.value & item.mask if isinstance(item.field.kind, Unused) else 0
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
-    """Return the parity bit for the other bits of ``number``."""
+    """Return the parity bit that matches the other bits of ``number``."""
     fields = (placed.field(name) for name in parity.of)
     ones = sum((number >> of.low & of.mask).bit_count() for of in fields if of is not None)
     return (ones + parity.odd) & 1
 
 
 def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
-    """Return the fields of a join as one number, first field most significant."""
+    """Return the fields of a join as one number, with the first field most significant."""
     value = 0
     for name in join.fields:
         part = placed.field(name)
@@ -236,7 +236,7 @@ def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
 
 
 def gray_to_binary(gray: int) -> int:
-    """Return the number with the reflected binary code ``gray``."""
+    """Return the number whose Gray code is ``gray``."""
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
@@ -244,17 +244,17 @@ def gray_to_binary(gray: int) -> int:
 
 
 def binary_to_gray(binary: int) -> int:
-    """Return ``binary`` in reflected binary code."""
+    """Return the Gray code of ``binary``."""
     return binary ^ binary >> 1
 
 
 def from_gray(placed: PlacedLayout, number: int) -> int:
-    """Return ``number`` with its part in Gray code, if any, converted to binary."""
+    """Return ``number`` with the part that is sent in Gray code, if any, converted to binary."""
     return _with_part(placed, number, gray_to_binary)
 
 
 def to_gray(placed: PlacedLayout, number: int) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, converted to it."""
+    """Return ``number`` with the part that is sent in Gray code, if any, converted to Gray code."""
     return _with_part(placed, number, binary_to_gray)
 
 
@@ -267,7 +267,7 @@ def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) 
 
 
 def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
-    """Decode a field for the user. ``wire`` is the number as sent, ``raw`` the same converted from Gray code."""
+    """Decode a field for the user. ``wire`` is the number as sent, ``raw`` the same number converted from Gray code."""
     field, name = item.field, item.name
     value: int | str | bool = raw
     meaning = field.meaning
@@ -313,7 +313,7 @@ def _number_of(number: Number, raw: int, width: int) -> int:
 
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
-    """Return the CRC for the other bits of ``number``."""
+    """Return the CRC that matches the other bits of ``number``."""
     if placed.layout.in_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
         return compute_bytes(crc, data[: -(crc.width // 8)])
@@ -323,8 +323,8 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
-    Constants, parity and CRC are filled in. A join can replace its fields. Unused bits are as in the manual, except for
-    those that ``unused`` inverts.
+    Constants, parity and CRC are filled in. The value of a join can replace those of its fields. Unused bits are as in
+    the manual, except for those that ``unused`` inverts.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -362,7 +362,7 @@ def _used(placed: PlacedLayout) -> set[str]:
 
 
 def _unused(placed: PlacedLayout, turned: int) -> int:
-    """Return the unused bits at their places, as in the manual except for those ``turned``."""
+    """Return the unused bits at their positions in the frame: the manual's values, with ``turned`` inverted."""
     number = 0
     for item, place in placed.unused:
         number |= (turned >> place & item.mask ^ _documented(item)) << item.low
@@ -394,7 +394,7 @@ def _split(placed: PlacedLayout, join: Join, value: int, given: Values) -> dict[
 
 
 def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
-    """Return the bits of one field, without CRC and parity, which follow from the others."""
+    """Return the bits of one field. CRC and parity are computed later from the others."""
     name, kind = item.name, item.field.kind
     if isinstance(kind, Constant):
         return kind.value
@@ -442,7 +442,7 @@ def _chosen(name: str, values: Sequence[Value], value: str) -> int:
 
 
 def _parts(decimal: Decimal, given: Values) -> Iterator[int]:
-    """Yield the runs of digits, each at its place."""
+    """Yield the value of each run of digits, multiplied by its divisor."""
     for run in decimal.runs:
         value = _number(given.get(run.name, 0))
         if not 0 <= value < run.modulus:

@@ -1,4 +1,4 @@
-"""Compute cyclic redundancy checks bit by bit, as in the definition.
+"""Compute cyclic redundancy checks bit by bit, following the definition.
 
 Parameters have their usual names: width, poly (without its top bit), init, refin, refout, xorout.
 """
@@ -14,7 +14,7 @@ def reflect(value: int, width: int) -> int:
 
 
 def compute_bits(crc: Crc, number: int, bits: int) -> int:
-    """Compute the CRC over ``bits`` bits of ``number``, most significant first, bit by bit as in the definition.
+    """Compute the CRC over ``bits`` bits of ``number``, one by one and most significant first.
 
     ``refin`` has no meaning for a string of bits and is ignored.
     """
@@ -31,7 +31,7 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
-    """Compute the CRC over whole bytes, each least significant bit first if ``refin`` is set."""
+    """Compute the CRC over whole bytes. With ``refin``, each byte is processed least significant bit first."""
     number = 0
     for byte in data:
         number = number << 8 | (reflect(byte, 8) if crc.refin else byte)

@@ -1,4 +1,4 @@
-"""Find the edition of the manual that an encoder belongs to by the contents of its registers."""
+"""Find the edition of the manual that applies to an encoder from the contents of its registers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .findings import Difference
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
-    """Yield values that a register cannot have in this edition, which means that the encoder belongs to another one."""
+    """Yield register values that are impossible in this edition, so that another edition must apply to the encoder."""
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name
@@ -28,10 +28,10 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 
 
 def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> str:
-    """Return the latest edition that is compatible with the registers of an encoder.
+    """Return the latest edition with which the registers of an encoder are compatible.
 
     Raises:
-        ValueError: None of the registers that identify the edition is given completely.
+        ValueError: ``held`` has no complete register that identifies the edition.
     """
     given = False
     for edition in device.editions:
@@ -52,7 +52,7 @@ def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> 
 
 
 def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
-    """Return the registers without those that identify the edition."""
+    """Return the registers except those that identify the edition."""
     registers = [device.register(test.register) for item in device.editions for test in item.tests]
     telling = {address for item in registers for address in range(item.address, item.last_address + 1)}
     return {address: value for address, value in held.items() if address not in telling}

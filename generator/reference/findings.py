@@ -1,6 +1,6 @@
 """Findings in a frame or register: reports of the encoder, the verdict on the position, and undocumented values.
 
-A valid frame may have an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
+A valid frame may contain an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Findings:
 
 
 def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
-    """Return the findings in ``decoded``. A frame with an error has none, since none of its bits can be trusted."""
+    """Return the findings in ``decoded``. An invalid frame has no findings, since none of its bits can be trusted."""
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
     layout = decoded.layout.layout
@@ -85,7 +85,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
 
 
 def _speaks(item: PlacedField, raw: int) -> bool:
-    """Return whether a flag is active, or unused bits differ from the manual."""
+    """Return whether a flag is active or unused bits differ from the manual."""
     match item.field.kind:
         case Flag(active_low=low):
             return bool(raw) != low
@@ -113,7 +113,7 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
 def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     """Return the verdict on the position of a valid frame."""
     names = {item.name for item in active}
-    # A flag that sums up others adds nothing if one of them is active itself.
+    # A flag that combines others adds no information if one of them is active.
     silent = {item.name for item in active if isinstance(item.kind, Flag) and not names.isdisjoint(item.kind.sums_up)}
     speaking = {_worth(item.kind) for item in active if item.name not in silent}
     flags = (item.kind for item in layout.fields if isinstance(item.kind, Flag))
@@ -149,7 +149,7 @@ def _shown(value: int | str) -> str:
 
 
 def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
-    """Yield the registers that identify this order code, except those in a bank, whose addresses are not unique."""
+    """Yield the registers that identify this order code, except those in banks, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
     return (item for item in device.registers if item.name in names and item.interface == variant.interface)
 
@@ -161,7 +161,7 @@ def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
 
 
 def compare_held(device: Device, variant: Variant, held: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Return the registers that contradict this order code. Addresses missing in ``held`` are unknown."""
+    """Return the registers whose contents contradict this order code. Addresses not in ``held`` are unknown."""
     return tuple(item for register in _fixed(device, variant) for item in _compare_register(variant, register, held))
 
 
@@ -189,6 +189,6 @@ def _compare_register(variant: Variant, register: Register, held: Mapping[int, i
 
 
 def _digits(value: int, known: int, item: PlacedField) -> str:
-    """Return the hex digits of a field, with dots for unknown ones."""
+    """Return the hexadecimal digits of a field, with dots for unknown digits."""
     shifts = range((item.width - 1) // 4 * 4, -1, -4)
     return "".join(f"{value >> shift & 15:X}" if known >> shift & 15 else "." for shift in shifts) + "h"

@@ -61,7 +61,7 @@ def _number(
         if known and value not in known:
             raise codec.EncodeError(f"{value} is not a value of '{name}'")
         low, high = bounds(register, placed, limits, variant.parameters)
-        # The limits of a meaning apply to whatever the argument is written to.
+        # The limits of a meaning apply to the field or register to which the argument is written.
         has_meaning = limits != (register.min, register.max)
         if (has_meaning or name == bounded(register)) and not low <= value <= high:
             raise codec.EncodeError(fault.outside(f"{value}", f"{low}", f"{high}"))
@@ -76,7 +76,7 @@ def _number(
     numbers |= {join.name for join in register.layout.joins}
     if name in numbers or register.limits_of == name:
         return codec.encode(device, placed, {name: value})
-    # For a register of several fields without limits on one of them, the argument is the whole number.
+    # If a register has several fields and no limits on one of them, the argument is the number in the whole register.
     for problem in codec.decode(device, placed, value).problems:
         raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problem.message}")
     return value

@@ -12,7 +12,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     """Return the value of a register from its bytes in ascending order of address.
 
     Raises:
-        RegisterError: This interface has no such register, or it has another length.
+        RegisterError: This interface has no such register, or the register has a different length.
     """
     registers = {item.name: item for item in device.registers if item.interface == variant.interface}
     register = registers.get(name.lower())

@@ -1,4 +1,4 @@
-"""Statements about an error or a warning."""
+"""Statements about an error or a warning of an encoder."""
 
 from __future__ import annotations
 

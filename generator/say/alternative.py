@@ -27,7 +27,7 @@ def answer(item: Answer) -> Said:
 
 
 def needs(device: Device, layout: Layout) -> Iterator[Said]:
-    """Yield the choices that reading or writing a frame of this layout needs."""
+    """Yield the choices that are needed to read or write a frame of this layout."""
     for item in device.alternatives_of(layout):
         answers = listed([Code(one.name) for one in item.answers], " or ")
         yield said("The places of its fields depend on your choice of ", reference(item), ": ", *answers)
@@ -38,5 +38,5 @@ def reference(item: Alternative) -> Ref:
 
 
 def names(answers: Sequence[Answer]) -> Iterator[Part]:
-    """Yield the names of the answers as parts: ``as_printed``."""
+    """Yield the names of the answers as parts, such as ``as_printed``."""
     yield from listed([Code(item.name) for item in answers])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..model import Choice, Constant, CrcValue, Decimal, Field, Flag, Number, Parity, Text, Unused, assert_never
 
-#: Colour class of values without one of their own.
+#: Colour class of values that have none of their own.
 DATA = "data"
 
 

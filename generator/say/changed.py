@@ -1,4 +1,4 @@
-"""Paths to the parts of a spec that an edition or an overlay changes, in words for readers."""
+"""Paths to the parts of a spec that an edition or an overlay changes, in words."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ..model import INTERFACES
 from .text import listed
 
-#: Parts at the top of a spec that are not lists of named things.
+#: Top-level parts of a spec that are not lists of named items.
 _TOP = {
     "connectors": "the connectors",
     "inputs": "the hardware inputs",
@@ -21,7 +21,7 @@ _TOP = {
     "tables": "the tables",
     "alarms": "the alarms",
 }
-#: Keys of a part, with the words that precede the part.
+#: Keys inside a part, with the words that precede the part.
 _KEYS = {
     "note": "the note on {}",
     "meaning": "the meaning of {}",
@@ -33,7 +33,7 @@ _KEYS = {
     "open": "unlisted values of {}",
     "open_only_with": "the values that may accompany unlisted values of {}",
 }
-#: Lists of named things, with the word for one item.
+#: Lists of named items, with the word for one item.
 _LISTS = {
     "registers": "register",
     "fields": "field",
@@ -58,7 +58,7 @@ _LISTS = {
     "documents": "document",
 }
 _PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
-#: Place of an item in a list without names, counted from 0.
+#: Index of an item in a list without names, counted from 0.
 _INDEX = re.compile(r"\[([0-9]+)\]")
 _MORE = re.compile(r" and ([0-9]+ more)$")
 
@@ -80,7 +80,7 @@ def change_in_words(printed: str) -> str:
 
 
 def _of(steps: Sequence[str]) -> str:
-    """Return one path in words, from the outermost step inwards. A step without words is kept."""
+    """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     said, index = "", 0

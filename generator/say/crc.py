@@ -11,7 +11,7 @@ from .words import counted
 
 
 def crc(device: Device, item: Crc) -> Iterator[Said]:
-    """Yield all statements of running text in order."""
+    """Yield all statements about it in order, for running text."""
     yield head(item)
     yield from told(item.note)
     yield from map(erratum, errata(device, f"crcs.{item.name}"))
@@ -34,7 +34,7 @@ def parameters(item: Crc) -> str:
 
 
 def sent(item: Crc) -> str:
-    """Return the final treatment of the remainder."""
+    """Return how the remainder is changed before it is sent."""
     if item.xorout == item.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent as it is"

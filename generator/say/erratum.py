@@ -1,4 +1,4 @@
-"""Errata of a manual: the selection for a part of the spec, and their texts."""
+"""Errata of a manual: which ones affect a part of the spec, and their texts."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from .changed import change_in_words
 from .text import Ref, Said, said
 from .words import sentence
 
-#: Longest reason in characters that is given beside code. Reasons of errata with wrong data are always given.
+#: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
 _SHORT = 100
 
 
 def errata(device: Device, *paths: str, without: Collection[str] = (), wording: bool = False) -> tuple[Erratum, ...]:
-    """Return the errata of these parts of the spec or anything inside them, except the parts ``without``.
+    """Return the errata about these parts of the spec or anything inside them, except the parts ``without``.
 
-    Errata of wording are included only on request, for pages that show a manual as it is.
+    Errata about wording are included only on request, for pages that show the text of a manual.
     """
 
     below, below_without = (tuple(f"{place}." for place in places) for places in (paths, without))
@@ -36,11 +36,11 @@ def reference(item: Erratum) -> Ref:
 
 
 def erratum(item: Erratum, *, whole: bool = False) -> Said:
-    """Return an erratum in labelled parts: printed, used, and why.
+    """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is left out if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
-    or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
-    erratum is open.
+    A long reason is omitted, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay or another
+    edition always has its reason. The short form includes the value used only if the erratum is open and wrong bytes
+    could be sent.
     """
     if item.overlay or item.edition:
         return _change(item)
@@ -61,14 +61,14 @@ def _change(item: Erratum) -> Said:
     label = f"Overlay {item.overlay}" if item.overlay else f"In edition {item.edition}"
     if item.edition.startswith("before "):
         label = f"Before edition {item.edition.removeprefix('before ')}"
-    # Beside code, a hint that another edition differs is enough: the code is right for this one.
+    # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
     differs = "may differ" if item.used == NOT_KNOWN else "differs"
     brief = f"{differs}, see the end of this file." if item.edition else None
     return Said((), label, item.source, brief, tuple(_labelled(*changed(item), ("Why", item.why))))
 
 
 def changed(item: Erratum) -> Iterator[tuple[str, str]]:
-    """Yield a change by an overlay or another edition as labelled texts: the part, and its content there."""
+    """Yield a change by an overlay or another edition as labelled texts: the part, and its changed content."""
     what = change_in_words(item.printed)
     if item.used == NOT_KNOWN:
         yield "Not known", what

@@ -1,4 +1,4 @@
-"""Messages for an invalid frame and for a value that cannot be encoded. Callers format the numbers."""
+"""Messages about invalid frames and about values that cannot be encoded. Callers format the numbers."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def digits(name: str, found: str, most: str) -> str:
 
 
 def of_other_frame(name: str, found: str) -> str:
-    """Return the message for a selector field that belongs to another frame."""
+    """Return the message for a selector value that belongs to another frame."""
     return f"{name} {found} does not belong to this frame"
 
 
 def too_few_bytes(found: str) -> str:
-    """Return the message for a frame too short to identify. ``found`` includes its unit."""
+    """Return the message for a frame that is too short to identify. ``found`` includes its unit."""
     return f"{found}: too short to identify the frame"
 
 
@@ -67,7 +67,7 @@ def outside(value: str, low: str, high: str) -> str:
 
 
 def of_older_edition(run: str, found: str, bounds: str, revision: str, register: str, before: str) -> str:
-    """Return the message for register digits that this edition of the manual rules out."""
+    """Return the message for register digits that are impossible in this edition of the manual."""
     return (
         f"{run} is {found}, but it must be {bounds}. An encoder older than manual {revision} may hold "
         f"this value. Use --edition {before} to see its {register.replace('_', ' ')}"

@@ -30,19 +30,19 @@ from .words import WORTH
 
 
 def field(device: Device, item: Field) -> Iterator[Said]:
-    """Yield all statements of running text in order."""
+    """Yield all statements about it in order, for running text."""
     yield from meaning(item, item.meaning)
     yield from rules(device, item)
     yield from told(item.note)
 
 
 def meaning(item: Named, text: str) -> Iterator[Said]:
-    """Yield the meaning, labelled with the manual's own name."""
+    """Yield the meaning, labelled with the name used in the manual."""
     yield from told(text, label=printed(item)) if text else told(printed(item))
 
 
 def rules(device: Device, item: Field) -> Iterator[Said]:
-    """Yield how its bits are interpreted and the rules for its use."""
+    """Yield the interpretation of its bits and the rules for its use."""
     yield from told(item.unit, label="Unit")
     yield from _kind(device, item)
     if item.container:
@@ -68,7 +68,7 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
         case Flag() as kind:
             yield from _flag(kind, item.implemented)
         case Choice():
-            pass  # Each value has a statement of its own.
+            pass  # Each value has its own statement.
         case Constant(value):
             if "always" not in item.meaning.lower():
                 yield said(f"Always {short(value)}")
@@ -91,7 +91,7 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
 
 
 def _comes_with_position(device: Device, item: Field) -> bool:
-    """Return whether a frame carries both the field and the position."""
+    """Return whether any frame contains both the field and the position."""
     return any(item in layout.fields and device.tells_position(kind.name, layout) for kind, layout in device.layouts())
 
 
@@ -132,7 +132,7 @@ def _known(value: Expression | int | str, bits: int) -> Part:
 
 
 def choices(values: tuple[Value, ...]) -> Said:
-    """Return the named values in one statement."""
+    """Return all named values in one statement."""
     return said(*parted((f"{short(item.value)} ", Code(item.name)) for item in values), label="Values")
 
 
@@ -144,5 +144,5 @@ def value(item: Value, bits: int) -> Said:
 
 
 def short(number: int) -> str:
-    """Return a number below 10 in decimal, and any other in the hexadecimal notation of manuals."""
+    """Return a number below 10 in decimal, and any other number in the hexadecimal notation of manuals."""
     return f"{number}" if number < 10 else f"{number:X}h"

@@ -20,7 +20,7 @@ def hardware_input(device: Device, item: Input) -> Iterator[Said]:
 
 
 def facts(device: Device, item: Input) -> Iterator[Said]:
-    """Yield the meaning of its levels, its effect, and the rules for its use."""
+    """Yield the meanings of its levels, its effect, and the rules for its use."""
     yield from told(item.low, label="Low level")
     yield from told(item.high, label="High level")
     if item.pulse_at_least_us is not None:

@@ -1,4 +1,4 @@
-"""Statements about an interface apart from its frames: clock, port, times, data IDs."""
+"""Statements about an interface except its frames: clock, port, times, data IDs."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def interface(device: Device, item: Interface) -> Iterator[Said]:
 
 
 def facts(device: Device, item: Interface) -> Iterator[Said]:
-    """Yield its settings, its times, and the requests and control data that it carries."""
+    """Yield its settings, its times, and the requests and control data sent over it."""
     yield from settings(device, item)
     yield from map(timing, item.timings)
     match item:
@@ -65,7 +65,7 @@ def facts(device: Device, item: Interface) -> Iterator[Said]:
 
 
 def settings(device: Device, item: Interface) -> Iterator[Said]:
-    """Yield the settings and the electrical facts."""
+    """Yield the settings and the electrical characteristics."""
     return (_fact(device, fact) for fact in item.facts())
 
 
@@ -103,7 +103,7 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
 
 
 def _timeout(timeout: Timeout) -> str:
-    """Return the rule with its bounds, followed by the values that the manual calculates from it."""
+    """Return the rule with its limits, followed by the values that the manual calculates from it."""
     worked_out = timeout.printed if timeout.half_clock_periods is not None else ()
     values = ", ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in worked_out)
     return timeout_words(timeout) + (f" ({values})" if values else "")

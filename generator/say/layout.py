@@ -14,7 +14,7 @@ from .words import counted
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Said:
     """Return the frame's ``name``, sender, interface and length.
 
-    If the length depends only on ``alternatives``, each possible length names its answers.
+    If the length depends only on ``alternatives``, each possible length is followed by the answers that lead to it.
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sent = f", sent by the {layout.sender} over {interface.title}{channel}: "
@@ -54,7 +54,7 @@ def errata_of(device: Device, interface: Interface, item: Layout) -> Iterator[Sa
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
-    """Yield its selector, code, gaps and joined numbers."""
+    """Yield its selector, its code, its gaps and its joined numbers."""
     yield from carries(interface, layout)
     if layout.gray_when:
         when = Code(layout.gray_when)
@@ -75,7 +75,7 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
 
 
 def joins(layout: Layout) -> Iterator[Said]:
-    """Return the joined numbers."""
+    """Yield the numbers that are joined from fields."""
     return (join(item) for item in layout.joins if item.fields != (item.name,))
 
 
@@ -86,5 +86,5 @@ def join(item: Join) -> Said:
 
 
 def as_one_number(parts: str) -> str:
-    """Return the description of a joined number."""
+    """Return the phrase for parts that form one number."""
     return f"{parts} as one number"

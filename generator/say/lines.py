@@ -1,4 +1,4 @@
-"""Text from a spec on one line or wrapped as a paragraph."""
+"""Text from a spec, on one line or wrapped as a paragraph."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u206
 
 
 def one_line(text: object) -> str:
-    """Return a piece of one line. Control characters, line ends and direction marks become spaces."""
+    """Return the text on one line. Control characters, line ends and direction marks become spaces."""
     made = str(text)
     return made if made.isprintable() else _CONTROL.sub(" ", made)
 
 
 def plain(text: object) -> str:
-    """Return the text as one stripped line."""
+    """Return the text on one line, without spaces at its ends."""
     return one_line(text).strip()
 
 
 def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
-    """Return a paragraph of at most ``width`` columns, each line after ``prefix`` (the first after ``first``)."""
+    """Return a paragraph of at most ``width`` columns. Lines start with ``prefix``, the first with ``first``."""
     lines: list[str] = []
     line = prefix if first is None else first
     begun = False
@@ -35,7 +35,7 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
 
 
 def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
-    """Return two columns. The second is wrapped within its own width."""
+    """Return the rows as lines with two columns. The second column is wrapped."""
     listed = list(rows)
     width = min(max((len(name) for name, _ in listed), default=0), 40)
     start = " " * (indent + width + 2)

@@ -1,4 +1,4 @@
-"""Markdown that shows text from a spec literally, on code hosts and in site builders."""
+"""Markdown that shows text from a spec literally on code hosts and in site generators."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .lines import one_line, plain
 from .text import Ref, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
-#: An underscore at the edge of a word starts emphasis, but inside a word it does not.
+#: An underscore starts emphasis at the edge of a word, but not inside it.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
 _WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 
 def text(value: object) -> str:
-    """Return one line of running text with all Markdown and HTML markup escaped."""
+    """Return one line of text with all Markdown and HTML markup escaped."""
     return _escaped(plain(value))
 
 
@@ -38,7 +38,7 @@ def code(value: object) -> str:
 
 
 def paragraph(value: str) -> str:
-    """Wrap Markdown without code spans so that no line starts a list, a heading or a rule."""
+    """Wrap Markdown that has no code spans, so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(
         _BLOCK_START.sub(lambda found: f"{found[1]}\\{found[2]}" if found[1] else f"\\{found[3]}", line)
@@ -58,7 +58,7 @@ def link(label: str, target: str) -> str:
 
 
 def anchor(name: str) -> str:
-    """Return an anchor for links."""
+    """Return the anchor to which links refer."""
     return f'<a id="{name}"></a>'
 
 
@@ -78,13 +78,13 @@ def joined(parts: Iterable[str], between: str = "<br>") -> str:
 
 
 def reference(ref: Ref) -> str:
-    """Return a name that links to its description. Steps by hand are on the hardware page."""
+    """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
         return link(text(ref.title), f"hardware.md#{ref.anchor}")
     return link(code(ref.name), f"#{ref.anchor}")
 
 
-#: Style of statements on a page.
+#: Style of statements on a Markdown page.
 STYLE = Style(
     text=lambda part: _escaped(one_line(part)),
     code=code,

@@ -8,7 +8,7 @@ from .text import Said, parted, said
 
 
 def measurement(item: Measurement) -> Said:
-    """Return counts, revolutions, step and range."""
+    """Return the counts and revolutions, or the step, and the range."""
     revolutions = " revolution" if item.turns == Expression(1) else " revolutions"
     members = (
         (item.counts_per_turn, " counts per revolution"),

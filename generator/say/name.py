@@ -1,4 +1,4 @@
-"""Names of things in running text."""
+"""Names of items in text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ACRONYMS = {"id": "ID", "ssi": "SSI", "biss": "BiSS", "crc": "CRC", "eeprom": "
 
 
 class Titled(Protocol):
-    """Item of the spec with our name and the manual's name."""
+    """Item of the spec, with our name and the name used in the manual."""
 
     @property
     def name(self) -> str: ...
@@ -21,14 +21,14 @@ class Titled(Protocol):
 
 
 class Named(Titled, Protocol):
-    """Titled item that may have other names in other editions of the manual."""
+    """Item that may also have other names in other editions of the manual."""
 
     @property
     def names(self) -> Mapping[str, str]: ...
 
 
 def words(name: str) -> str:
-    """Return a name as running text: ``encoder_id`` as ``encoder ID``."""
+    """Return a name as words in a sentence: ``encoder_id`` as ``encoder ID``."""
     return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
 
 
@@ -39,22 +39,22 @@ def heading(name: str) -> str:
 
 
 def title(item: Titled) -> str:
-    """Return the manual's own name, or else ours."""
+    """Return the name used in the manual, or else ours."""
     return item.printed_name or heading(item.name)
 
 
 def printed(item: Named) -> str:
-    """Return the manual's own name in any language, or an empty text."""
+    """Return the name used in any edition of the manual, or an empty text."""
     return item.printed_name or ", ".join(item.names.values())
 
 
 def own_names(item: Named) -> str:
-    """Return the names in the manual and its other editions: ``Command, it: Comando``."""
+    """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
     return ", ".join(filter(None, (item.printed_name, *(f"{key}: {name}" for key, name in item.names.items()))))
 
 
 def full_title(item: Named) -> str:
-    """Return the title, followed by the names in other editions: ``Command (it: Comando)``."""
+    """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
     others = "; ".join(f"{key}: {name}" for key, name in item.names.items() if name != title(item))
     return title(item) + (f" ({others})" if others else "")
 

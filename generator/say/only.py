@@ -1,4 +1,4 @@
-"""Statement about things that apply to some order codes only."""
+"""Statement about items that apply only to some order codes."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ from .text import Code, Said, said
 
 
 def only(codes: str) -> Iterator[Said]:
-    """Yield the order codes unless it applies to all."""
+    """Yield the order codes, unless the item applies to all of them."""
     if codes:
         yield said("Only with ", Code(codes))

@@ -10,7 +10,7 @@ from .text import Code, Part, Said, parted, said, told
 
 
 def order_code(device: Device) -> Iterator[Said]:
-    """Yield all statements of running text in order."""
+    """Yield all statements about it in order, for running text."""
     code = device.order_code
     yield said(Code(code.pattern), label="Order codes", source=code.source)
     for item in code.parts:
@@ -31,7 +31,7 @@ def part(item: CodePart) -> Said:
 
 
 def open_values(item: CodePart) -> Iterator[Said]:
-    """Yield the rule for values that no manual lists."""
+    """Yield the rule for values that the manual does not list."""
     if item.open:
         yield said("Other values that match ", Code(item.open), " are accepted and shown as unlisted")
 

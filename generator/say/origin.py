@@ -1,4 +1,4 @@
-"""Statements about the origin of a family: its overlays, its edition, and the parts that these remove."""
+"""Statements about the origin of a family: its overlays, its edition, and the parts removed by them."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def origin(device: Device) -> Iterator[Said]:
 
 
 def other_editions(device: Device) -> Iterator[Said]:
-    """Yield a hint at other editions of the manual and the command that generates files for one."""
+    """Yield a hint at other editions of the manual, with the command that generates files for one."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield said(
@@ -47,7 +47,7 @@ def other_editions(device: Device) -> Iterator[Said]:
 
 
 def taken_away(device: Device) -> Iterator[Said]:
-    """Yield the changes by overlays and editions that removed the part where they would be noted."""
+    """Yield those changes by overlays and editions that removed the part where they would otherwise be noted."""
     for item in device.errata:
         nowhere = device.base or item.overlay or not item.affects
         if (

@@ -14,14 +14,14 @@ from .words import number
 
 
 def parameter(device: Device, item: Parameter) -> Iterator[Said]:
-    """Yield all statements of running text in order."""
+    """Yield all statements about it in order, for running text."""
     yield from told(item.meaning, source=item.source)
     yield from told(item.unit, label="Unit")
     yield from origin(device, item)
 
 
 def origin(device: Device, item: Parameter) -> Iterator[Said]:
-    """Yield its origin if no order code sets it."""
+    """Yield the source of its value if no order code sets it."""
     if item.equals is not None:
         yield said("Equals ", item.equals)
     if item.alternative:
@@ -34,5 +34,5 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
 
 
 def value(item: Parameter, count: int) -> str:
-    """Return its value for an order code. Codes such as IDs are in the hexadecimal notation of manuals."""
+    """Return its value for an order code. IDs and other codes are in the hexadecimal notation of manuals."""
     return hexadecimal(count) if item.hexadecimal else number(count)

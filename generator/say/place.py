@@ -1,4 +1,4 @@
-"""Places: bits of a word, bytes of a frame, addresses of registers."""
+"""Locations: bits of a word, bytes of a frame, addresses of registers."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from .text import Part
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:
-    """Return a number in the notation of manuals: ``3Fh``."""
+    """Return a number in the hexadecimal notation of manuals: ``3Fh``."""
     return f"{value:0{digits}X}h"
 
 
 def addresses(register: Register) -> str:
-    """Return ``49h`` or ``11h to 17h``."""
+    """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
     first = hexadecimal(register.address)
     return f"{first} to {hexadecimal(register.last_address)}" if register.length > 1 else first
 
 
 def register_at(register: Register) -> str:
-    """Return ``register 49h`` or ``registers 11h to 17h``."""
+    """Return a register with its addresses as text: ``register 49h`` or ``registers 11h to 17h``."""
     return f"register{'s' * (register.length > 1)} {addresses(register)}"
 
 
@@ -32,12 +32,12 @@ def field_at(device: Device, path: str) -> str:
 
 
 def bit_range(high: int, low: int) -> str:
-    """Return ``5`` or ``5:3``."""
+    """Return bit numbers as text: ``5`` or ``5:3``."""
     return f"{high}" if high == low else f"{high}:{low}"
 
 
 def bits(high: int, low: int) -> str:
-    """Return ``bit 5`` or ``bits 5:3``."""
+    """Return bits as text: ``bit 5`` or ``bits 5:3``."""
     return f"bit{'s' * (high > low)} {bit_range(high, low)}"
 
 
@@ -55,9 +55,9 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
 
 
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
-    """Yield the place of a field with its padding: in bytes for a frame of bytes, otherwise in bits.
+    """Yield the location of a field with its padding, in bytes for a frame of bytes, otherwise in bits.
 
-    If ``alternatives`` decide the place, each place is followed by its answer.
+    If the location depends on ``alternatives``, each possible location is followed by its answer.
     """
     size = Expression(field.container) if field.container else field.width
     high = field.low + size - Expression(1)

@@ -35,13 +35,13 @@ def procedure(device: Device, item: Procedure) -> Iterator[Said]:
 
 
 def about(item: Procedure) -> Iterator[Said]:
-    """Yield its precondition and its result."""
+    """Yield its preconditions and its result."""
     yield from told(item.precondition, label="Before")
     yield from told(item.result, label="Result")
 
 
 def argument(device: Device, item: Argument) -> Said:
-    """Return the meaning of an argument and the register that it is written to."""
+    """Return the meaning of an argument and the register to which it is written."""
     as_ = (" as its ", Code(item.meant_as)) if item.meant_as else ()
     meaning = f"{sentence(item.meaning)} Written to " if item.meaning else "Written to "
     return said(meaning, named(device, item.of), *as_)
@@ -62,7 +62,7 @@ def step(device: Device, item: Step) -> Said:
 
 
 def read_back(device: Device, register: Register, field: str = "") -> Said:
-    """Return the check that generated code makes before a command acts on a written value."""
+    """Return the read-back check that generated code makes before a written value takes effect."""
     at = f", {register_at(register)}"
     return said("Read back ", _where(device, register.name, field), f"{at}, and stop unless it holds the written value")
 
@@ -86,7 +86,7 @@ def _access(device: Device, item: RegisterStep) -> Iterator[Part]:
 
 
 def _value(name: str, value: int | None) -> tuple[Part, ...]:
-    """Return a value by its name, or the argument of the caller."""
+    """Return a value by its name, or the argument that the caller passes."""
     return ("the argument ", Code(name)) if value is None else (Code(name),)
 
 

@@ -14,7 +14,7 @@ from .place import hexadecimal, register_at
 from .text import Code, Part, Said, listed, said, told
 
 _ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
-#: Words for the only permitted user of a register or field.
+#: Phrases for registers and fields that only one party may use.
 USERS = {"maker": "manufacturer"}
 _ABOVE_MAX = {
     "default": "The encoder replaces a value above the limit with the default",
@@ -96,7 +96,7 @@ def reserved(user: str) -> Said:
 
 
 def _shared(device: Device, register: Register) -> Iterator[Said]:
-    """Yield the other register at the same address, which only the direction of the access distinguishes."""
+    """Yield the other register at the same address, which differs only in the direction of access."""
     for other in device.registers:
         if other is not register and (other.address, other.bank) == (register.address, register.bank):
             act = "Writing to" if other.access == "write_only" else "Reading"

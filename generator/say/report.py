@@ -1,4 +1,4 @@
-"""Texts of the reports of a flag, for a terminal, a table in C, and objects in Python."""
+"""Texts for the report of a flag, used on a terminal, in a C table, and in Python objects."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
 
 
 def states(field: Field) -> tuple[str, str]:
-    """Return what the active and the inactive flag mean, both empty for any other field."""
+    """Return the meanings of the active and the inactive flag, or two empty texts for any other field."""
     return (field.kind.when_active, field.kind.when_inactive) if isinstance(field.kind, Flag) else ("", "")
 
 
@@ -52,7 +52,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
 
 
 def deciding(field: Field) -> str:
-    """Return the bits of a flag or of an unused field that decide a verdict, or an empty text."""
+    """Return the bits of a flag or an unused field that lead to its verdict, or an empty text for any other field."""
     match field.kind:
         case Flag(active_low=low):
             return "0" if low else "1"
@@ -65,20 +65,20 @@ def deciding(field: Field) -> str:
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
-    """Return the manual's remedy with the title of the steps by hand, or an empty text."""
+    """Return the remedy with the titles of its manual steps, or an empty text."""
     return with_steps(advice(field, alarm), by_hand(field, alarm))
 
 
 def advice(field: Field, alarm: Alarm | None) -> str:
-    """Return the manual's remedy without the steps by hand."""
+    """Return the remedy without its manual steps."""
     return field.remedy or (alarm.remedy if alarm is not None else "")
 
 
 def by_hand(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
-    """Return the names of the steps by hand that the manual recommends."""
+    """Return the names of the recommended manual steps."""
     return field.by_hand or (alarm.by_hand if alarm is not None else ())
 
 
 def source(field: Field, alarm: Alarm | None) -> Sources:
-    """Return the source of the alarm, or else of the flag."""
+    """Return the source of the alarm if it has one, else that of the flag."""
     return alarm.source if alarm is not None and alarm.source else field.source

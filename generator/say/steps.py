@@ -1,4 +1,4 @@
-"""Statements about a remedy and the steps by hand that it needs."""
+"""Statements about a remedy and the manual steps that it needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .words import sentence
 
 
 def remedied(text: str, names: Sequence[str]) -> Iterator[Said]:
-    """Yield the remedy with references to its steps by hand."""
+    """Yield the remedy with references to its manual steps."""
     if names:
         steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
         yield said(*([f"{sentence(text)} "] if text else []), "Steps: ", *steps, label="Remedy")

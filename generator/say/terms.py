@@ -1,4 +1,4 @@
-"""Terms of manuals and interfaces, each explained in a sentence or two."""
+"""Terms used in manuals and for interfaces, each explained in a sentence or two."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..model import Biss, Interface, Rs485
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """Term with its meaning and the words of a spec that lead to it.
+    """Term with its meaning, and the parts of a spec from which it is linked.
 
-    A term of an interface has ``over`` and the ``section`` that covers it. Any other term has ``spelled``, the names
-    of the fields, registers and times that it is about.
+    A term of an interface has ``over`` and the ``section`` that covers it. Any other term has ``spelled``, the names of
+    fields, registers and times to which it applies.
     """
 
     name: str

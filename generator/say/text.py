@@ -1,4 +1,4 @@
-"""Statements about a device as parts without markup, and the styles in which outputs write them."""
+"""Statements about a device, made of parts without markup, and the styles in which outputs write them."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from .words import number, sentence
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """Name or bytes, as written in code or on a label."""
+    """Name or bytes as written in code or on a label."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """Reference to another item of the device: a register, CRC, procedure or erratum.
+    """Reference to another item of the device: a register, a CRC, a procedure or an erratum.
 
     ``name`` is the name in the spec, such as ``configuration.enable_preset`` for a field of a register. ``title`` is
-    the name for people.
+    the name shown to people.
     """
 
     kind: str
@@ -45,7 +45,7 @@ class Hex:
 
 
 class Level(Enum):
-    """State of a flag, which some outputs write as a truth value."""
+    """State of a flag, which some outputs write as a Boolean."""
 
     ACTIVE = "Active"
     INACTIVE = "Inactive"
@@ -53,39 +53,39 @@ class Level(Enum):
     WHILE_ACTIVE = "active"
 
 
-#: An expression over parameters is a part, because some outputs know the values of the parameters.
+#: An expression with parameters is a part of its own, because some outputs have values for the parameters.
 Part = str | Code | Ref | Expression | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """Sentence without its full stop, or a labelled fact: ``Clock``, 100 kHz to 4 MHz.
+    """Sentence without a full stop, or a labelled fact such as 100 kHz to 4 MHz with the label ``Clock``.
 
-    A statement with ``below`` is a head with labelled statements, which an output writes on lines of their own if it
+    A statement with ``below`` is a head followed by labelled statements. Outputs put these on separate lines if they
     can.
     """
 
     parts: tuple[Part, ...]
     label: str = ""
     source: Sources = ()
-    #: Short form for an output that has the whole statement elsewhere. None if there is no short form.
+    #: Short form for an output that has the full statement elsewhere. None if there is no short form.
     brief: str | None = None
     below: tuple[Said, ...] = ()
 
 
 def said(*parts: Part, label: str = "", source: Sources = ()) -> Said:
-    """Return the statement that these parts form."""
+    """Return the statement formed by these parts."""
     return Said(parts, label, source)
 
 
 def told(text: str, label: str = "", source: Sources = ()) -> Iterator[Said]:
-    """Yield a text of the spec unless it is empty."""
+    """Yield a text from the spec unless it is empty."""
     if text:
         yield said(text, label=label, source=source)
 
 
 def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
-    """Yield the items as parts: ``a, b and c``."""
+    """Yield the items as the parts of a list: ``a, b and c``."""
     for index, item in enumerate(items):
         if index:
             yield last if index == len(items) - 1 else ", "
@@ -93,7 +93,7 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
 
 
 def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
-    """Yield the parts of all groups that are not empty, with a separator between the groups."""
+    """Yield the parts of all non-empty groups, with a separator between the groups."""
     for index, group in enumerate([group for group in groups if group]):
         if index:
             yield between
@@ -106,22 +106,22 @@ def _bracketed(sources: Sources) -> str:
 
 @dataclass(frozen=True)
 class Style:
-    """Functions with which an output writes each kind of part, and escapes the syntax of its language."""
+    """Functions that write each kind of part for an output, with the syntax of its language escaped."""
 
     text: Callable[[str], str]
     code: Callable[[str], str]
     ref: Callable[[Ref], str]
     cited: Callable[[Sources], str] = _bracketed
-    #: Value of an expression in an output about one order code.
+    #: Function that fills known values into an expression, for an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
     def phrase(self, item: Said) -> str:
-        """Return the parts without label, source and full stop."""
+        """Return the parts without a label, a source and a full stop."""
         return "".join(map(self._part, item.parts))
 
     def sentence(self, item: Said) -> str:
-        """Return the statement in running text: ``Clock: 100 kHz to 4 MHz [5.3].``"""
+        """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``"""
         if item.below:
             return " ".join((f"{self.head(item)}:", *map(self.sentence, item.below)))
         label = f"{self.text(item.label)}: " if item.label else ""
@@ -131,11 +131,11 @@ class Style:
         return f"{label}{phrase} {source}" if sentence(phrase) == phrase else f"{label}{phrase} {source}."
 
     def head(self, item: Said) -> str:
-        """Return the label and source of a statement with others below it: ``Erratum start (open) [5.3]``."""
+        """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
         return " ".join(filter(None, (self.text(item.label), self.cited(item.source))))
 
     def lines(self, item: Said) -> list[str]:
-        """Return the statement, or its head and a line for each statement below it."""
+        """Return the statement as one line, or its head and a line for each statement below it."""
         return [f"{self.head(item)}:", *map(self.sentence, item.below)] if item.below else [self.sentence(item)]
 
     def paragraph(self, items: Iterable[Said]) -> str:
@@ -164,11 +164,11 @@ class Style:
                 return self.level(part)
 
 
-#: For readers who know things by their names in the spec, such as on a terminal.
+#: For readers who know the names used in the spec, such as on a terminal.
 BY_NAME = Style(text=str, code=str, ref=lambda ref: ref.name)
-#: For readers who know things by their names in the manual, such as in a comment.
+#: For readers who know the names used in the manual, such as in a comment.
 BY_TITLE = Style(text=str, code=str, ref=lambda ref: ref.title)
-#: For docstrings, where names are code and a flag is a truth value.
+#: For docstrings, where names are code and a flag is a Boolean.
 AS_LITERAL = Style(
     text=str,
     code=lambda text: f"``{text}``",

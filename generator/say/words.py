@@ -1,4 +1,4 @@
-"""Words for numbers with units and other facts, shared by all text outputs."""
+"""Wording of numbers with units and of other facts, shared by all text outputs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def number(value: int) -> str:
 
 
 def counted(count: int | str, thing: str) -> str:
-    """Return ``1 bit``, ``8 bits`` or ``position_bits bits``."""
+    """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
@@ -46,7 +46,7 @@ def volts(millivolts: int) -> str:
 
 
 def microseconds(value: int) -> str:
-    """Return a time in the largest unit that gives a whole number."""
+    """Return a time in the largest unit in which it is a whole number."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
         if value >= factor and value % factor == 0:
             return f"{value // factor} {unit}"
@@ -60,7 +60,7 @@ def nanoseconds(value: int) -> str:
 
 
 def timeout_words(timeout: Timeout) -> str:
-    """Return the rule and bounds of a time-out."""
+    """Return the rule and limits of a time-out."""
     half = timeout.half_clock_periods
     parts = [f"{half / 2:g} clock periods" if half is not None else _RULE.get(timeout.rule, timeout.rule)]
     parts += [
@@ -69,13 +69,13 @@ def timeout_words(timeout: Timeout) -> str:
         if value is not None
     ]
     if half is None:
-        # Without a rule, only the printed values are known.
+        # Without a rule, only the values printed in the manual are known.
         parts += [f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed]
     return ", ".join(parts)
 
 
 def language(key: str) -> str:
-    """Return the name of a language, or its code if the name is unknown."""
+    """Return the name of a language, or its code if there is no name for it."""
     return _LANGUAGES.get(key, key)
 
 

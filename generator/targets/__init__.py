@@ -1,8 +1,9 @@
 """Targets, which generate files for the devices described by the specs. This module is the whole plug-in API.
 
-A ``Target`` receives the whole library and returns the text of every file by path. It does not access the disk. The
-built-in targets are in the folders next to this file. Another package can add a target with an entry point in the group
-``codewheel.targets`` that refers to its ``Target``. It works like a built-in one, but only runs on request.
+A ``Target`` receives the whole library and returns the text of every file, keyed by path. It does not access the disk.
+The built-in targets are in the folders next to this file. Another package can add a target through an entry point in
+the group ``codewheel.targets`` that refers to its ``Target``. The target works like a built-in one, but runs only on
+request.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
 @dataclass(frozen=True)
 class Library:
-    """The devices to generate files for.
+    """The devices for which files are generated.
 
     Attributes:
         devices: All devices described by the specs, sorted by name.
-        own_templates: Folder of the user's templates for this target, as an argument for ``Templates.render``.
+        own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
     """
 
     devices: tuple[Device, ...]
@@ -47,7 +48,7 @@ def has_biss(devices: Iterable[Device]) -> bool:
 
 
 class TargetError(ValueError):
-    """An error that stops a target. The message is one line, ``place`` the place in a spec that it cannot express."""
+    """An error that stops a target. The message is one line. ``place`` is the part of a spec that it cannot express."""
 
     def __init__(self, message: str, place: Place = ()) -> None:
         super().__init__(message)
@@ -56,13 +57,13 @@ class TargetError(ValueError):
 
 @dataclass(frozen=True)
 class TargetProblem:
-    """Something in a spec that a target cannot express. It is shown with file, line and column, like every problem.
+    """Part of a spec that a target cannot express. It is reported with file, line and column, like every problem.
 
     Attributes:
         device: Device whose spec has the problem.
         rule: Stable name that begins with the target's, such as ``c-name``.
         place: Keys that lead to the problem, with names for list items: ``("registers", "preset", "length")``.
-        message: The error and its correction, in one line. ``{line}`` is replaced by the line of ``other``.
+        message: The error and how to correct it, in one line. ``{line}`` is replaced by the line of ``other``.
         other: A second place in the same spec that the message refers to.
     """
 
@@ -78,7 +79,7 @@ class Option:
     """A setting of a target: ``--option <target>.<name>=<value>``.
 
     Attributes:
-        name: Lower-case letters, digits, hyphens and underscores.
+        name: Lowercase letters, digits, hyphens and underscores.
         summary: One line for ``--help``.
         default: Value if the user gives none.
         values: All valid values. If empty, any text is valid, and ``files`` raises ``TargetError`` for a wrong one.
@@ -97,25 +98,26 @@ class Option:
             raise ValueError(f"the default of the option '{self.name}' is not one of its values")
 
 
-#: Value of every option of a target, by name.
+#: Values of all options of a target, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class Target:
-    """An output.
+    """A kind of output.
 
     Attributes:
-        name: Name for ``--target``, of the entry point and of the output folder: lower-case letters, digits, hyphens
+        name: Name for ``--target``, for the entry point and for the output folder: lowercase letters, digits, hyphens
             and underscores. The names of built-in targets are reserved.
         summary: One line for ``--help``.
-        files: Function that returns the text of each file by path. Paths begin with the name and a slash. It receives
-            all options. A ``TargetError`` ends the run with its message, any other exception with its origin, too.
-        problems: Function that returns the parts that the target cannot express. It is called before ``files``, and by
-            ``check --target``, only with devices whose specs have no other problems.
+        files: Function that returns the text of each file, keyed by path. Paths begin with the name and a slash. It
+            receives all options. A ``TargetError`` ends the run with its message. Any other exception ends it with the
+            message and its origin.
+        problems: Function that returns the parts of specs that the target cannot express. It is called before ``files``
+            and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.
-        templates: Templates of the target, for ``--templates`` and the page of templates.
+        templates: Templates of the target, for ``--templates`` and the page about templates.
 
     Raises:
         ValueError: A name is not valid.

@@ -1,4 +1,4 @@
-"""File names for order codes, which contain characters that are not allowed in file names."""
+"""File names for order codes, which may contain characters that are not allowed in file names."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ _LONGEST = 80
 
 
 def names_of_codes(order_codes: Iterable[str], others: Iterable[str] = ()) -> list[str]:
-    """Return a unique file name for each order code, also on file systems that ignore case.
+    """Return a file name for each order code. The names are unique even on file systems that ignore case.
 
-    Characters that are not allowed become a hyphen. Duplicates are numbered. ``others`` are reserved names in lower
-    case.
+    Characters that are not allowed become hyphens. Duplicates are numbered. ``others`` are reserved names in lowercase.
     """
     taken, names = set(others), list[str]()
     for order_code in order_codes:

@@ -16,5 +16,5 @@ THIS SOFTWARE.
 
 
 def licence_in(folder: str) -> dict[str, str]:
-    """Return the licence as a file of this folder."""
+    """Return the licence as a file in this folder."""
     return {f"{folder}/LICENSE": _TEXT}

@@ -14,7 +14,8 @@ from . import Library, Options, Target, TargetError, TargetProblem
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-#: Built-in targets, in the order in which they are listed and run. They run by default, registered ones on request.
+#: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
+#: request.
 BUILT_IN = ("python", "c", "biss", "docs", "browser")
 GROUP = "codewheel.targets"
 _Given = TypeVar("_Given")
@@ -25,36 +26,36 @@ class PackageMissing(TargetError):
 
 
 def target_names() -> list[str]:
-    """Return the names of all targets: built-in, then registered ones."""
+    """Return the names of all targets, first built-in and then registered ones."""
     return [*BUILT_IN, *(name for name in _registered() if name not in BUILT_IN)]
 
 
 def load_target(name: str) -> Target:
-    """Load the target of that name, without importing the modules of others.
+    """Load the target with this name, without importing the modules of other targets.
 
     Raises:
         LookupError: There is no such target.
-        TargetError: It cannot be loaded, or is not a target.
+        TargetError: The target cannot be loaded, or is not a ``Target``.
     """
     if name in BUILT_IN:
         return _loaded(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
-    entries = _registered()[name]  # A KeyError is a LookupError.
+    entries = _registered()[name]  # a KeyError is a LookupError
     if len(entries) > 1:
         raise TargetError(f"the target '{name}' is registered by {' and by '.join(map(_owner, entries))}; remove one")
     return _loaded(name, entries[0].load)
 
 
 def files_of(target: Target, library: Library, options: Options) -> Mapping[str, str]:
-    """Return the files of a target, by path.
+    """Return the files of a target, keyed by path.
 
     Args:
         target: The target.
-        library: The devices, and the folder of the user's templates, with a folder for each target.
+        library: The devices, and the folder of the user's templates, which has a folder for each target.
         options: The value of every option.
 
     Raises:
         TargetError: The target cannot express something, or fails.
-        TemplateFault: A template of the user has an error.
+        TemplateFault: A user's template has an error.
     """
     own = library.own_templates / target.name if library.own_templates is not None else None
     files = _guarded(target.name, lambda: target.files(replace(library, own_templates=own), options))
@@ -64,7 +65,7 @@ def files_of(target: Target, library: Library, options: Options) -> Mapping[str,
 
 
 def problems_of(target: Target, library: Library) -> list[TargetProblem]:
-    """Return the problems that a target cannot express.
+    """Return the parts of specs that a target cannot express.
 
     Raises:
         TargetError: The target fails.
@@ -77,7 +78,7 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
-    """Return why ``problem`` is not a problem of a device of the library, or an empty string."""
+    """Return why ``problem`` is not a problem of a device in the library, or an empty string if it is one."""
     if not isinstance(problem, TargetProblem):
         return f"this is {_kind(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
@@ -88,7 +89,7 @@ def _fault_of_problem(problem: object, library: Library) -> str:
 
 
 def _fault_of_files(files: object) -> str:
-    """Return why ``files`` is not text by path, or an empty string."""
+    """Return why ``files`` is not a mapping of paths to text, or an empty string if it is one."""
     if not isinstance(files, Mapping):
         return f"this is {_kind(files)}"
     for path, text in files.items():
@@ -106,7 +107,7 @@ def _kind(value: object) -> str:
 
 
 def _registered() -> dict[str, list[EntryPoint]]:
-    """Return the entry points by name. Several packages may use the same one."""
+    """Return the entry points by name. Several packages may use the same name."""
     from importlib.metadata import entry_points
 
     found: dict[str, list[EntryPoint]] = {}

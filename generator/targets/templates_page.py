@@ -1,8 +1,8 @@
-"""The page of templates: their purpose, their values, and how to change them.
+"""The page about templates: their purpose, their values, and how to change them.
 
-``python -m codewheel.targets.templates_page FILE [TARGET...]`` writes it, by default for the built-in targets.
-``make templates-page`` writes ``docs/templates.md``. Everything except the introduction comes from the targets: the
-first comment of each template, the classes of its values, the docstrings of filters, tests and functions.
+``python -m codewheel.targets.templates_page FILE [TARGET...]`` writes it, by default for the built-in targets. ``make
+templates-page`` writes ``docs/templates.md``. Everything except the introduction comes from the targets: the first
+comment of each template, the classes of its values, and the docstrings of filters, tests and functions.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ All templates have the filters of Jinja and these:
 
 
 def templates_page(targets: Iterable[Target]) -> str:
-    """Return the page of these targets. A target without templates has no section."""
+    """Return the page for these targets. A target without templates has no section."""
     lines = [_INTRODUCTION, _callables("Filter", {_filter(name, item): item for name, item in COMMON_FILTERS.items()})]
     model: set[type] = set()
     for target in targets:
@@ -121,7 +121,7 @@ def _section(target: Target, templates: Templates) -> Iterator[str]:
 
 
 def _row(target: Target, templates: Templates, template: str) -> tuple[str, ...]:
-    """Return the row of a template: its purpose, values, used values and macros."""
+    """Return the row for a template: its purpose, its values, the values it uses, and its macros."""
     made, colon, about = _about(templates, template).partition(": ")
     about = f"{code(made)}: {text(about)}" if made.startswith(f"{target.name}/") else text(f"{made}{colon}{about}")
     shape = templates.values.get(template)
@@ -156,13 +156,13 @@ def _callables(head: str, items: Mapping[str, Callable[..., object]]) -> str:
 
 
 def _filter(name: str, item: Callable[..., object]) -> str:
-    """Return a filter as written in a template, without its first argument, which is before the bar."""
+    """Return a filter as written in a template, without its first argument, which precedes the vertical bar."""
     arguments = _signature(item, 1)
     return f"{name}{arguments}" if arguments != "()" else name
 
 
 def _signature(item: Callable[..., object], leave_out: int = 0) -> str:
-    """Return the arguments without their types."""
+    """Return the names of the arguments without their types."""
     parameters = list(inspect.signature(item).parameters.values())[leave_out:]
     bare = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
     return str(inspect.Signature(bare))
@@ -176,7 +176,7 @@ def _first_line(item: object) -> str:
 
 
 def _environment(templates: Templates) -> Environment:
-    """Return an environment without names, so that those of Jinja count as used names."""
+    """Return an environment without predefined names, so that names of Jinja also count as used."""
     made = environment(templates).overlay()
     made.globals = {}
     return made
@@ -197,14 +197,14 @@ def _about(templates: Templates, template: str) -> str:
 
 
 def _referred(tree: nodes.Template) -> set[str]:
-    """Return the templates that a template includes or imports by name."""
+    """Return the names of the templates that a template includes or imports."""
     return {name for name in meta.find_referenced_templates(tree) if name is not None}
 
 
 def _tree(templates: Templates, template: str) -> list[str]:
-    """Return the template and all that it includes or imports, directly or not."""
+    """Return the template and all templates that it includes or imports, directly or indirectly."""
     found = [template]
-    for name in found:  # The list grows during the loop.
+    for name in found:  # the list grows during the loop
         found += sorted(_referred(_parsed(templates, name)) - set(found))
     return found
 
@@ -234,7 +234,7 @@ def _kinds(templates: Templates) -> set[type]:
     """Return the classes in the values of templates, at any depth."""
     shapes = set(templates.values.values())
     found = list(shapes)
-    for kind in found:  # The list grows during the loop.
+    for kind in found:  # the list grows during the loop
         found += {item for part in _parts(kind).values() for item in _classes(part)}.difference(found)
     return set(found) - shapes
 
@@ -248,7 +248,7 @@ def _classes(kind: Any) -> Iterator[type]:
 
 
 def _parts(kind: type) -> dict[str, Any]:
-    """Return the members of a class with their types. The type of a method is that of its result."""
+    """Return the members of a class with their types. The type of a method is the type of its result."""
     found = _hints(kind)
     for name, part in found.items():
         if part is ClassVar or get_origin(part) is ClassVar:

@@ -1,6 +1,6 @@
-"""The interfaces, each in its own module with its names and the facts that a manual gives about it.
+"""Interfaces, each in its own module with its names and the facts that a manual gives about it.
 
-They are part of the model: a device consists of interfaces, and these of layouts.
+They are part of the model. A device has interfaces, and an interface has layouts.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from .rs485 import Port, Rs485
 from .ssi import Alignment, CableLength, OutputCode, Ssi
 
 Interface = Ssi | Biss | Rs485
-#: Facts that ``facts`` of an interface yields. An output that can show each of these can show every interface.
+#: Facts yielded by the method ``facts`` of an interface. An output that can show all of these can show any interface.
 Fact = (
     Clock
     | CableLength
@@ -27,5 +27,5 @@ Fact = (
     | Timeout
     | Port
 )
-#: Every interface by its name.
+#: All interfaces by name.
 INTERFACES: Mapping[str, type[Interface]] = MappingProxyType({kind.name: kind for kind in get_args(Interface)})

@@ -1,4 +1,4 @@
-"""BiSS C-mode: single cycle data, and registers that are accessed one bit per frame."""
+"""BiSS C-mode: single cycle data, and register access with one bit per frame."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Network:
 
 @dataclass(frozen=True, slots=True)
 class PrintedTimeout:
-    """Time-out that the manual computes for one clock."""
+    """Time-out given in the manual for one clock frequency."""
 
     clock_hz: int
     timeout_ns: int
@@ -65,7 +65,7 @@ class BankSelect:
 
 @dataclass(frozen=True, slots=True)
 class ControlField:
-    """A field of the control frame, whose complete layout the manual does not give."""
+    """A field of the control frame. The manual does not give the complete layout of that frame."""
 
     name: str
     printed_name: str
@@ -83,7 +83,7 @@ class Biss(Common):
     title: ClassVar[str] = "BiSS C-mode"
     short: ClassVar[str] = "BiSS"
     has_channels: ClassVar[bool] = True
-    #: The banks share the first half (protocol description, p. 14).
+    #: The first half of the addresses is banked (protocol description, p. 14).
     highest_address: ClassVar[int] = 0x7F
     highest_in_bank: ClassVar[int] = 0x3F
     flags: ClassVar[Mapping[str, str]] = MappingProxyType({"error": "not_usable", "warning": "usable_with_warning"})
@@ -99,7 +99,7 @@ class Biss(Common):
     control_data_note: str
 
     def facts(self) -> Iterator[Clock | Signals | Profile | DescriptionFile | BankSelect | Network | Timeout]:
-        """Yield the facts for set-up, in order of importance."""
+        """Yield the facts needed for set-up, in order of importance."""
         yield self.clock
         if self.signals:
             yield Signals(self.signals, self.source)

@@ -1,4 +1,4 @@
-"""Members of every interface, and facts that several share."""
+"""Members that every interface has, and facts shared by several interfaces."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ..measurement import Measurement
 class Common:
     """An interface of a device. Order codes, registers and procedures refer to it by ``name``."""
 
-    #: The key of the spec language, and of all outputs.
+    #: The key in the spec language and in all outputs.
     name: ClassVar[str]
-    #: Title for people, and its name in sentences.
+    #: Title for display, and the name used in sentences.
     title: ClassVar[str]
     short: ClassVar[str]
-    #: Default of layouts: frames are carried as ``"bits"`` or ``"bytes"``.
+    #: Default for layouts: frames are transmitted as ``"bits"`` or ``"bytes"``.
     carried_as: ClassVar[str] = "bits"
     #: True if layouts can be sent on several data channels.
     has_channels: ClassVar[bool] = False
-    #: Number of register addresses, and of those in a bank if the interface has banks.
+    #: Number of register addresses, and the number in a bank if the interface has banks.
     highest_address: ClassVar[int | None] = None
     highest_in_bank: ClassVar[int | None] = None
     #: Flags defined by the interface itself, with the verdict on the position while each is active.
@@ -40,7 +40,7 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """Range of the master's clock, both ends included."""
+    """Range of the master's clock, including both ends."""
 
     min_hz: int
     max_hz: int

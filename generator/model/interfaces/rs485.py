@@ -1,4 +1,4 @@
-"""RS-485 with requests and replies similar to Tamagawa's T-format."""
+"""RS-485, with requests and replies similar to those of Tamagawa's T-format."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class DataId:
-    """Data that a request can ask for. ``control`` is the first byte of request and reply."""
+    """Data that a request can ask for. ``control`` is the first byte of the request and of the reply."""
 
     name: str
     id: int

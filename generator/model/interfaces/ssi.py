@@ -1,4 +1,4 @@
-"""SSI: a word, clocked out bit by bit."""
+"""SSI: a word that is clocked out bit by bit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Alignment:
 
 @dataclass(frozen=True, slots=True)
 class OutputCode:
-    """Code of the position as printed: ``binary``, ``gray`` or ``by_order_code``."""
+    """Code of the position as stated in the manual: ``binary``, ``gray`` or ``by_order_code``."""
 
     code: str
     source: Sources
@@ -48,7 +48,7 @@ class Ssi(Common):
     cable_lengths: tuple[CableLength, ...]
 
     def facts(self) -> Iterator[Clock | CableLength | Signals | Alignment | OutputCode]:
-        """Yield the facts for set-up, in order of importance."""
+        """Yield the facts needed for set-up, in order of importance."""
         yield self.clock
         yield from self.cable_lengths
         if self.signals:

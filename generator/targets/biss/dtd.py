@@ -1,6 +1,6 @@
-"""Validation of idbiss files against a document type that the user provides.
+"""Validation of idbiss files against a document type definition (DTD) that the user provides.
 
-The real document type is not public and not part of this project.
+The real DTD is not public and is not part of this project.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from typing import Any
 
 from lxml import etree
 
-#: Size limit in bytes, far above any document type of this kind, that keeps a wrong file from being read.
+#: Size limit in bytes. It is far above the size of any DTD of this kind and prevents the reading of a wrong file.
 _LARGEST = 1_000_000
 
 
 class DtdError(ValueError):
-    """Document type that cannot be used. The message gives the reason."""
+    """A DTD cannot be used. The message gives the reason."""
 
 
 class _OneFile(etree.Resolver):
-    """Resolver that answers the DOCTYPE of our file with one text and refuses other files and the network."""
+    """Resolver that supplies one text for the DOCTYPE of our file, and refuses other files and the network."""
 
     def __init__(self, path: str, text: bytes) -> None:
         super().__init__()
@@ -27,7 +27,7 @@ class _OneFile(etree.Resolver):
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
-        """Answer a request of address, public ID and context.
+        """Answer a request that consists of address, public ID and context.
 
         The published type stubs do not declare the context.
         """
@@ -41,10 +41,10 @@ class _OneFile(etree.Resolver):
 
 
 def read_dtd(path: Path) -> bytes:
-    """Return the text of a document type.
+    """Return the text of a DTD.
 
     Raises:
-        DtdError: It cannot be read or is far too large.
+        DtdError: The file cannot be read or is far too large.
     """
     try:
         with path.open("rb") as file:
@@ -62,7 +62,7 @@ def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
     Entities are not expanded into the document.
 
     Raises:
-        DtdError: The document type itself is broken or refers to other files.
+        DtdError: The DTD itself is invalid or refers to other files.
     """
     resolver = _OneFile(dtd_name, dtd)
     parser = etree.XMLParser(

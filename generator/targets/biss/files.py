@@ -1,8 +1,8 @@
-"""BiSS files: ``idbissXXXX.xml`` of each manufacturer, and a full description of each device.
+"""BiSS files: an ``idbissXXXX.xml`` for each manufacturer, and a full description of each device.
 
-Only the opening passage of one idbiss file is public. Our file uses only elements and attributes from there. Comments
-mark every further interpretation as inferred. Everything without a publicly known place in the format is in the full
-description, which has a schema of our own.
+Only the beginning of one idbiss file is public. Our file uses only the elements and attributes found there. Comments
+mark every further interpretation as inferred. Facts with no publicly known place in the format are in the full
+description, for which we have our own schema.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ _BY_CODE = Option(
 
 @dataclass(frozen=True)
 class Node:
-    """``Device`` element: its identity, its name, and the known facts about its data."""
+    """``Device`` element: its identity, its name, and the known facts about the data of the device."""
 
     ids: tuple[IdBits, ...]
     label: str = ""
@@ -95,9 +95,9 @@ class Identifier(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return ``biss/idbissXXXX.xml`` of manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
+    """Return ``biss/idbissXXXX.xml`` for manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
 
-    With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers for sums.
+    With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with expressions resolved.
     """
     files = {}
     for maker, devices in library.by_manufacturer():
@@ -112,14 +112,14 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
-    """Yield a description of each listed order code, with numbers in place of sums."""
+    """Yield a description of each listed order code, with numbers in place of expressions."""
     names = names_of_codes(item.code for item in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
         yield f"{folder}/{name}.xml", to_xml(variant_dump(device, Match(variant, (), "", special=False)))
 
 
 def ascii_only(text: object) -> str:
-    """Return ``text`` in ASCII for comments, in which XML has no character references."""
+    """Return ``text`` in ASCII for comments, where XML allows no character references."""
     decomposed = unicodedata.normalize("NFKD", plain(text).translate(_ASCII))
     return (
         "".join(character for character in decomposed if not unicodedata.combining(character))
@@ -129,7 +129,7 @@ def ascii_only(text: object) -> str:
 
 
 def comment_text(text: object) -> Markup:
-    """Return ``text`` for a comment, which two hyphens would end."""
+    """Return ``text`` for a comment, without double hyphens, which would end it."""
     made = ascii_only(text)
     while "--" in made:
         made = made.replace("--", "- -")
@@ -137,7 +137,7 @@ def comment_text(text: object) -> Markup:
 
 
 def comment(text: object, indent: str) -> Markup:
-    """Return a complete comment, wrapped if needed. Line ends in the text are kept."""
+    """Return a complete comment, wrapped if necessary. Line ends in the text are kept."""
     lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
     if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
         return Markup(f"{indent}<!-- {lines[0][1]} -->")
@@ -153,7 +153,7 @@ def comment(text: object, indent: str) -> Markup:
 
 
 def ascii_text(text: object) -> Markup:
-    """Return ``text`` for an element, in ASCII with character references."""
+    """Return ``text`` for an element, in ASCII and with character references."""
     return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
@@ -213,7 +213,7 @@ def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
 def _by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """Return the element with the data length, if the device ID implies a single one."""
+    """Return the element with the data length if the device ID implies a single length."""
     if len({item.data_bits for item in lengths}) != 1:
         return ()
     notes = ("The same identity again, because the public example does not have CrcPoly and Length in one SCDS.",)
@@ -242,7 +242,7 @@ def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[in
 
 
 def _data_label(device: Device, layout: Layout) -> str:
-    """Return the content of the data channel, without the comma that starts the labels of devices."""
+    """Return a description of the data channel, without the comma with which the labels of devices start."""
     measurement = device.measurement_of(Biss.name)
     return f"{measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
 
@@ -259,7 +259,7 @@ _PROFILE_NOTE = (
 
 
 def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLength], ids: Sequence[IdBits]) -> str:
-    """Return the other settings of the master, as the lines of a comment."""
+    """Return the other master settings as the lines of a comment."""
     lines = [_about_length(device, layout, lengths), *_lengths_by_profile(device, lengths)]
     for item in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
@@ -292,7 +292,7 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
 
 
 def _with(item: DataLength) -> str:
-    """Return the answers that a length depends on."""
+    """Return the answers on which a length depends."""
     return f" with {' and '.join(item.answers)}" if item.answers else ""
 
 
@@ -316,7 +316,7 @@ def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[s
 
 
 def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
-    """Return the profile ID shared by all models, and the models whose data length is its low byte."""
+    """Return lines about the profile ID shared by all models, and about models whose data length is its low byte."""
     profiles = profile_ids(device)
     if len(profiles) != 1:
         return []
@@ -336,7 +336,7 @@ def _crc_words(crc: Crc) -> str:
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:
-    """Return the data channels other than that of the position, for which the format has no publicly known place."""
+    """Return lines about the data channels other than that of the position. The format has no known place for them."""
     lines = []
     for other in device.interface(Biss.name).layouts:
         crc = device.crc_of(other)

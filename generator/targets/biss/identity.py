@@ -1,6 +1,6 @@
-"""Data by which a BiSS master identifies a device.
+"""Data with which a BiSS master identifies a device.
 
-These are the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
+They are the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
 
 Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) form one number of 64 bits, high byte first, in the
 register order of the BiSS C protocol description: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
@@ -25,7 +25,7 @@ _MANUFACTURER_BITS = 16
 class IdBits:
     """Bits ``high`` to ``low`` of an identity and their content.
 
-    ``what`` names the identity and its registers, and ``text`` is the content as characters.
+    ``what`` is the name of the identity with its registers, and ``text`` is the content as characters.
     """
 
     high: int
@@ -49,7 +49,7 @@ class IdBits:
 class DataLength:
     """Lengths of the single cycle data of some order codes.
 
-    ``parts`` are the widths of the data fields in order of transmission, and ``answers`` the choices that they need.
+    ``parts`` are the widths of the data fields in transmission order, and ``answers`` the choices on which they depend.
     """
 
     codes: tuple[str, ...]
@@ -111,7 +111,7 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
 
 
 def _fixed(layout: Layout, field: Field) -> int | None:
-    """Return the value of the field in every device of the family, or None if there is none."""
+    """Return the value that the field has in every device of the family, or None if there is no such value."""
     known = only_value(layout, field)
     if known is not None:
         return known
@@ -133,7 +133,7 @@ def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
 
 
 def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
-    """Return the lengths of the single cycle data with the order codes that have them, in order of length.
+    """Return the lengths of the single cycle data, each with the order codes that have it, in order of length.
 
     Each length is listed once, or once for each choice that the manual leaves open.
     """
@@ -152,7 +152,7 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
 def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     """Return the profile IDs in registers 42h and 43h with their order codes.
 
-    The result is empty if the spec does not state any.
+    The result is empty if the spec gives none.
     """
     register = next(
         (
@@ -165,7 +165,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     if register is None or register.byte_order != "high_byte_first":
         return {}
     if any(not _is_stated(register.layout, field) for field in register.layout.fields):
-        # The printed value of the register, which does not distinguish the models.
+        # The value of the register as printed in the manual, which does not distinguish the models.
         return (
             {}
             if register.default is None

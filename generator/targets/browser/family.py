@@ -41,7 +41,7 @@ def family(device: Device) -> Data:
 
 
 def _held(device: Device, item: Held) -> Data:
-    """Return a parameter that a register holds, with its limits."""
+    """Return a parameter that is held in a register, with its limits."""
     parameter = item.parameter
     at = field_at(device, parameter.read_from)
     return kept(name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max)
@@ -55,7 +55,7 @@ def _alternative(item: Alternative) -> Data:
 
 
 def _crc(device: Device, item: Crc) -> Data:
-    """Return its parameters and those of similar CRCs that may be used by mistake."""
+    """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     others = in_bytes.other_crcs(item) if Carrier.BYTES in carriers(device, item) else in_bits.other_crcs(item)
     return _parameters(item) | {
         "text": item.polynomial,
@@ -87,7 +87,7 @@ def _interface(device: Device, item: Interface, shared: Pool) -> Data:
 
 
 def _measure(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position. ``part`` has the angle if the position is not sent as a whole."""
+    """Return the unit of the position. If the position is not sent as a whole, ``part`` has the angle."""
     found = device.measurement_of(interface.name)
     if found is None:
         return {}
@@ -98,7 +98,7 @@ def _measure(device: Device, interface: Interface) -> Data:
 
 
 def _dispatch(interface: Interface, item: Dispatch) -> Data:
-    """Return the pieces of bytes that form the selector of a sender's frames, and the frames by its values."""
+    """Return the pieces of bytes that form the selector of a sender's frames, and the frames keyed by its value."""
     places = {layout.name: place for place, layout in enumerate(interface.layouts)}
     return kept(
         sender=item.sender,

@@ -1,7 +1,7 @@
 """Browser target: a page and a script that decode frames and registers without a server.
 
-The script has the plan of every frame as a table, which a small runtime in the templates interprets. Other pages can
-embed the box of the page.
+The script contains the plan of every frame as a table, and a small runtime from the templates that interprets it. Other
+pages can embed the decoder box.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def table(library: Library) -> Data:
-    """Return the data of the script."""
+    """Return the data for the script."""
     return {
         "faults": [item.value for item in Fault],
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
@@ -77,7 +77,7 @@ def table(library: Library) -> Data:
 
 
 def sha256(part: str) -> str:
-    """Return the source in a Content-Security-Policy that allows this inline part of a page."""
+    """Return the source expression for a Content-Security-Policy that allows this inline part of a page."""
     return f"sha256-{base64.b64encode(hashlib.sha256(part.encode()).digest()).decode()}"
 
 

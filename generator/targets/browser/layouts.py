@@ -1,4 +1,4 @@
-"""Frame or register for the script: the operations of its plan on the bits of one number, and its texts."""
+"""Frame or register for the script: the operations of its plan, applied to the bits of one number, and its texts."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ from .plain import Data, bound, expression, kept, number
 
 
 def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
-    """Return a frame with its verdict and its reports."""
+    """Return a frame with its verdict and reports."""
     judgement = reporting.judgement if reporting is not None else None
     reports = list(reporting.told if reporting is not None else ())
-    # In the order of the frame, not flags first.
+    # Use the order of the frame, without flags first.
     made = [(field, told) for field in layout.fields for told in reports if told.by.field.name == field.name]
     return _layout(device, layout) | kept(
         title=title(layout),
@@ -91,7 +91,7 @@ def _layout(device: Device, layout: Layout) -> Data:
 
 
 def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
-    """Return the parameters of the layout that registers hold."""
+    """Return those parameters of the layout that registers hold."""
     places = (place for item in layout.fields for place in (item.low, item.width))
     names = {name for item in (layout.bits, *places) for name in item.parameters}
     names |= {codec.gray.when} if codec.gray is not None else set()
@@ -103,7 +103,7 @@ def _fields(codec: Codec) -> Iterator[Data]:
     sent, powers = {item.field.name: item.value for item in codec.terms}, powers_of_two(codec)
     for item in codec.layout.fields:
         (on, off), only = states(item), explained(item)
-        # In the order in which they are written.
+        # Use the order in which they are written.
         row = {
             "name": item.name,
             "printed": item.printed_name,
@@ -125,7 +125,7 @@ def _fields(codec: Codec) -> Iterator[Data]:
 
 
 def _meant(meant: Meaning) -> Data:
-    """Return how the script converts the bits of a field."""
+    """Return the operation with which the script converts the bits of a field."""
     match meant:
         case Raw():
             return {}
@@ -147,12 +147,12 @@ def _meant(meant: Meaning) -> Data:
 
 
 def _cut(*row: Any) -> list[Any]:
-    """Return a row without empty values at its end."""
+    """Return a row without the empty values at its end."""
     return list(row if row[-1] else row[:-1])
 
 
 def _stated(item: Field) -> Any:
-    """Return the documented value of a field: a number or an expression in a list, or a text."""
+    """Return the documented value of a field, either as a text or as a list that holds a number or an expression."""
     value = item.equals
     if value is None or isinstance(value, str):
         return value
@@ -160,7 +160,7 @@ def _stated(item: Field) -> Any:
 
 
 def _sent(value: object) -> Data:
-    """Return the terms of a field that users do not provide, none for a CRC."""
+    """Return the data for encoding a field that users do not provide. For a CRC, there is none."""
     match value:
         case Fixed(fixed):
             return {"fixed": number(fixed)}
@@ -178,7 +178,7 @@ def _place(item: Place) -> list[Any]:
 
 
 def _check(layout: Layout, item: Condition) -> Data:
-    """Return a check. ``says`` selects the message for a violation."""
+    """Return a check. ``says`` selects the message that is shown if it fails."""
     name, says, most, always = item.check.field.name, "", 0, False
     match item.check:
         case AlwaysIs():
@@ -208,9 +208,9 @@ def _check(layout: Layout, item: Condition) -> Data:
 
 
 def _speaks(judgement: Judgement) -> Iterator[list[Any]]:
-    """Yield the fields that decide the verdict, worst first.
+    """Yield the fields that decide the verdict, worst verdict first.
 
-    Each item has the verdict, the field, the flags that override it, and a parameter with whether it must not be 0.
+    Each item has the verdict, the field, the flags that override it, and a parameter with True if it must not be 0.
     """
     for verdict, items in judgement.worst_first:
         yield from ([verdict.value, *_speaking(item)] for item in items)
@@ -222,9 +222,9 @@ def _speaking(item: Speaks) -> list[Any]:
 
 
 def _told(field: Field, name: str, alarm: Alarm | None, only: Only | None = None) -> Data:
-    """Return the report of the field ``name`` while it is active or differs from the manual.
+    """Return the report of the field ``name``, shown while it is active or differs from the manual.
 
-    It applies to order codes in which the parameter ``only`` is not 0, or to the others.
+    It applies only to order codes for which the parameter in ``only`` is not 0, or only to the others.
     """
     return kept(
         field=name,
@@ -242,7 +242,7 @@ def _limits(meant: RegisterMeaning | None, limits: Limits) -> Data:
 
 
 def _strange(device: Device, item: Register) -> Iterator[list[Any]]:
-    """Yield digits whose values identify an encoder of an older edition: the digits, their bounds, and the message."""
+    """Yield digits whose values show that an older edition applies: the digits, their bounds, and the message."""
     for revision, test in tests_of(device, item.name):
         before = edition_before(device, revision)
         words = of_older_edition(test.run, "{0}", f"{test.min} to {test.max}", revision, item.name, before)

@@ -1,4 +1,4 @@
-"""Plain data for the script: numbers and expressions in JSON, without empty members."""
+"""Plain data for the script: numbers and expressions for JSON, without empty members."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 from ...model.expressions import Expression, Term
 
 Data = dict[str, Any]
-#: Highest number that JavaScript reads exactly.
+#: Highest integer that JavaScript represents exactly.
 _EXACT = (1 << 53) - 1
-#: Characters that could end an enclosing script, an HTML comment, or a line of the script.
+#: Characters that could end the surrounding script element, an HTML comment, or a line of the script.
 _HARMLESS = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def kept(**members: Any) -> Data:
-    """Return the members that are not 0, empty or False."""
+    """Return those members that are not 0, empty or False."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
 
@@ -25,7 +25,7 @@ def number(value: int) -> int | str:
 
 
 def expression(item: Expression) -> Any:
-    """Return a number, or a list of a number and terms of sign and factors. ``^name`` is a power of two."""
+    """Return a number, or a list of a number and terms of sign and factors. ``^name`` is two to the power ``name``."""
     if item.is_constant:
         return number(item.constant)
     return [number(item.constant), *map(_term, item.terms)]
@@ -41,13 +41,13 @@ def bound(item: Expression | None) -> Any:
 
 
 def script_json(value: object, indent: int | None = None) -> str:
-    """Return data as JSON that is also JavaScript and cannot end the markup around the script."""
+    """Return data as JSON that is also valid JavaScript and cannot end the markup around the script."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), indent=indent)
     return text.translate(_HARMLESS)
 
 
 class Pool:
-    """Shared parts of layouts: the frames of an interface have many parts in common."""
+    """Shared parts of layouts, since the frames of an interface have many parts in common."""
 
     def __init__(self) -> None:
         self.items: list[Data] = []

@@ -1,4 +1,4 @@
-"""Page of the changes that each version of a family brought to its users."""
+"""Page of the changes in each version of a family that concern its users."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TITLES = {
     "compatible": "Compatible",
     "documentation": "Documentation",
 }
-#: Highest number of documentation changes that are listed. More are only counted.
+#: Highest number of documentation changes that are listed. If there are more, they are only counted.
 _MOST_WORDS = 10
 
 

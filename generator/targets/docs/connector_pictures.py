@@ -1,7 +1,7 @@
-"""Pictures of connectors and cables as SVG: a row for each pin or wire, with its colour and its signal.
+"""SVG pictures of connectors and cables: a row for each pin or wire, with its colour and its signal.
 
-Each colour is next to its name, so that the picture does not depend on colour vision. The face of a connector is not
-drawn, because the manuals show the arrangement of pins only in figures, which no spec has.
+Each colour is next to its name, so the picture can be read without colour vision. The face of a connector is not drawn,
+because the manuals show the arrangement of pins only in figures, and specs have no figures.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .svg import WIDE, card, rect, swatch, text, wrapped
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
 _NAME, _SIGNAL, _LEFT = 46.0, 136.0, 52.0
-#: Colours of wires on light and dark screens.
+#: Colours of wires, on light and on dark screens.
 _WIRES = {
     "black": "#000000",
     "blue": "#1d4ed8",
@@ -63,7 +63,7 @@ def connector_picture(connector: Connector) -> str:
 
 
 def _lines(item: Contact, room: float) -> Iterator[tuple[str, bool]]:
-    """Yield the lines of a signal and its order codes, each with whether it is faint."""
+    """Yield the lines for a signal and its order codes, each with True if it is faint."""
     yield from ((line, False) for line in wrapped(item.signal, room, _SIZE))
     if item.only:
         yield from ((line, True) for line in wrapped(f"only {item.only}", room, _SIZE))
@@ -74,7 +74,7 @@ def _is_pin(item: Contact) -> bool:
 
 
 def _contact(item: Contact, top: float) -> Iterator[str]:
-    """Yield a pin with its number, a wire with its colours and their names, or only a name."""
+    """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
     if _is_pin(item):
         yield rect(_MARGIN, top + 3, 28, 22, "data")
         yield text(_MARGIN + 14, top + 18, item.contact, _SIZE, "middle", bold=True)

@@ -18,10 +18,10 @@ from ...say.words import volts
 from .order_code_patterns import patterns
 from .page_links import to_alarm, to_layout, to_register, to_steps
 
-#: Pages with names that no family can have.
+#: File names of the pages, which no family can have.
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
 Row = tuple[str, ...]
-#: Labels of the interface facts that are compared.
+#: Labels of the interface facts to compare.
 _COMPARED = ("Clock", "Alignment", "Code", "Time-out", "Port")
 
 
@@ -55,7 +55,7 @@ def which(devices: Sequence[Device]) -> WhichPage:
 
 
 def _side_by_side(rows: Iterable[Row]) -> list[Row]:
-    """Group the rows by interface, in order of first occurrence."""
+    """Group the rows by interface, in the order in which the interfaces first occur."""
     found: dict[str, list[Row]] = {}
     for row in rows:
         found.setdefault(row[0], []).append(row)
@@ -78,7 +78,7 @@ def _volts(supply: Supply) -> str:
 
 
 def _told(device: Device) -> Iterator[Row]:
-    """Yield the registers whose content is the same in the whole family or follows from the order code."""
+    """Yield the registers whose content is the same for the whole family or is determined by the order code."""
     for register, field in device.identity:
         where = to_register(device, register, addresses(register))
         name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
@@ -120,7 +120,7 @@ def _frames(device: Device) -> Iterator[Row]:
 
 
 def _resolutions(device: Device) -> Iterator[Row]:
-    """Yield resolution and range of the position by order code."""
+    """Yield the resolution and range of the position by order code."""
     held = run_time_names(device)
     for item in device.set_parameters:
         if not item.unit or item.name in held:
@@ -131,7 +131,7 @@ def _resolutions(device: Device) -> Iterator[Row]:
 
 
 def _byte_orders(device: Device) -> Iterator[Row]:
-    """Yield the byte order of registers with several bytes."""
+    """Yield the byte order of registers that have several bytes."""
     found: dict[str, list[Register]] = {}
     for item in device.registers:
         if item.length > 1:

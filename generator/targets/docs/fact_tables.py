@@ -1,4 +1,4 @@
-"""Tables of a page about a device except its layouts, as rows of Markdown cells."""
+"""Tables of a page about a device, except those of its layouts, as rows of Markdown cells."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ SEVERITIES = tuple(_SEVERITY)
 
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
-    """Yield fact, value, source."""
+    """Yield rows of fact, value, source."""
     for item in settings(device, interface):
         yield text(item.label), STYLE.phrase(item), cited(item.source)
 
 
 def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
-    """Yield number, instruction, reason, source. A step that only generated code has is not numbered."""
+    """Yield rows of number, instruction, reason, source. Steps that exist only in generated code have no number."""
     index = 0
     for operation in run_of(device, item).operations:
         part = operation.step
@@ -70,13 +70,13 @@ def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
-    """Yield name, meaning, duration and source of each time."""
+    """Yield the name, meaning, duration and source of each time."""
     for item in timings:
         yield joined([code(item.name), text(item.symbol)]), text(item.meaning), bounds(item), cited(item.source)
 
 
 def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
-    """Yield the parameters and every notation of the polynomial that masters expect."""
+    """Yield the parameters, and the polynomial in every notation that masters expect."""
     full = crc.poly_with_top_bit
     yield "Polynomial", text(crc.polynomial)
     yield "with its top bit", f"`0x{full:X}` = {full} = `{full:b}b`"
@@ -107,7 +107,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
 
 
 def _worked(example: Example) -> Iterator[tuple[str, str]]:
-    """Yield fact and value of an example. The value is empty if the example does not have it."""
+    """Yield the facts of an example with their values. A value is empty if the example does not have it."""
     match example:
         case FrameExample():
             yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""
@@ -151,7 +151,7 @@ def _value(value: int | str | bool) -> str:
 
 
 def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
-    """Yield the printed and the used text, or the parts of a change by an overlay or edition."""
+    """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
     if item.overlay:
         yield "Overlay", code(item.overlay)
     if item.edition:
@@ -161,7 +161,7 @@ def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
 
 
 def changes(number: int) -> str:
-    """Return a sentence on the changes by overlays and other editions."""
+    """Return a sentence about the changes by overlays and other editions."""
     return f" {number} more entries are changes by overlays or other editions." if number else ""
 
 
@@ -170,12 +170,12 @@ def severity(value: str) -> str:
 
 
 def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
-    """Return key, title and address of each document."""
+    """Return the key, title and address of each document."""
     return [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in documents]
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
-    """Yield name, bits, meaning and source of each field of the BiSS control frame."""
+    """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for item in interface.control_data:
         values = [STYLE.phrase(value(one, item.bits)) for one in item.values]
         crc = link(code(item.crc), f"#crc-{item.crc}") if item.crc else ""

@@ -85,7 +85,7 @@ def index_values(family: Codes, has_masters: bool) -> FamilyPage:
 
 
 def _wishes(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
-    """Yield tasks, under the manual's names if it has any, and links to their instructions."""
+    """Yield tasks, with the names used in the manual if it has any, and links to their instructions."""
     frames = [pair for pair in device.layouts() if device.tells_position(pair[0].name, pair[1])]
     over = [interface.name for interface, _ in frames]
     labels = (part.title + (f" {code(one.name)}" if over.count(part.name) > 1 else "") for part, one in frames)
@@ -106,7 +106,7 @@ def _wishes(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
         yield "Set up a BiSS or SSI master", link("master settings", f"{device.name}-masters.md")
 
 
-#: Sections of an interface page, and the tasks that they serve.
+#: Sections of an interface page, with the task that each one covers.
 _PARTS = {
     "wiring": "Connect it",
     "leds": "Understand the LEDs",
@@ -115,7 +115,7 @@ _PARTS = {
 
 
 def _to_part(device: Device, part: str) -> Iterator[str]:
-    """Yield a link to the section for each interface that has it."""
+    """Yield a link to the section of each interface that has it."""
     for item in device.interfaces:
         here = for_interface(device, item.name)
         if {"wiring": here.connectors, "leds": here.leds, "alarms": here.alarms}[part]:
@@ -178,7 +178,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _times_read(counts: TimesRead | None) -> str:
-    """Return the number of facts confirmed by a second reading, if there is one."""
+    """Return the text about facts confirmed by a second reading, or an empty text without one."""
     if counts is None:
         return ""
     every = counts.twice + counts.explained + counts.once
@@ -188,7 +188,7 @@ def _times_read(counts: TimesRead | None) -> str:
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the differences of other editions by the revision that introduced them."""
+    """Yield the differences in other editions, each with the revision that introduced it."""
 
     def links(name: str) -> str:
         found = (item.name for item in device.errata if item.edition == name)
@@ -204,5 +204,5 @@ def revision(manual: Manual) -> str:
 
 
 def table_rows(table: Table) -> Rows:
-    """Return the rows of a table of the manual."""
+    """Return the rows of a table from the manual."""
     return [tuple(map(text, row)) for row in table.rows]

@@ -42,8 +42,9 @@ class Index(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
-    A family has ``docs/<device>.md`` with its master settings and changes next to it. ``docs/<device>/`` has a page for
-    each interface, each order code, the hardware, the errata and the manual, and the pictures.
+    A family has the page ``docs/<device>.md``, with the pages of its master settings and changes next to it. The folder
+    ``docs/<device>/`` has a page for each interface, each order code, the hardware, the errata and the manual, and it
+    has the pictures.
     """
     try:
         masters = shipped_masters()
@@ -75,7 +76,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _of_family(
     codes: order_code_page.Codes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
-    """Yield each page with its template and values."""
+    """Yield each page with its template and its values."""
     device, folder = codes.device, codes.device.name
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
     yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(taken)))
@@ -94,7 +95,7 @@ def _of_family(
 
 
 def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
-    """Yield file name and picture."""
+    """Yield each picture with its file name."""
     for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
         yield from ((item.name, item.drawn) for item in group.values())
     for interface in codes.device.interfaces:
@@ -104,7 +105,7 @@ def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
 
 
 def _tidy(made: str) -> str:
-    """Remove trailing spaces and repeated empty lines, and end the file with one line end."""
+    """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
     lines: list[str] = []
     for line in made.splitlines():
         if line.strip() or (lines and lines[-1]):

@@ -1,4 +1,4 @@
-"""Glossary: terms of manuals and interfaces, with links to the sections about them."""
+"""Glossary: terms used in manuals and for interfaces, with links to the sections about them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...say.name import Titled
 from ...say.terms import TERMS, Term
 from .page_links import interface_page
 
-#: Page with a name that no family can have.
+#: File name of the page, which no family can have.
 PAGE = "glossary-of-terms.md"
 
 
@@ -29,7 +29,7 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
 
 
 def _link(term: Term, here: Device, interface: Interface) -> str:
-    """Return a link to the section of an interface page about the term, or an empty text."""
+    """Return a link to the section about the term on an interface page, or an empty text."""
     if term.over is not None:
         section = term.section if isinstance(interface, term.over) and _has(here, interface, term.section) else ""
     else:
@@ -52,7 +52,7 @@ def _has(here: Device, interface: Interface, section: str) -> bool:
 
 
 def _places(here: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """Yield the names on an interface page in lower case with their anchors, dedicated sections first."""
+    """Yield the names on an interface page in lowercase with their anchors. Names with their own section are first."""
     for register in here.registers:
         yield from _names(register, f"register-{register.name}")
     for group in here.field_groups:

@@ -1,4 +1,4 @@
-"""Procedures by hand, from texts with numbered steps."""
+"""Procedures carried out by hand, from texts with numbered steps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...say.name import heading
 
 @dataclass(frozen=True, slots=True)
 class ByHand:
-    """Steps that a person carries out. ``before`` is the text in front of them."""
+    """Steps that a person carries out. ``before`` is the text before the first step."""
 
     characteristic: Characteristic
     title: str
@@ -20,6 +20,6 @@ class ByHand:
 
 
 def by_hand(device: Device) -> list[ByHand]:
-    """Return the procedures by hand of a family in the order of its spec."""
+    """Return the procedures that a person carries out for a family, in the order of its spec."""
     found = ((item, steps_of(item.value)) for item in device.characteristics if has_steps(item.value))
     return [ByHand(item, heading(item.name), steps[0], steps[1:]) for item, steps in found]

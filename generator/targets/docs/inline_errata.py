@@ -1,4 +1,4 @@
-"""Errata next to the facts that they affect, and complete on one page per family and one page for all families."""
+"""Errata, shown next to the facts that they affect, and in full on a page per family and a page for all families."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ...say.markdown import STYLE, anchor, cited, code, link, text
 from . import fact_tables
 from .page_links import ERRATA, to_erratum
 
-#: Page of all families, with a name that no family can have.
+#: File name of the page about all families, which no family can have.
 ALL = "all-errata.md"
-#: Longest erratum in characters that is shown inline with its reason. Errata with wrong data always have it.
+#: Longest erratum, in characters, that is shown inline with its reason. Errata with wrong data always have it.
 _LONG = 500
 Rows = list[tuple[str, ...]]
 
@@ -31,13 +31,13 @@ class AllErrataPage(TypedDict):
 
 
 class OnPage:
-    """Errata of one page: complete at the first fact that they affect, and links to it after that."""
+    """Errata on one page: in full at the first fact that they affect, and as links after that."""
 
     def __init__(self, device: Device, folder: str = "") -> None:
         self._device, self._page, self._told = device, f"{folder}{ERRATA}", set[str]()
 
     def __call__(self, *paths: str) -> str:
-        """Return the errata of these paths into the spec, or of anything inside them, as a list."""
+        """Return, as a list, the errata about these paths in the spec or about anything inside them."""
         found = errata(self._device, *paths, wording=True)
         elsewhere = [item for item in found if item.edition and not self._device.edition]
         own = [item for item in found if item not in elsewhere]
@@ -50,7 +50,7 @@ class OnPage:
         return "\n".join(lines)
 
     def named(self, *paths: str) -> str:
-        """Return the same errata as links for the cell of a table."""
+        """Return the errata about these paths as links for a table cell."""
         found = errata(self._device, *paths, wording=True)
         return ", ".join(f"{badge(item)} {self._link(item, code(item.name))}" for item in found)
 
@@ -69,7 +69,7 @@ class OnPage:
         return [f"- {anchor(f'erratum-{item.name}')}{head}", *(f"  - {text}" for text in texts)]
 
     def _of_editions(self, found: Sequence[Erratum]) -> Iterator[str]:
-        """Yield what other editions have instead, without the reasons, which are on the errata page."""
+        """Yield the differences in other editions, without the reasons, which are on the errata page."""
         again = [item for item in found if item.name in self._told]
         for item in found:
             if item not in again:
@@ -85,7 +85,7 @@ class OnPage:
 
 
 def badge(item: Erratum) -> str:
-    """Return a visible mark of the status."""
+    """Return a visible mark for the status."""
     return "⚠ **open**" if item.status == "open" else "✓ settled"
 
 
@@ -123,7 +123,7 @@ def page_values(device: Device) -> ErrataPage:
 
 
 def _by_standing(found: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:
-    """Yield the errata by status and impact, open ones first and wrong bytes before wording."""
+    """Yield the errata by status and impact, with open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
             alike = [item for item in found if (item.status, item.severity) == (status, severity)]
@@ -140,7 +140,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield impact, family, erratum, printed and used text. Wrong bytes come before wording."""
+    """Yield rows of impact, family, name, printed text and value used. Wrong bytes come before wording."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             family = link(text(device.name.upper()), f"{device.name}.md")

@@ -1,4 +1,4 @@
-"""Page of an interface of a family, and its parts shared with the page of an order code."""
+"""Page about an interface of a family, and the parts of it that are also on the page of an order code."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class InterfacePage(Sections, OverValues):
 def over_values(
     family: Device, here: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> OverValues:
-    """Return the values. ``here`` is the family reduced to the interface."""
+    """Return the values. ``here`` is the family, reduced to the interface."""
     (interface,) = here.interfaces
     return {
         "interface": interface,
@@ -96,7 +96,7 @@ def _supplies(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """Yield name, printed name, language and name in that edition of items with other names."""
+    """Yield name, printed name, language and name in that language of items that have other names."""
     for item in _named(device):
         for key, name in item.names.items():
             if name != title(item):

@@ -20,9 +20,9 @@ from ...say.text import Code, Said
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .page_links import to_steps
 
-#: Rows of a table with Markdown cells.
+#: Rows of a table, with Markdown cells.
 Rows = list[tuple[str, ...]]
-#: Parts of a section by their names in the template.
+#: Parts of a section, by name in the template.
 Section = dict[str, Any]
 
 
@@ -148,7 +148,7 @@ def _memory_rows(interface: Rs485) -> Rows:
 
 
 def _group_title(group: FieldGroup) -> str:
-    """Return our name with the manual's own name in parentheses."""
+    """Return our name, with the name used in the manual in parentheses."""
     return words(group.name).capitalize() + (f" ({group.printed_name})" if group.printed_name else "")
 
 

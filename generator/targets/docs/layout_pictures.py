@@ -1,8 +1,8 @@
-"""Pictures of layouts as SVG: a row of boxes for each byte, one byte below the other.
+"""SVG pictures of layouts: a row of boxes for each byte, one byte below the other.
 
-A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Every picture has
-a background card in the light or dark scheme of the screen. A name that does not fit into its box is below the row with
-its bit number, and so is each active-low bit. ``told`` returns the same in words.
+A picture is as wide as the screen of a phone, so its text is readable there and next to a table. Every picture has a
+background card in the light or dark colour scheme of the screen. A name that does not fit in its box is below the row
+with its bit number, and so is each active-low bit. ``told`` returns the same information in words.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ _GROUP, _NOTHING = "group", "nothing"
 _MARGIN, _LABELS, _BOX, _LINE, _GAP, _INDENT = 10.0, 50.0, 34.0, 16.0, 12.0, 16.0
 _BIT = (WIDE - 2 * _MARGIN - _LABELS) / 8
 _BIG, _SMALL = 13, 12
-#: Captions are order codes, in capitals and bold.
+#: Captions are order codes, in bold capitals.
 _WIDE_LETTERS = 1.2
 
 
 @dataclass(frozen=True)
 class Box:
-    """Bits of a field within one byte: the highest and the lowest bit in the byte.
+    """Bits of a field within one byte. ``high`` and ``low`` are bit numbers in the byte.
 
-    ``place`` has their bit numbers in the whole, and ``fill`` their colour class. ``active_low`` marks a flag that is
-    active at 0.
+    ``place`` has their bit numbers in the whole layout, and ``fill`` is their colour class. ``active_low`` marks a flag
+    that is active at 0.
     """
 
     high: int
@@ -42,7 +42,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Byte:
-    """Row of boxes with the highest bit on the left. ``label`` names the byte."""
+    """Row of boxes, with the highest bit on the left. ``label`` is the name of the byte."""
 
     label: str
     boxes: tuple[Box, ...]
@@ -50,7 +50,7 @@ class Byte:
 
 @dataclass(frozen=True)
 class Stack:
-    """Bytes one below the other under a caption. ``says`` is the text alternative."""
+    """Bytes, one below the other, under a caption. ``says`` is the text alternative."""
 
     caption: str
     rows: tuple[Byte, ...]
@@ -59,7 +59,7 @@ class Stack:
 
 @dataclass(frozen=True)
 class _Run:
-    """Bits that belong together: a field, a group of fields, or bits without a field."""
+    """Bits that belong together: a field, a group of fields, or bits that belong to no field."""
 
     high: int
     low: int
@@ -73,19 +73,19 @@ class _Run:
         return Box(high, low, self.name, place, self.fill, self.active_low)
 
     def part(self, byte_low: int, origin: int = 0) -> str:
-        """Return the bit numbers within the byte that begins at ``byte_low``, counted from ``origin``."""
+        """Return the bit numbers in the byte that begins at ``byte_low``, counted from ``origin``."""
         return bit_range(min(self.high, byte_low + 7) - origin, max(self.low, byte_low) - origin)
 
 
 def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
-    """Return a frame that is one number, highest bits first, one byte of the number per row."""
+    """Return a frame that is one number, with one byte of the number per row, highest bits first."""
     lows = range((placed.bits - 1) // 8 * 8, -1, -8)
     rows = _rows(_runs(placed), lows, [bit_range(min(low + 7, placed.bits - 1), low) for low in lows])
     return Stack(caption, rows, f"{placed.bits} bits: {_by_bits(_runs(placed))}")
 
 
 def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
-    """Return a register by address. Bit numbers refer to the whole register."""
+    """Return a register in order of address. Bit numbers refer to the whole register."""
     lows = _lows(placed.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = f", {'low' if low_byte_first else 'high'} byte first" if len(lows) > 1 else ""
@@ -95,8 +95,8 @@ def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_fi
 def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
     """Return a frame of bytes in transmission order.
 
-    A group of fields, or a field with its padding, is one run. If it spans several bytes, its bit numbers are those of
-    the number that they form.
+    A group of fields, or a field with its padding, is one run. If a run spans several bytes, its bit numbers are those
+    of the number formed by these bytes.
     """
     lows = _lows(placed.bits, placed.layout.byte_order == "low_byte_first")
     runs, rows, said = _whole(placed), [], []
@@ -113,14 +113,14 @@ def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
 
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
-    """Return a group of fields, each with its highest and lowest bit within the group."""
+    """Return a group of fields, each given with its highest and lowest bit within the group."""
     runs = [_run(field, high, low) for field, high, low in fields]
     lows = range((bits - 1) // 8 * 8, -1, -8)
     return Stack(caption, _rows(runs, lows, [""] * len(lows)), _by_bits(runs))
 
 
 def told(stacks: Sequence[Stack]) -> str:
-    """Return the text alternative of a picture of these stacks."""
+    """Return the text alternative for a picture of these stacks."""
     return "; ".join(f"{item.caption}: {item.says}" if item.caption else item.says for item in stacks)
 
 
@@ -130,7 +130,7 @@ def _lows(bits: int, low_byte_first: bool) -> range:
 
 
 def _rows(runs: Sequence[_Run], lows: Sequence[int], labels: Sequence[str]) -> tuple[Byte, ...]:
-    """Return rows whose boxes have bit numbers of the whole."""
+    """Return rows whose boxes have bit numbers in the whole layout."""
     return tuple(
         Byte(
             label,
@@ -150,14 +150,14 @@ def _named(name: str, place: str, active_low: bool) -> str:
 
 
 def _runs(placed: PlacedLayout) -> list[_Run]:
-    """Return the fields and the bits without a field, highest first."""
+    """Return the fields, and the bits that belong to no field, highest first."""
     runs = [_run(item.field, item.high, item.low) for item in placed.fields]
     runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
     return sorted(runs, key=lambda run: -run.high)
 
 
 def _whole(placed: PlacedLayout) -> list[_Run]:
-    """Return runs in which a group, or a field with its padding, is one run."""
+    """Return the runs, with a group of fields, or a field with its padding, as one run."""
     there = {item.name for item in placed.fields}
     found: dict[str, list[_Run]] = {}
     for item in placed.fields:
@@ -178,7 +178,7 @@ def _run(field: Field, high: int, low: int) -> _Run:
 
 
 def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
-    """Return the highest and lowest bit of each run without a field, highest first."""
+    """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     free = [
         bit for bit in range(placed.bits - 1, -1, -1) if not any(item.low <= bit <= item.high for item in placed.fields)
     ]
@@ -195,7 +195,7 @@ def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
 
 
 def draw(title: str, stacks: Sequence[Stack]) -> str:
-    """Return a picture of the stacks one below the other."""
+    """Return a picture of the stacks, one below the other."""
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
@@ -232,7 +232,7 @@ def _room(box: Box) -> float:
 
 
 def _inside(box: Box) -> list[str]:
-    """Return the lines of the name in its box, or none if the name is below the row."""
+    """Return the lines of the name inside its box, or none if the name is below the row."""
     if box.active_low:
         return []
     lines = wrapped(box.name, _room(box) - 4, _SMALL)
@@ -241,7 +241,7 @@ def _inside(box: Box) -> list[str]:
 
 
 def _below(row: Byte) -> list[tuple[str, str]]:
-    """Return the lines below a row, the first line of each name with its colour class."""
+    """Return the lines below a row. The first line of each name has its colour class."""
     lines = []
     for box in row.boxes:
         if not _inside(box):

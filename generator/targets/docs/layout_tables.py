@@ -1,4 +1,4 @@
-"""Tables of the fields of a layout in Markdown, and their pictures."""
+"""Markdown tables of the fields of a layout, and pictures of the layout."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from ...say.text import Code, Said, listed, parted, said, told
 from .layout_pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_patterns import order_codes
 
-#: Highest number of named values in a cell. More have a table of their own.
+#: Highest number of named values in a cell. If there are more, they have their own table.
 _FEW = 4
 _NO_SETS: Mapping[str, int] = MappingProxyType({})
-#: Fields with their highest and lowest bit in a group, highest first.
+#: Fields with their highest and lowest bit in a group, highest field first.
 GroupFields = list[tuple[Field, int, int]]
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Layout as placed for some order codes."""
+    """Layout with the positions that apply to some order codes."""
 
     codes: tuple[str, ...]
     placed: PlacedLayout
 
 
 def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int] = _NO_SETS) -> tuple[Placement, ...]:
-    """Return each shape of the layout among the order codes of an interface, shortest first.
+    """Return the different shapes that the layout has for the order codes of an interface, shortest first.
 
-    ``sets`` are the parameters set by answers of alternatives, if not the first answers.
+    ``sets`` are the parameters set by answers to alternatives, if those are not the first answers.
     """
     found: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
     for variant in device.variants:
@@ -49,7 +49,7 @@ def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int
 
 
 def named(item: Named) -> str:
-    """Return a name as code with the manual's own name below it."""
+    """Return a name as code, with the name used in the manual below it."""
     return joined([code(item.name), text(item.printed_name)])
 
 
@@ -70,19 +70,19 @@ def _values(item: Field, in_register: bool) -> Iterator[Said]:
 
 
 def has_value_table(field: Field) -> bool:
-    """Return whether it has too many values for one cell."""
+    """Return whether a field has too many values for one cell."""
     return len(field.values) > _FEW
 
 
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
-    """Yield value, name, meaning, source."""
+    """Yield rows of value, name, meaning, source."""
     for item in field.values:
         number = hexadecimal(item.value, (field.widest + 3) // 4)
         yield number, named(item), text(item.meaning), cited(item.source)
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
-    """Yield field, place, width, meaning, source. A group of fields is one row with a link to its table."""
+    """Yield rows of field, place, width, meaning, source. A group of fields is one row with a link to its table."""
     done: set[str] = set()
     groups = {group.name: group for group in device.field_groups}
     there = {field.name for field in layout.fields}
@@ -99,7 +99,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
                 yield name, where, f"{group.bits}", made_of, ""
             continue
         if field.padding_of in there:
-            continue  # It is part of the row of the padded field.
+            continue  # padding is in the row of the padded field
         yield (
             named(field),
             _place(layout, field, device.alternatives_of(layout)),
@@ -141,7 +141,7 @@ def _follows(field: Field, item: Alternative) -> bool:
 
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
-    """Yield field, place, meaning, source."""
+    """Yield rows of field, place, meaning, source."""
     shapes = group_shapes(device, name)
     for field, _, _ in shapes[0][1]:
         places: dict[str, str] = {}
@@ -164,9 +164,9 @@ def used_groups(interface: Interface) -> list[str]:
 
 
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
-    """Return a table of the places of fields by order code and choice, or nothing if they are the same for all.
+    """Return a table of field positions by order code and choice, or an empty text if they are the same for all.
 
-    Only choices that change the length are included. The row of a field has its places for all other choices.
+    Only choices that change the length are included. For all other choices, the positions are in the row of the field.
     """
     deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
     shapes = [
@@ -203,15 +203,15 @@ def _lengthens(layout: Layout, item: Alternative) -> bool:
 
 
 def _moves(field: Field, decided: Container[str]) -> bool:
-    """Return whether its place or width depends on the order code."""
+    """Return whether the position or width of a field depends on the order code."""
     return any(name not in decided for name in (*field.low.parameters, *field.width.parameters))
 
 
-# -- contents of pictures
+# -- picture contents
 
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
-    """Return the bytes of each shape of a layout, for each choice that moves a drawn field."""
+    """Return the bytes of each shape of a layout, once for each choice that moves a field in the picture."""
     found: dict[tuple[Byte, ...], Stack] = {}
     for answers, sets in choices(device.alternatives_of(layout)):
         for stack in _stacks(layout, placements(device, layout, interface.name, sets)):
@@ -243,7 +243,7 @@ def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
 
 
 def has_picture(register: Register) -> bool:
-    """Return whether a register has more than a single field of full width."""
+    """Return whether a register has anything other than one field of full width."""
     fields = register.layout.fields
     return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
 

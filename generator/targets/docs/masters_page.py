@@ -1,4 +1,4 @@
-"""Page of the settings of BiSS and SSI masters for the order codes of a family."""
+"""Page of the BiSS and SSI master settings for the order codes of a family."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Order codes with the same settings in every master."""
+    """Order codes that have the same settings in every master."""
 
     device: Device
     codes: tuple[str, ...]
     record: Record
 
 
-#: Groups with their rows by key.
+#: Groups with their rows, which are keyed by setting.
 Columns = Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]
-#: Settings of one master, group by group.
+#: Settings of one master for each group.
 Told = Sequence[tuple[Group, Sheet]]
 
 
@@ -75,7 +75,7 @@ def _records(device: Device, interface: Interface) -> Iterator[Record]:
 
 
 def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
-    """Yield the record of an order code, once for each choice that its frame depends on."""
+    """Yield the record of an order code, once for each choice on which its frame depends."""
     try:
         yield record(device, variant)
     except Undecided as error:
@@ -105,7 +105,7 @@ def _interface(
 
 
 def _split(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Return the rows common to all groups, and tables of the others, with a separate one for the supply.
+    """Return the rows common to all groups, and tables of the other rows, with a separate table for the supply.
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
@@ -133,7 +133,7 @@ def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -
 
 
 def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
-    """Return the heads, and one row for all groups with the same values."""
+    """Return the column heads, and one row for all groups that have the same values."""
     heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
     found: dict[Row, list[Group]] = {}
     for group, rows in columns:
@@ -175,14 +175,14 @@ def _master(master: Master, sheets: Told) -> dict[str, Any]:
 
 
 def _row(item: Setting, sheet: Sheet) -> Row:
-    """Return name with place, value, note, source."""
+    """Return a row of name with place, value, note, source."""
     name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
     value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
     return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(cited(item.source))
 
 
 def _mark(rule: Setting | Refusal) -> str:
-    """Return the mark, which is outside the text to copy."""
+    """Return the mark of a rule, which is outside the text to copy."""
     found = text(mark(rule))
     return f" {found}" if found else ""
 
@@ -196,7 +196,7 @@ def _row_notes(columns: Columns, same: set[str]) -> list[str]:
 
 
 def _notes(taken: Told) -> Iterator[str]:
-    """Yield further notes, with order codes unless a note applies to all."""
+    """Yield further notes, with the order codes unless a note applies to all of them."""
     found: dict[str, list[Group]] = {}
     for group, item in taken:
         for note in (*(condition(rule) for rule in item.shared_writing), *item.notes):

@@ -1,4 +1,4 @@
-"""Page of an order code: everything about its interface, with numbers in place of quantities."""
+"""Page of an order code: everything about its interface, with numbers in place of expressions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .order_code_patterns import patterns
 from .page_pictures import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
-#: Other files in the folder of a family: pages, and pictures by the first word of their names.
+#: Other files in the folder of a family: names of pages, and first words of the names of pictures.
 TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
 
@@ -34,7 +34,7 @@ class CodePage(Sections, OverValues):
 
 @dataclass(frozen=True)
 class Alike:
-    """Order codes that are identical for software, with their view of the family and the ``name`` of their page."""
+    """Order codes that are identical for software. ``name`` is the name of their common page."""
 
     family: Device
     variants: tuple[Variant, ...]
@@ -51,13 +51,13 @@ class Alike:
 
     @cached_property
     def pictures(self) -> Pictures:
-        """Pictures that differ from those of the family."""
+        """Pictures for these codes that differ from those of the family."""
         return of_codes(self.family, self.codes, self.name)
 
 
 @dataclass(frozen=True)
 class Codes:
-    """Order codes of a family, grouped by interface and quantities."""
+    """Order codes of a family, grouped by interface and by the quantities that they set."""
 
     device: Device
 
@@ -79,16 +79,16 @@ class Codes:
 
     @cached_property
     def links(self) -> dict[str, str]:
-        """Link of each order code to its page, from a page next to the folder of the family."""
+        """Links to the page of each order code, for pages next to the folder of the family."""
         return self._links(f"{self.device.name}/")
 
     @cached_property
     def links_beside(self) -> dict[str, str]:
-        """Link of each order code to its page, from a page in the folder."""
+        """Links to the page of each order code, for pages in the folder of the family."""
         return self._links("")
 
     def page_links(self, kind: str) -> list[str]:
-        """Return a link to each page of an interface, labelled with patterns, from a page next to the folder."""
+        """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
         return [
             link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
             for item in self.alike
@@ -108,7 +108,7 @@ def _only(device: Device, variants: Iterable[Variant]) -> Device:
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page. ``pictures`` are those of the family, which the page may replace."""
+    """Return the values of the page. ``pictures`` are those of the family. The page may replace some of them."""
     return {
         **sections(alike.here),
         **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),

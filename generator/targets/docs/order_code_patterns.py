@@ -1,4 +1,4 @@
-"""Patterns for many order codes: ``E40-{SSI,BISS}-{12,16}``."""
+"""Patterns that stand for many order codes, such as ``E40-{SSI,BISS}-{12,16}``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ...model import Device
 from ...order_codes.labels import filled
 from ...say.markdown import code
 
-#: Lowest number of order codes that are listed as patterns. Fewer are listed one by one.
+#: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
 MANY = 12
 #: Texts of the parts of an order code, in order.
 _Parts = tuple[str, ...]
@@ -20,7 +20,7 @@ def order_codes(device: Device, codes: Sequence[str]) -> str:
 
 
 def patterns(device: Device, codes: Collection[str]) -> list[str]:
-    """Return patterns with differences in braces that together match exactly these order codes."""
+    """Return patterns, with differences in braces, that together match exactly these order codes."""
     names = [item.name for item in device.order_code.parts]
     rows = [tuple(item.parts.get(name, "") for name in names) for item in device.variants if item.code in codes]
 
@@ -35,7 +35,7 @@ def patterns(device: Device, codes: Collection[str]) -> list[str]:
 
 
 def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
-    """Yield the rows as products of texts by part, divided where a part combines with only some of the others."""
+    """Yield the rows as products of the texts of each part. Rows are split if a part combines with only some others."""
     divided = [found for index in range(len(rows[0])) if len(found := _divided(rows, index)) > 1]
     if not divided:
         yield [list(dict.fromkeys(texts)) for texts in zip(*rows, strict=True)]
@@ -45,7 +45,7 @@ def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
 
 
 def _divided(rows: Sequence[_Parts], index: int) -> list[list[_Parts]]:
-    """Group the rows by one part, merging texts that combine with the same other parts."""
+    """Group the rows by one part, and merge texts of it that combine with the same other parts."""
     rests: dict[str, set[_Parts]] = {}
     for row in rows:
         rests.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])

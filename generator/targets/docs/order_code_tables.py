@@ -17,7 +17,7 @@ from .page_links import style_beside
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield part, meaning, value, meaning of the value, source."""
+    """Yield rows of part, meaning, value, meaning of the value, source."""
     parameters = {item.name: item for item in device.parameters}
     for part in device.order_code.parts:
         for index, value in enumerate(part.values):
@@ -37,7 +37,7 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the pattern on the label, where it is used, its values for the listed ones, source."""
+    """Yield rows of pattern on the label, where it is used, its texts for the listed values, source."""
     for item in device.order_code.also_written:
         values = "; ".join(
             f"{code(value.text)} is {code(value.value)}" for value in item.values if value.text != value.value
@@ -51,7 +51,7 @@ def _only_with(combined: Any) -> str:
 
 
 def parameter_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
-    """Yield name, meaning, unit, formula and source of the quantities that an order code sets for an interface."""
+    """Yield the name, meaning, unit, formula and source of the quantities that an order code sets for an interface."""
     names = run_time_names(device)
     for item in parameters_of(device, kind):
         if item.name not in names and not item.alternative:
@@ -65,7 +65,7 @@ def parameter_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
 
 
 def run_time_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
-    """Yield name, meaning, origin, factory default and source of the quantities that registers hold.
+    """Yield the name, meaning, origin, factory default and source of the quantities that registers hold.
 
     The registers may belong to another interface.
     """
@@ -124,7 +124,7 @@ def alternatives(device: Device) -> list[dict[str, Any]]:
 
 
 def _answer_row(device: Device, item: Alternative, one: Answer) -> tuple[str, ...]:
-    """Return answer, meaning, quantities that it sets, source."""
+    """Return a row of answer, meaning, quantities that it sets, source."""
     parameters = {item.name: item for item in device.parameters}
     shown = ((parameters[name], count) for name, count in one.sets.items())
     sets = (f"{code(part.name)} = {parameter_value(part, count)}: {text(part.meaning)}" for part, count in shown)

@@ -1,4 +1,4 @@
-"""Links to items on other pages, from pages next to the page of the family."""
+"""Links to items on other pages, for pages next to the page of the family."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...say.markdown import STYLE, code, link, reference, text
 from ...say.name import heading
 from ...say.text import Ref, Style
 
-#: Page of all errata of a family, in its folder.
+#: Page with all errata of a family, in its folder.
 ERRATA = "errata.md"
 
 
@@ -29,7 +29,7 @@ def to_layout(device: Device, item: Layout, label: str) -> str:
 
 
 def to_alarm(device: Device, item: Alarm, label: str) -> str:
-    """Return a link to the alarm on the page of the first interface that has it."""
+    """Return a link to an alarm, on the page of the first interface that has it."""
     over = next(one for one in device.interfaces if item in for_interface(device, one.name).alarms)
     return link(label, f"{interface_page(device, over)}#alarm-{item.name}")
 
@@ -44,7 +44,7 @@ def to_erratum(device: Device, name: str) -> str:
 
 
 def to_steps(folder: str, names: Iterable[str]) -> list[str]:
-    """Return links to steps by hand. ``folder`` is the path to the folder of the family."""
+    """Return links to manual steps. ``folder`` is the path to the folder of the family."""
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 

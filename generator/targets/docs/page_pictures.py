@@ -1,4 +1,4 @@
-"""Pictures of a family and of the page of an order code, with text alternatives."""
+"""Pictures for a family and for the page of an order code, with text alternatives."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .layout_pictures import Stack, draw, told
 
 @dataclass(frozen=True)
 class Picture:
-    """File in the folder of the family, with its text alternative."""
+    """Picture file in the folder of the family, with its text alternative."""
 
     name: str
     text: str
@@ -48,7 +48,7 @@ def of_family(device: Device) -> Pictures:
 
 
 def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
-    """Return the pictures of a page of software-identical order codes that differ from those of the family."""
+    """Return those pictures for a page of order codes that differ from the family's pictures."""
     here = for_codes(device, codes)
     found: Pictures = {}
     for interface, layout in here.layouts():

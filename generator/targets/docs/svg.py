@@ -1,4 +1,4 @@
-"""Elements of all pictures: a card with a title, text, and colours for light and dark screens."""
+"""Elements shared by all pictures: a card with a title, text, and colours for light and dark screens."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from xml.sax.saxutils import escape, quoteattr
 
 from ...say.lines import plain
 
-#: Width that fits on the screen of a phone: 375 pixels less the margins of a page.
+#: Width that fits on the screen of a phone: 375 pixels minus the margins of a page.
 WIDE = 340.0
-#: Average letter width of sans-serif fonts as a fraction of the font size, estimated on the high side.
+#: Average character width of sans-serif fonts as a fraction of the font size, deliberately a little too high.
 _LETTER = 0.58
 #: Class, property, colour on a light screen, colour on a dark screen.
 _COLOURS = (
@@ -57,7 +57,7 @@ def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
 
 
 def swatch(left: float, top: float, wide: float, high: float, colour: str) -> str:
-    """Return a box in a colour that is the same on every screen, such as that of a wire."""
+    """Return a box in a colour that is the same in both colour schemes, such as that of a wire."""
     size = f'width="{number(wide)}" height="{number(high)}"'
     return f'<rect x="{number(left)}" y="{number(top)}" {size} fill="{colour}"/>'
 
@@ -73,14 +73,14 @@ def text(
     bold: bool = False,
     over: bool = False,
 ) -> str:
-    """Return a line of text. ``over`` draws a line above it."""
+    """Return a line of text. With ``over``, there is a bar above it."""
     weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{escape(plain(words))}</text>'
 
 
 def width(words: str, size: float) -> float:
-    """Return the maximum width of a line of text."""
+    """Return an upper estimate of the width of a line of text."""
     return len(words) * size * _LETTER
 
 

@@ -1,7 +1,7 @@
 """Timing diagrams, one for each interface of a family.
 
-The figures of the manuals are lost. The diagrams show the texts and times of the manuals, and for BiSS C-mode also the
-public protocol description. Widths are not to scale.
+The figures in the manuals are not available. The diagrams are drawn from the texts and times in the manuals, and for
+BiSS C-mode also from the public protocol description. Widths are not to scale.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from ...say.words import counted, microseconds, timeout_words
 from .svg import card, number, rect, text, width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
-#: Width of a clock pulse, low and high together.
+#: Width of a clock pulse, including its low and high parts.
 _PERIOD = 24.0
 _MANUAL = "the text of the manual"
 
 
 class Trace(Enum):
-    """Behaviour of a line for a while."""
+    """Behaviour of a line during a part of the diagram."""
 
     UP = "up"
     DOWN = "down"
@@ -56,9 +56,9 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """Lines one below the other, and times below them.
+    """Lines, one below the other, with times below them.
 
-    ``told`` is the text alternative, and ``drawn_from`` names the sources of the picture.
+    ``told`` is the text alternative, and ``drawn_from`` lists the sources of the picture.
     """
 
     title: str
@@ -89,7 +89,7 @@ def _time(interface: Interface, symbol: str) -> str:
 
 
 def _ssi(interface: Ssi) -> Wave:
-    """Return a word with its clocks. Afterwards the data line stays low for a while and then goes high."""
+    """Return a word with its clocks. After the word, the data line stays low for some time and then goes high."""
     up, down = Trace.UP, Trace.DOWN
     first = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock = (
@@ -100,7 +100,7 @@ def _ssi(interface: Ssi) -> Wave:
         Part(up, 150),
         Part(Trace.CLOCK, 2 * _PERIOD),
     )
-    # Data from the first rising edge to the last.
+    # Data is sent from the first rising edge to the last.
     data = (
         Part(up, 52),
         Part(Trace.EITHER, 64, "first bit", "data"),
@@ -158,7 +158,7 @@ def _biss(device: Device, interface: Biss) -> Wave:
 
 
 def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]:
-    """Yield name and colour class of the single cycle data fields, with the position as one field."""
+    """Yield the name and colour class of each field of the single cycle data, with the position as one field."""
     done = False
     for field in codec.layout.fields:
         if field is codec.layout.crc_field:
@@ -174,7 +174,7 @@ def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]
 
 
 def _rs485(device: Device, interface: Rs485) -> Wave:
-    """Return a request with its reply, and a repeated request."""
+    """Return a request with its reply, and a repetition of the request."""
     request, reply = _lengths(interface, "master"), _lengths(interface, "encoder")
     asked = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
     label = f"request, {asked}"
@@ -197,18 +197,18 @@ def _rs485(device: Device, interface: Rs485) -> Wave:
 
 
 def _between_requests(device: Device, interface: Interface) -> int:
-    """Return the microseconds between repeated requests of a procedure, or 0 without one."""
+    """Return the microseconds between the repeated requests of a procedure, or 0 if no procedure repeats a request."""
     steps = (step for item in device.procedures if item.interface == interface.name for step in item.steps)
     return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
 def _lengths(interface: Interface, sender: str) -> list[int]:
-    """Return the distinct lengths in bytes of the frames of one side, smallest first."""
+    """Return the different lengths in bytes of the frames sent by one side, shortest first."""
     return sorted({item.widest // 8 for item in interface.layouts if item.sender == sender}) or [1]
 
 
 def drawn(item: Wave) -> str:
-    """Return the picture."""
+    """Return the picture of a timing diagram."""
     body: list[str] = []
     right = 0.0
     for row, (name, parts) in enumerate(item.lines):
@@ -252,7 +252,7 @@ def _line(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
 
 
 def _pulses(left: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
-    """Yield the path of adjacent pulses, each low first and then high."""
+    """Yield the path of adjacent pulses. Each pulse is first low and then high."""
     count = round(part.wide / _PERIOD)
     half = part.wide / count / 2
     if starts:

@@ -1,4 +1,4 @@
-"""Page of the verdicts and reports of each frame of every family."""
+"""Page of the verdicts and reports for each frame of every family."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...say.report import advice, alarm_of, by_hand, deciding, meaning, source
 from ...say.text import Code, listed, said
 from .page_links import to_erratum, to_layout, to_steps
 
-#: Page with a name that no family can have.
+#: File name of the page, which no family can have.
 PAGE = "usable-or-not.md"
 Row = tuple[str, ...]
 
@@ -34,14 +34,14 @@ def page_values(devices: Sequence[Device]) -> UsablePage:
 
 
 def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
-    """Yield the rows with the family in the first one. ``name`` is its anchor."""
+    """Yield the rows, with the family in the first row. ``name`` is its anchor."""
     family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
     for index, row in enumerate(rows):
         yield family if index == 0 else "", *row
 
 
 def _decides(device: Device) -> Iterator[Row]:
-    """Yield interface, frames, deciding field, its active value, verdict, source, errata."""
+    """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata."""
     found: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for item in reportings(device):
         if item.judgement is not None:
@@ -55,11 +55,11 @@ def _decides(device: Device) -> Iterator[Row]:
 
 
 def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield the deciding fields of a frame, worst verdict first."""
+    """Yield the fields that decide the verdict on a frame, worst verdict first."""
     speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
     order = [item.name for item in layout.fields]
     if judgement.otherwise is Verdict.UNKNOWN:
-        # A warning does not make the position better known.
+        # A warning does not improve on an unknown position.
         warning = (item for item in layout.fields if verdict_of(item) is Verdict.USABLE_WITH_WARNING)
         speaking += [(judgement.otherwise, item, None) for item in warning]
     speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
@@ -75,20 +75,20 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
 
 
 def _when(field: Field, only: Only | None) -> str:
-    """Return the deciding value of a field, and the order codes if it does not apply to all."""
+    """Return the value of a field that decides the verdict, and the order codes if it does not apply to all."""
     if only is None:
         return deciding(field)
     return f"{deciding(field)} {f'with {code(only.codes)}' if only.holds else 'with all others'}"
 
 
 def _unless(field: Field, layout: Layout) -> str:
-    """Return the flags of the frame that must be inactive for a flag that combines them to decide."""
+    """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     here = [Code(name) for name in sums_up(field) if any(item.name == name for item in layout.fields)]
     return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
 
 
 def _frames(device: Device) -> Iterator[Row]:
-    """Yield interface, frames, possible reports."""
+    """Yield rows of interface, frames, possible reports."""
     told = {item.codec.layout.name: item.told for item in reportings(device)}
     found: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
@@ -100,7 +100,7 @@ def _frames(device: Device) -> Iterator[Row]:
 
 
 def _reports(device: Device) -> Iterator[Row]:
-    """Yield report, meaning, remedy, source."""
+    """Yield rows of report, meaning, remedy, source."""
     for item in reports_of(device):
         alarm = alarm_of(device, item.field)
         name = joined([code(item.name), text(own_names(item.field))])
@@ -122,7 +122,7 @@ def _links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
-    """Return links to the errata of a field, and for a flag also those of its group."""
+    """Return links to the errata about a field and, for a flag, about its group."""
     paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
     if field.group and isinstance(meaning_of(field), Active):
         paths.add(f"field_groups.{field.group}")
