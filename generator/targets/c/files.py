@@ -36,13 +36,13 @@ SHARED_HEADERS = ("encoder", "receive", "biss", "runner", "tracker", "angle")
 
 class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
-    PREFIX: Annotated[str, "the same in capitals, for macros"]
+    prefix: Annotated[str, "the lowercase name prefix shared by all its families"]
+    PREFIX: Annotated[str, "the same in uppercase, for macros"]
 
 
 class Header(Shared):
-    generation: Annotated[str, "the number of the generation, which headers that belong together share"]
-    longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 if no family has one"]
+    generation: Annotated[str, "the number of the generation, shared by headers that belong together"]
+    longest: Annotated[int, "the length of the longest RS-485 reply in bytes, or 0 if no family has one"]
 
 
 class FamilyHeader(Header):

@@ -52,7 +52,7 @@ def _register_access(maker: str, interface: Interface, found: Sequence[Received]
     times = " and ".join(
         f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
     )
-    yield f"For registers by {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last clock "
+    yield f"For register access with {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last clock "
     yield f"of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
     yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA shows the inverse of the bit for the whole time-out"

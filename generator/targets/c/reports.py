@@ -102,7 +102,7 @@ class Reports:
         self.texts = tuple(_texts(device, item) for item in self.all)
         stem = f"{prefix}_report".upper()
         entries = (Entry(f"{stem}_{item.name.upper()}", 1 << item.number, _note(device, item)) for item in self.all)
-        about = "Reports of the encoder. The functions _reports() of frames return a mask of these bits."
+        about = "Reports of the encoder. The _reports() functions of the frames return a mask of these bits."
         digits = (len(self.all) + 3) // 4
         self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
         self._by_frame = {item.codec.layout.name: item for item in reportings(device)}

@@ -264,14 +264,14 @@ def _hex(value: int, bits: int = 32) -> str:
 
 class FamilyTest(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
-    PREFIX: Annotated[str, "the same in capitals, for macros"]
+    prefix: Annotated[str, "the lowercase name prefix shared by all its families"]
+    PREFIX: Annotated[str, "the same in uppercase, for macros"]
     t: Annotated[SelfTest, "the checks of the family"]
 
 
 class AllTests(TypedDict):
     namespace: Annotated[str, "the folder of the headers below include"]
-    option: Annotated[str, "the name of the package in capitals"]
+    option: Annotated[str, "the name of the package in uppercase"]
     makers: Annotated[list[Manufacturer], "the manufacturers"]
     with_biss: Annotated[list[str], "the names of those that have biss.h"]
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
