@@ -88,11 +88,11 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     about = list(map(S.sentence, crc.crc(device, function.crc)))
     if function.carrier is Carrier.BYTES:
         by_xor = "With this polynomial, the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
-        return ["Compute the CRC of a number of bytes.", *about, by_xor, *_BYTES, _RETURN]
+        return ["Compute the CRC of the given bytes.", *about, by_xor, *_BYTES, _RETURN]
     if function.form is Form.FOLD:
         zeros = "Leading zeros do not change the CRC."
-        return ["Compute the CRC of a number of bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
-    return ["Compute the CRC of a number of bits.", *about, _DATA, _BITS, _RETURN]
+        return ["Compute the CRC of the given bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
+    return ["Compute the CRC of the given bits.", *about, _DATA, _BITS, _RETURN]
 
 
 def _derivation(item: Crc) -> str:

@@ -77,7 +77,8 @@ def _positions(context: Context, prefix: str, over: str, measurement: Measuremen
     scope, where = context.scope, f"[{cite(measurement.source)}]"
     steps, turns, step = measurement.counts_per_turn, measurement.turns, measurement.step_um
     if steps is not None:
-        about = f"Return the number of counts in one revolution{over} {where}."
+        of = f" of a position{over}" if over else ""
+        about = f"Return the number of counts in one revolution{of} {where}."
         per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
         one_turn = turns == Expression(1)
         yield AnglePositions(prefix, over, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
