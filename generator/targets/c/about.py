@@ -38,9 +38,9 @@ CALLS = {
     Call.WAIT: "wait_us",
     Call.SEND: "send_request",
 }
-#: Labels of statements that constants and functions of a register make.
+#: Labels of statements that the constants and functions of a register already express.
 _IN_CODE = ("Default", "Limits")
-#: The widest column of places in a comment.
+#: Maximum width of the column with the places in a comment.
 _PLACE = 50
 
 
@@ -119,7 +119,7 @@ def _power(exponent: int) -> str:
 
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
-    """Return the purpose of the frame, the places of its bits, and last its errata, which few readers need."""
+    """Return the purpose of the frame, the places of its bits, and finally its errata, which few readers need."""
     item = struct.layout
     elsewhere = list(layout.joins(item))  # Their members say it.
     errata = list(layout.errata_of(device, interface, item))

@@ -94,7 +94,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
-    """Yield the first thing in each device that C cannot express, and every C name that two parts of specs share."""
+    """Yield the first item in each device that C cannot express, and every C name that two parts of specs share."""
     for maker, devices in library.by_manufacturer():
         headers = []
         for device in devices:
@@ -112,7 +112,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 def _names_of(
     library: Library, maker: Manufacturer, devices: Sequence[Device], headers: Iterable[str], options: Options
 ) -> Header:
-    """Return the template values of all headers of a manufacturer. ``headers`` are those that its families share."""
+    """Return the template values of all headers of a manufacturer. ``headers`` are the ones that its families share."""
     names: Header = {
         "maker": maker,
         "prefix": maker.name,

@@ -102,7 +102,7 @@ def _with_crcs(
     views: Mapping[str, DeviceView],
     wanted: Callable[[CrcCode], bool],
 ) -> list[str]:
-    """Return the manufacturers, in capitals, that have a wanted CRC."""
+    """Return the uppercase names of the manufacturers that have a wanted CRC."""
     return [
         maker.name.upper()
         for maker, devices in makers

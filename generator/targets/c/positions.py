@@ -16,7 +16,7 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn`` means a single one.
+    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn``: a single one.
 
     ``over`` names the interface in words. It is empty if positions mean the same for all interfaces.
     """
@@ -70,7 +70,8 @@ def positions(context: Context) -> Iterator[Positions]:
             continue
         for interface in group.interfaces:
             own = context.device.measurement_of(interface.name) or group.measurement
-            yield from _positions(context, f"{context.prefix}_{interface.name}", f" received over {interface.title}", own)
+            over = f" received over {interface.title}"
+            yield from _positions(context, f"{context.prefix}_{interface.name}", over, own)
 
 
 def _positions(context: Context, prefix: str, over: str, measurement: Measurement) -> Iterator[Positions]:

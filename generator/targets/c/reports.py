@@ -23,7 +23,7 @@ _UNUSED = Name("frame->unused")
 
 
 class FrameReports:
-    """The functions ``verdict`` and ``reports`` of a frame. The name of one that it does not have is empty."""
+    """The functions ``verdict`` and ``reports`` of a frame. The name of a missing function is empty."""
 
     def __init__(self, family: Reports, reporting: Reporting, frame: str) -> None:
         self.family, self.reporting, self.frame = family, reporting, frame
@@ -69,7 +69,7 @@ class FrameReports:
 
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
-        """The conditions of verdicts worse than ``otherwise``, the worst first."""
+        """The conditions of verdicts worse than ``otherwise``, worst first."""
         for verdict, speaking in self._levels:
             yield self._any(speaking), verdict
 

@@ -184,7 +184,7 @@ class SelfTest:
                 )
 
     def _answers(self, item: StructCodec, example: FrameExample) -> str:
-        """Return the answers for the example, the first one where it states none."""
+        """Return the answers for the example, or the first answer where it states none."""
         found = ""
         for asked in item.asked:
             names = [answer.name for answer in asked.item.answers]
@@ -200,7 +200,7 @@ class SelfTest:
             yield FrameCheck(code.codec, variant, "", _bytes(example.bytes), "", expected, "")
 
     def _expected(self, of: StructCodec, key: str, values: Mapping[str, int | str | bool]) -> Iterator[Expected]:
-        """Yield the members. Fields without one are constant and checked by decoding and encoding the frame."""
+        """Yield the members. Fields without one are constant. They are checked by decoding and encoding the frame."""
         members = set(_members(of))
         for name, value in values.items():
             if name not in members:
