@@ -55,7 +55,7 @@ def _register_access(maker: str, interface: Interface, found: Sequence[Received]
     yield f"For register access with {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last "
     yield f"clock of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
     yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
-    yield "sends it. MA shows the inverse of the bit for the whole time-out"
+    yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:
         yield f" ({timeout_words(interface.timeout)})"
     yield "."
