@@ -84,8 +84,8 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
 def test_what_a_table_brings(crcs: Device) -> None:
     """No table without need: the one of a CRC that folds only where it is asked for."""
     text = generate(Library((crcs,)))["c/include/test/crcs.h"]
-    assert text.count("#ifndef TEST_CRC_BITWISE\n/** Return the entry of the table of CRC ") == 15
-    assert text.count("#ifdef TEST_CRC_TABLE\n/** Return the entry of the table of CRC ") == 2
+    assert text.count("#ifndef TEST_CRC_BITWISE\n/** Return the remainder of a byte from the table of CRC ") == 15
+    assert text.count("#ifdef TEST_CRC_TABLE\n/** Return the remainder of a byte from the table of CRC ") == 2
 
 
 def test_crcs_without_a_frame_are_carried_as_in_python(

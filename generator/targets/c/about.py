@@ -38,9 +38,9 @@ CALLS = {
     Call.WAIT: "wait_us",
     Call.SEND: "send_request",
 }
-#: Labels of statements that constants and functions of a register make.
+#: Labels of statements that the constants and functions of a register already express.
 _IN_CODE = ("Default", "Limits")
-#: The widest column of places in a comment.
+#: Maximum width of the column with the places in a comment.
 _PLACE = 50
 
 
@@ -87,12 +87,12 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC."""
     about = list(map(S.sentence, crc.crc(device, function.crc)))
     if function.carrier is Carrier.BYTES:
-        by_xor = "With this polynomial the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
-        return ["Compute the CRC of bytes.", *about, by_xor, *_BYTES, _RETURN]
+        by_xor = "With this polynomial, the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
+        return ["Compute the CRC of the given bytes.", *about, by_xor, *_BYTES, _RETURN]
     if function.form is Form.FOLD:
         zeros = "Leading zeros do not change the CRC."
-        return ["Compute the CRC of bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
-    return ["Compute the CRC of bits.", *about, _DATA, _BITS, _RETURN]
+        return ["Compute the CRC of the given bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
+    return ["Compute the CRC of the given bits.", *about, _DATA, _BITS, _RETURN]
 
 
 def _derivation(item: Crc) -> str:
@@ -119,7 +119,7 @@ def _power(exponent: int) -> str:
 
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
-    """Return the purpose of the frame, the places of its bits, and last its errata, which few readers need."""
+    """Return the purpose of the frame, the places of its bits, and finally its errata, which few readers need."""
     item = struct.layout
     elsewhere = list(layout.joins(item))  # Their members say it.
     errata = list(layout.errata_of(device, interface, item))
@@ -184,14 +184,14 @@ def about_register(device: Device, item: Register) -> list[Paragraph]:
 def about_access(device: Device, item: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
     """Yield the comment on a function that reads or writes a register."""
     waits = f", then wait {item.wait_at_least_ms} ms" if writes and item.wait_at_least_ms is not None else ""
-    yield f"{'Write' if writes else 'Read'} {title(item)}, {addresses(item)}{waits}."
+    yield f"{'Write' if writes else 'Read'} the register {title(item)}, {addresses(item)}{waits}."
     selector = device.bank_selector(item)
     if selector:
-        yield f"It first selects bank {item.bank} by a write to {title(device.register(selector))}."
+        yield f"It first writes to {title(device.register(selector))} to select bank {item.bank}."
     elif item.bank is not None:
-        yield f"Select bank {item.bank} before you call it."
+        yield f"Select bank {item.bank} before you call this function."
     if writes and read_state:
-        yield f"The frames depend on it: call {read_state}() afterwards to update the variant."
+        yield f"The frames depend on the register, so call {read_state}() afterwards to update the variant."
 
 
 # -- procedures
@@ -212,7 +212,7 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
     interface = device.interface(run.procedure.interface)
     yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
     if read_state and run.changes_frames:
-        yield f"The frames depend on the bytes that it writes: call {read_state}() afterwards to update the variant."
+        yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 
 def note_of_step(device: Device, item: Operation) -> str:
@@ -228,7 +228,7 @@ def note_of_step(device: Device, item: Operation) -> str:
             of = meaning or f"{_where(device, item)}: {step.value_name}"
             return f"{of}, also done if an earlier step fails" if item.closes else of
         case Verifies():
-            return f"{_where(device, item)}: read back, which the manual does not ask for"
+            return f"{_where(device, item)}: read back, which the manual does not require"
         case Reads() | Polls():
             return ": ".join(filter(None, (title(item.field or item.register), meaning)))
         case _:

@@ -1,4 +1,4 @@
-"""Reading and writing a register by its name in C, through the transport of the user."""
+"""Reading and writing a register by name in C, through the user's transport."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .structs import Struct
 
 
 class Access:
-    """The functions that read and write a register. The name of one that its access does not allow is empty.
+    """The functions that read and write a register. A name is empty if the register does not allow that access.
 
-    Registers reserved to the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
+    Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
     """
 
     def __init__(self, layout: Struct, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
@@ -46,7 +46,7 @@ class Access:
             self.bank = number_to_bytes(selecting.layout, register.bank or 0, 8)[0]
 
     def is_unknown(self, name: str, is_raw: bool) -> Expr:
-        """Return the condition that a byte has none of the named values."""
+        """Return the condition that a byte differs from all named values."""
         return self._layout.is_none_of(self._field, Name(name), self.values, is_raw)
 
     @property

@@ -1,4 +1,4 @@
-"""Choices that a manual leaves open, in C: an enumeration of the answers, as an argument of functions."""
+"""Choices that a manual leaves open, in C: an enumeration of the answers, which is an argument of functions."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Reader:
         return kind, number if bits.widest > 32 and not bits.are_fixed else Cast(kind, number)
 
     def in_word(self, bits: Bits) -> Expr:
-        """Return bits of the word. At a fixed place in the lower half, the expression has 32 bits."""
+        """Return bits of the word. If their place is fixed and in the lower half, the expression has 32 bits."""
         if bits.are_fixed:
             low, width = bits.low.constant, bits.width.constant
             return masked(right(self.lower(low + width), low), (1 << width) - 1)
@@ -94,7 +94,7 @@ class Reader:
         return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
 
     def parity(self, parts: Sequence[tuple[Expr, int]]) -> Expr:
-        """Return the parity of these numbers together, 1 for an odd count of ones. Each has its largest width."""
+        """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width."""
         widest = max(width for _, width in parts)
         kind = unsigned(max(widest, 32))
         (number, _), *others = parts

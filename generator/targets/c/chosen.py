@@ -88,7 +88,7 @@ class Chosen:
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
-        """Worked procedure with the most writes, or without one the first that clears an alarm by a request."""
+        """Worked procedure with the most writes, or else the first one that clears an alarm by a request."""
         given = (item for item in self.examples if isinstance(item, ProcedureExample))
         worked = [(self.device.procedure(item.procedure), item) for item in given]
         # The simulated encoder is never done, so that a poll would not end.
@@ -138,7 +138,7 @@ class Chosen:
         return Frame(layout, codec.encode(self.device, placed, values), "made up, since the manual shows none")
 
     def has_position(self, layout: Layout) -> bool:
-        """Return True if a layout has the field or join that positions are measured by."""
+        """Return True if a layout has the field or join that contains the position."""
         members = {field.name for field in layout.data_fields} | {join.name for join in layout.joins}
         return self.measurement is not None and self.measurement.of in members
 
@@ -153,7 +153,7 @@ class Chosen:
 
 
 def _plain_value(layout: Layout, field: Field) -> int | str:
-    """Return the plainest value that the field can have."""
+    """Return the simplest value that the field can have."""
     if field.name == layout.selector:
         return layout.selects[0]
     match meaning_of(field):

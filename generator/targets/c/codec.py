@@ -1,4 +1,4 @@
-"""A struct with its decoder and encoder, for a frame or a register."""
+"""The struct of a frame or register, with its decoder and encoder."""
 
 from __future__ import annotations
 

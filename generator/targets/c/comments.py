@@ -70,7 +70,7 @@ def _apart(text: str) -> str:
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
-    """Format paragraphs as a comment. Empty ones are left out."""
+    """Format paragraphs as a comment. Empty ones are omitted."""
     items = (
         [paragraphs]
         if isinstance(paragraphs, str)

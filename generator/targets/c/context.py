@@ -14,7 +14,7 @@ from .types import unsigned
 
 
 class Context:
-    """The values that all parts of a header share. It imports no part and never changes."""
+    """The values that all parts of a header share. The class imports no part, and its values never change."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -31,7 +31,7 @@ class Context:
         self.reports = Reports(device, self.prefix)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
-        """Return the name of the function of a CRC over bits or bytes. One needed for both has two."""
+        """Return the name of the function of a CRC over bits or bytes. A CRC needed for both has two functions."""
         also = carried_as == "bits" and len(carriers(self.device, crc)) > 1
         return f"{self.prefix}_crc_{crc.name}" + ("_bits" if also else "")
 

@@ -1,4 +1,4 @@
-"""CRCs in C: without a table if the polynomial has two or three terms, else with one. A macro selects another form."""
+"""CRCs in C: without a table if the polynomial has two or three terms, or with one. A macro selects the other form."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .types import unsigned
 
 @dataclass(frozen=True)
 class CrcCode:
-    """The function of a CRC over bits or bytes. ``table`` has the remainder of each byte, if there is a table."""
+    """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table."""
 
     name: str
     function: CrcFunction

@@ -1,4 +1,4 @@
-"""A decoder in C, beyond the plan: a byte is checked once for all constants in it, flags are read from one local."""
+"""A decoder in C. Unlike the plan, it checks each byte once for all its constants and reads flags from one local."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LOCALS = frozenset("variant word plain bytes length out in crc index v wide val
 
 @dataclass(frozen=True, slots=True)
 class ByteIs:
-    """A byte whose bits under ``mask`` never change. ``reasons`` names the constant fields there."""
+    """A byte whose bits under ``mask`` never change. ``reasons`` contains the names of its constant fields."""
 
     byte: int
     mask: int
@@ -132,7 +132,7 @@ class Decoder:
 
     @property
     def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
-        """The operations that fill the members, in order. Unused bits come from a byte together with its flags."""
+        """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
         waiting = {item.byte: item for item in unused.moved if item.byte is not None}
         for op in self._members:

@@ -45,7 +45,7 @@ _Built = TypeVar("_Built")
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """The names to read a position: the macro of an order code, the frame, the function of its verdict, the member."""
+    """The names for reading a position: the macro of an order code, the frame, its verdict function and the member."""
 
     macro: str
     frame: str
@@ -125,7 +125,7 @@ class DeviceView:
 
     @property
     def origin(self) -> list[Paragraph]:
-        """Statements about the family that are not in its manual, none for most."""
+        """Statements about the family that are not in its manual. Most families have none."""
         return [
             S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
         ]
@@ -155,7 +155,7 @@ class DeviceView:
 
     @property
     def all_errata(self) -> list[Paragraph]:
-        """Return the errata of the parts in the header in full, each labelled part on lines of its own."""
+        """Return the errata of the parts in the header in full, with each labelled part on its own lines."""
         made: list[Paragraph] = []
         for item in errata(self.device, *_IN_HEADER):
             head, *parts = BY_TITLE.lines(erratum(item, whole=True))
@@ -164,7 +164,7 @@ class DeviceView:
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:
-    """Return the result of ``build``. An error of it names this part of the spec."""
+    """Return the result of ``build``. An error from it names this part of the spec."""
     try:
         return build()
     except TargetError as error:

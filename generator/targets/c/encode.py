@@ -1,4 +1,4 @@
-"""Encoders in C: how the bits of fields are assembled, in a word or byte by byte."""
+"""Encoders in C, which assemble the bits of fields in a word or byte by byte."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Encoder:
         return self.reader.joined(whole, self.given)
 
     def total(self, field: Field) -> Expr:
-        """Return the number that the runs of digits of a field form."""
+        """Return the number that a field's runs of digits form."""
         work = unsigned(max(field.widest, 32))
         runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
         return joined("+", tuple(_times(work, run, divisor) for run, divisor in runs))
@@ -83,7 +83,7 @@ class Encoder:
                 return self.struct.unused.given(op.field)
 
     def _is_nothing(self, op: Term) -> bool:
-        """Return True if it never has a bit set."""
+        """Return True if none of its bits is ever set."""
         is_derived = op.field.name in self.plan.constants or op.field.name in self._parities
         return is_derived and op.value == Fixed(0)
 
@@ -169,7 +169,7 @@ class Encoder:
 
 
 def _as_byte(value: Expr) -> Expr:
-    """Cast a value to a byte. A member of one byte needs no cast."""
+    """Cast a value to a byte. A one-byte member needs no cast."""
     if isinstance(value, Name):
         return value
     return Cast("uint8_t", value.of if isinstance(value, Cast) and isinstance(value.of, Name) else value)
@@ -188,5 +188,5 @@ def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:
 
 
 def _cannot_be(op: Refusal) -> bool:
-    """Return True if the type of the member has no value that would be refused."""
+    """Return True if no value of the member's type would be refused."""
     return isinstance(op, TooWide) and op.width.is_constant and size_of(op.field.widest) == op.field.widest

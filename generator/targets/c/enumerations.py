@@ -25,9 +25,9 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Enumeration:
-    """The named values of a field, with this many hexadecimal ``digits``, as macros if they do not fit an int.
+    """The named values of a field, with this many hexadecimal ``digits``. Values too large for an int become macros.
 
-    ``said`` has the statements on the field that its comment makes.
+    ``said`` has the statements about the field that its comment contains.
     """
 
     type: str

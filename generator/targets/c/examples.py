@@ -42,7 +42,7 @@ from .variants import CodeRow
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
-#: Most characters of explanation that fit after a number.
+#: Maximum number of characters of explanation after a number.
 _FEW = 40
 
 
@@ -75,7 +75,7 @@ class ShownRun:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """The initial content of a simulated register."""
+    """Initial content of a simulated register."""
 
     address: int
     data: bytes
@@ -84,7 +84,7 @@ class Memory:
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """A member by its name, with the ``form`` and the arguments of ``printf``, and the meanings of its values."""
+    """A member with its name, the ``form`` and arguments for ``printf``, and the meanings of its values."""
 
     name: str
     form: str
@@ -94,7 +94,7 @@ class Printed:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """The bytes that an SPI receives for the frame, and the macros of its bits and bytes."""
+    """The bytes that an SPI receives for the frame, and the macros with its number of bits and bytes."""
 
     bits: str
     size: str
@@ -164,7 +164,7 @@ class ExampleCode:
 
     @property
     def worth(self) -> tuple[str, ...]:
-        """The verdicts in words, in the order of their numbers."""
+        """The verdicts in words, ordered by number."""
         return tuple(WORTH[item] for item in Verdict)
 
     @property
@@ -212,7 +212,7 @@ class ExampleCode:
 
     @property
     def modulus(self) -> str:
-        """The counts after which the position starts again, for a tracker."""
+        """The counts after which the position wraps around, for a tracker."""
         where = self.position
         rolls = where is not None and "modulus" in where.names
         return f"{where.prefix}_modulus(&encoder)" if where is not None and rolls else "0U"
@@ -304,13 +304,13 @@ class ExampleCode:
 
 
 def _known(values: Iterable[Value]) -> str:
-    """Return the meanings of values, if they are few."""
+    """Return the meanings of the values, if there are only a few."""
     text = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in values)
     return text if len(text) <= _FEW else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
-    """Yield a program for each interface, except where no plain frame can be made up."""
+    """Yield a program for each interface, unless no plain frame can be made up for it."""
     for interface in view.device.interfaces:
         if any(layout.sender == "encoder" for layout in interface.layouts):
             with suppress(codec.EncodeError):

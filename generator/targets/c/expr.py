@@ -18,7 +18,7 @@ class Expr:
 
     @property
     def operand(self) -> str:
-        """The text as part of an operation, or after a cast."""
+        """The text to use inside an operation, or after a cast."""
         return str(self)
 
 

@@ -31,7 +31,7 @@ def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
 
 
 def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
-    """Return the bits of an alarm, and a note if they are those of one byte of several, or 0 if they have no place."""
+    """Return the bits of an alarm, or 0 if they have no place, and a note if they belong to one of several bytes."""
     fields = (field for _, layout in device.layouts() for field in layout.fields if field.group == alarm.group)
     field = next((item for item in fields if item.name == alarm.field and item.pieces), None)
     if alarm.group and field is not None and len(field.pieces) == 1:

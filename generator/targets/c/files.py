@@ -36,13 +36,13 @@ SHARED_HEADERS = ("encoder", "receive", "biss", "runner", "tracker", "angle")
 
 class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
-    PREFIX: Annotated[str, "the same in capitals, for macros"]
+    prefix: Annotated[str, "the lowercase name prefix shared by all its families"]
+    PREFIX: Annotated[str, "the same in uppercase, for macros"]
 
 
 class Header(Shared):
-    generation: Annotated[str, "the number of the generation, which headers that belong together share"]
-    longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 if no family has one"]
+    generation: Annotated[str, "the number of the generation, shared by headers that belong together"]
+    longest: Annotated[int, "the length of the longest RS-485 reply in bytes, or 0 if no family has one"]
 
 
 class FamilyHeader(Header):
@@ -94,7 +94,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
-    """Yield the first thing in each device that C cannot express, and every C name that two parts of specs share."""
+    """Yield the first item in each device that C cannot express, and every C name that two parts of specs share."""
     for maker, devices in library.by_manufacturer():
         headers = []
         for device in devices:
@@ -112,7 +112,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 def _names_of(
     library: Library, maker: Manufacturer, devices: Sequence[Device], headers: Iterable[str], options: Options
 ) -> Header:
-    """Return the template values of all headers of a manufacturer. ``headers`` are those that its families share."""
+    """Return the template values of all headers of a manufacturer. ``headers`` are the ones that its families share."""
     names: Header = {
         "maker": maker,
         "prefix": maker.name,

@@ -56,12 +56,12 @@ def _digits_type(run: Digits) -> str:
 
 
 def _made_of(join: Join) -> str:
-    """Return in words which fields form a number."""
+    """Describe which fields form a number."""
     return BY_TITLE.sentence(said_of_join(join))
 
 
 def _bytes(count: int) -> str:
-    """Return a number of bytes in words."""
+    """Return a number of bytes as text."""
     return f"{count} byte{'s' if count > 1 else ''}"
 
 

@@ -1,7 +1,7 @@
 """The steps by which a 32-bit processor reduces a long number to its CRC: by folds, or by the table for each byte.
 
-Such processors shift wider numbers slowly. The step after which the number fits into 32 bits therefore takes the bits
-above and below its place from the halves of the wide number.
+Such processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore takes the
+bits above and below its place from the halves of the wide number.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Fold:
 
 @dataclass(frozen=True, slots=True)
 class Narrow:
-    """The assignment of ``source``, which fits into 32 bits, to ``v``. ``last`` is True if it is the CRC."""
+    """The assignment of ``source``, which fits in 32 bits, to ``v``. ``last`` is True if it is the CRC."""
 
     source: str
     last: bool
@@ -88,7 +88,7 @@ class WordCrc:
 
     @property
     def at_once(self) -> int:
-        """The number of bytes that fill the register at first."""
+        """The number of bytes that initially fill the register."""
         return min(max(self.crc.width // 8, 1), self._bytes)
 
     @property

@@ -1,4 +1,4 @@
-"""Small functions of a variant whose value is one expression: derived parameters, limits, sizes."""
+"""Small functions of a variant that return one expression: derived parameters, limits, sizes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .types import unsigned
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function of one expression. ``uses_variant`` is True if the value depends on the order code."""
+    """A function that returns one expression. ``uses_variant`` is True if the value depends on the order code."""
 
     name: str
     type: str

@@ -25,7 +25,7 @@ class LengthCode:
         #: Names of the answers on which a length depends.
         self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
         self.held = any(item.held for item in found)
-        #: Number of acknowledge bits that fit into a buffer, 0 if the interface has none.
+        #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.maker.name, interface, found))
         self._stems = {id(row.variant): row.macro for row in rows}
@@ -44,7 +44,7 @@ class LengthCode:
 
 
 def _register_access(maker: str, interface: Interface, found: Sequence[Received]) -> Iterator[str]:
-    """Yield the deadlines for the control bit of a master, in the family's own numbers, if it is BiSS."""
+    """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
     if not isinstance(interface, Biss) or not found:
         return
     bits, clock = min(item.bits for item in found), interface.clock
@@ -52,10 +52,10 @@ def _register_access(maker: str, interface: Interface, found: Sequence[Received]
     times = " and ".join(
         f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
     )
-    yield f"For registers by {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last clock "
-    yield f"of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
+    yield f"For register access with {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last "
+    yield f"clock of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
     yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
-    yield "sends it. MA shows the inverse of the bit for the whole time-out"
+    yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:
         yield f" ({timeout_words(interface.timeout)})"
     yield "."

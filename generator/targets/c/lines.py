@@ -21,7 +21,7 @@ _OPEN = ("(", " =", " |")
 
 
 def beside(note: object) -> str:
-    """Return a comment for the end of a line. ``laid_out`` moves it above the line if that gets too long."""
+    """Return a comment for the end of a line. ``laid_out`` moves it above the line if the line gets too long."""
     said = in_comment(note)
     return f" /* {said} */" if said else ""
 
@@ -97,7 +97,7 @@ def laid_out(text: str) -> str:
 
 
 def _lines(line: str, goes_on: bool) -> Iterator[str]:
-    """Yield a long line as several. ``goes_on`` says that it continues the line before."""
+    """Yield a long line as several. ``goes_on`` is True if it continues the previous line."""
     code, opened, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
     if opened:

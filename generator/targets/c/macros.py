@@ -19,7 +19,7 @@ class Macro:
 
 
 def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
-    """Yield the bounds of a time in microseconds. The comment on the first describes all."""
+    """Yield the bounds of a time in microseconds. The comment on the first one describes all of them."""
     note = S.sentence(said_of(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():

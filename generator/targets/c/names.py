@@ -104,7 +104,7 @@ _BISS_H = """
 
 
 def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
-    """Yield the names in the headers that the families of a manufacturer share. Macros are in capitals."""
+    """Yield the names in the headers that the families of a manufacturer share. Macros are in uppercase."""
     names = [*_ENCODER_H.split(), *_RECEIVE_H.split(), *_USE_H.split()]
     names += [f"biss_{name}" for name in _BISS_H.split() if with_biss]
     for name in names:

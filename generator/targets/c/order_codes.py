@@ -26,7 +26,7 @@ _CLASSES = {
     "[A-Za-z0-9]": "%",
 }
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
-#: An open part of more patterns than this is left out.
+#: An open part with more patterns than this is omitted.
 _MOST = 16
 
 

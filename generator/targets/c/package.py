@@ -38,15 +38,15 @@ Render = Callable[[str, Mapping[str, object]], str]
 class Package(TypedDict):
     package: Annotated[str, "the name of the package, for example acme-encoders"]
     namespace: Annotated[str, "the folder of the headers below include"]
-    option: Annotated[str, "the name of the package in capitals, for settings"]
+    option: Annotated[str, "the name of the package in uppercase, for settings"]
     version: Annotated[str, "its version"]
     title: Annotated[str, "its description in one line of plain letters"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
     makers: Annotated[list[Manufacturer], "the manufacturers"]
     with_biss: Annotated[list[str], "the names of those that have biss.h"]
     devices: Annotated[list[Device], "the families"]
-    with_tables: Annotated[list[str], "the names, in capitals, of manufacturers with a CRC that can take a table"]
-    with_bitwise: Annotated[list[str], "the same of those with a CRC that can do without its table"]
+    with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
+    with_bitwise: Annotated[list[str], "the same for those with a CRC that can do without its table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
     examples: Annotated[list[str], "the names of the programs"]
     tests: Annotated[list[str], "the C files of the self-test, by their path in the folder"]
@@ -102,7 +102,7 @@ def _with_crcs(
     views: Mapping[str, DeviceView],
     wanted: Callable[[CrcCode], bool],
 ) -> list[str]:
-    """Return the manufacturers, in capitals, that have a wanted CRC."""
+    """Return the uppercase names of the manufacturers that have a wanted CRC."""
     return [
         maker.name.upper()
         for maker, devices in makers

@@ -16,9 +16,9 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions in angles. They start again at 0 after ``turns``, if the manual says so. ``one_turn`` is a single one.
+    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn``: a single one.
 
-    ``over`` names the interface in words, and is empty if positions mean the same for all.
+    ``over`` names the interface in words. It is empty if positions mean the same for all interfaces.
     """
 
     prefix: str
@@ -40,7 +40,7 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """Positions along a scale. They start again at 0 after ``modulus``, if the manual says so."""
+    """Positions along a scale. They wrap around to 0 after ``modulus``, if the manual says so."""
 
     prefix: str
     over: str
@@ -63,21 +63,23 @@ Positions = AnglePositions | LengthPositions
 
 
 def positions(context: Context) -> Iterator[Positions]:
-    """Yield the functions of each interface, or one set if all interfaces measure alike."""
+    """Yield the functions of each interface, or one set if all interfaces measure in the same way."""
     for group in measured(context.device):
         if group.everywhere:
             yield from _positions(context, context.prefix, "", group.measurement)
             continue
         for interface in group.interfaces:
             own = context.device.measurement_of(interface.name) or group.measurement
-            yield from _positions(context, f"{context.prefix}_{interface.name}", f" over {interface.title}", own)
+            over = f" received over {interface.title}"
+            yield from _positions(context, f"{context.prefix}_{interface.name}", over, own)
 
 
 def _positions(context: Context, prefix: str, over: str, measurement: Measurement) -> Iterator[Positions]:
     scope, where = context.scope, f"[{cite(measurement.source)}]"
     steps, turns, step = measurement.counts_per_turn, measurement.turns, measurement.step_um
     if steps is not None:
-        about = f"Return the number of counts in one revolution{over} {where}."
+        of = f" of a position{over}" if over else ""
+        about = f"Return the number of counts in one revolution{of} {where}."
         per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
         one_turn = turns == Expression(1)
         yield AnglePositions(prefix, over, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
@@ -85,7 +87,7 @@ def _positions(context: Context, prefix: str, over: str, measurement: Measuremen
         wide = Number(step.constant, signed=True) if step.is_constant else Cast("int64_t", scope.of(step))
         modulus = None
         if measurement.modulus is not None:
-            about = f"Return the number of counts after which the position{over} starts again at 0 {where}."
+            about = f"Return the number of counts after which the position{over} wraps around to 0 {where}."
             if measurement.highest is not None:
                 about += f" An offset raises all positions, up to {measurement.highest.render()}."
             modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.modulus, about)

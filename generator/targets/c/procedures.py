@@ -58,7 +58,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Filled:
-    """The struct of a register that takes an argument: its local, and the local of its encoded bytes."""
+    """For a register that takes an argument: the local for its struct, and the local for its encoded bytes."""
 
     code: RegisterCode
     argument: str
@@ -84,7 +84,7 @@ class Whole:
 
 @dataclass(frozen=True, slots=True)
 class FilledRows:
-    """The steps, from the place ``at`` on, that write such bytes or read them back."""
+    """The steps, starting at ``at``, that write such bytes or read them back."""
 
     at: int
     kind: str
@@ -105,7 +105,7 @@ class ArgumentCode:
 
 @dataclass(frozen=True, slots=True)
 class ReadMember:
-    """A member for ``length`` of the bytes read, from the ``first`` on."""
+    """A member for ``length`` of the bytes read, starting with the ``first``."""
 
     name: str
     first: int
@@ -158,7 +158,7 @@ class ProcedureCode:
 
     @property
     def variant(self) -> str:
-        """The variant that functions receive: a copy if limits depend on values written earlier."""
+        """The variant that functions receive, which is a copy if limits depend on values written earlier."""
         return "&written" if self._teaching else "variant"
 
     def taker(self, item: Filled | Whole) -> str:
@@ -310,7 +310,7 @@ class ProcedureCode:
 
 
 def _is_held(refusal: ArgumentRefusal) -> bool:
-    """Return True if the type of the argument already excludes it."""
+    """Return True if the type of the argument already excludes the value."""
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 

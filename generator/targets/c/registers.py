@@ -180,7 +180,7 @@ class RegisterCode:
 
 
 def _is_byte(plan: Codec) -> bool:
-    """Return True if the only field is exactly the number in a byte."""
+    """Return True if the only field is the whole number in a byte."""
     if not plan.parts or any(isinstance(op, NoPowerOfTwo) for op in refusals(plan)):
         return False
     match plan.parts[0].meaning:

@@ -23,7 +23,7 @@ _UNUSED = Name("frame->unused")
 
 
 class FrameReports:
-    """The functions ``verdict`` and ``reports`` of a frame. The name of one that it does not have is empty."""
+    """The functions ``verdict`` and ``reports`` of a frame. The name of a missing function is empty."""
 
     def __init__(self, family: Reports, reporting: Reporting, frame: str) -> None:
         self.family, self.reporting, self.frame = family, reporting, frame
@@ -69,7 +69,7 @@ class FrameReports:
 
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
-        """The conditions of verdicts worse than ``otherwise``, the worst first."""
+        """The conditions of verdicts worse than ``otherwise``, worst first."""
         for verdict, speaking in self._levels:
             yield self._any(speaking), verdict
 
@@ -102,7 +102,7 @@ class Reports:
         self.texts = tuple(_texts(device, item) for item in self.all)
         stem = f"{prefix}_report".upper()
         entries = (Entry(f"{stem}_{item.name.upper()}", 1 << item.number, _note(device, item)) for item in self.all)
-        about = "Reports of the encoder. The functions _reports() of frames return a mask of these bits."
+        about = "Reports of the encoder. The _reports() functions of the frames return a mask of these bits."
         digits = (len(self.all) + 3) // 4
         self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
         self._by_frame = {item.codec.layout.name: item for item in reportings(device)}

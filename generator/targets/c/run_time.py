@@ -53,7 +53,7 @@ class HeldValue:
 
     @property
     def is_outside(self) -> Expr | None:
-        """Condition that the parameter cannot have the value, or None if it can have any."""
+        """Condition that the parameter cannot have the value, or None if it can have any value."""
         name, low, high = Name(self.local), self.held.low, self.held.high
         sides = (("<", low), (">", high))
         found = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)

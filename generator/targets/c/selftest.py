@@ -184,7 +184,7 @@ class SelfTest:
                 )
 
     def _answers(self, item: StructCodec, example: FrameExample) -> str:
-        """Return the answers for the example, the first one where it states none."""
+        """Return the answers for the example, or the first answer where it states none."""
         found = ""
         for asked in item.asked:
             names = [answer.name for answer in asked.item.answers]
@@ -200,7 +200,7 @@ class SelfTest:
             yield FrameCheck(code.codec, variant, "", _bytes(example.bytes), "", expected, "")
 
     def _expected(self, of: StructCodec, key: str, values: Mapping[str, int | str | bool]) -> Iterator[Expected]:
-        """Yield the members. Fields without one are constant and checked by decoding and encoding the frame."""
+        """Yield the members. Fields without one are constant. They are checked by decoding and encoding the frame."""
         members = set(_members(of))
         for name, value in values.items():
             if name not in members:
@@ -264,14 +264,14 @@ def _hex(value: int, bits: int = 32) -> str:
 
 class FamilyTest(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
-    PREFIX: Annotated[str, "the same in capitals, for macros"]
+    prefix: Annotated[str, "the lowercase name prefix shared by all its families"]
+    PREFIX: Annotated[str, "the same in uppercase, for macros"]
     t: Annotated[SelfTest, "the checks of the family"]
 
 
 class AllTests(TypedDict):
     namespace: Annotated[str, "the folder of the headers below include"]
-    option: Annotated[str, "the name of the package in capitals"]
+    option: Annotated[str, "the name of the package in uppercase"]
     makers: Annotated[list[Manufacturer], "the manufacturers"]
     with_biss: Annotated[list[str], "the names of those that have biss.h"]
     tests: Annotated[list[SelfTest], "the self-tests of the families"]

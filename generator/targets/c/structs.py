@@ -28,7 +28,7 @@ from .unused import Unused
 
 
 class Struct:
-    """One layout, its names and its types. A register of one plain byte has one as well, which is not printed."""
+    """One layout, its names and its types. A register of one plain byte also has one, which is not printed."""
 
     def __init__(
         self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None

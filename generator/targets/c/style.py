@@ -6,7 +6,7 @@ from ...say.text import BY_TITLE, Said, Style
 
 
 class InHeader(Style):
-    """A style that names an erratum where it matters, with the value used if wrong bytes could be sent."""
+    """A style that mentions an erratum where it matters, with the value used if wrong bytes could be sent."""
 
     def sentence(self, item: Said) -> str:
         if item.brief is None:

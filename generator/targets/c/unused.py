@@ -19,7 +19,7 @@ _GIVEN = Name("in->unused")
 
 @dataclass(frozen=True, slots=True)
 class Moved:
-    """Unused bits shifted together: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
+    """Unused bits with one shift: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
 
     ``mask`` and ``value``, the value in the manual, have the places of the member.
     """
@@ -166,7 +166,7 @@ def _together(items: Iterable[Moved]) -> Iterator[Moved]:
 
 
 def _in_byte(bits: Expr, mask: int) -> Expr:
-    """Return these bits of a number. A later cast drops those above a byte."""
+    """Return these bits of a number. A later cast to one byte drops the higher bits."""
     return bits if mask == 0xFF else masked(bits, mask)
 
 
@@ -181,7 +181,7 @@ def _documented(value: int) -> Expr | None:
 
 
 def _turned(bits: Expr, by: Expr | None) -> Expr:
-    """Return the bits with those in ``by`` inverted."""
+    """Return the bits, with the ones in ``by`` inverted."""
     return Operation("^", (bits, by)) if by is not None else bits
 
 

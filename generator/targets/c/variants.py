@@ -94,5 +94,5 @@ class VariantCode:
 
 
 def _value(item: Parameter, variant: Variant) -> str:
-    """Return a parameter of an order code. A code (no unit, more than a byte) is in hexadecimal, as in the manuals."""
+    """Return a parameter of an order code. A code (no unit, above one byte) is in hexadecimal, as in the manuals."""
     return number(variant.parameters.get(item.name, 0), hexadecimal=not item.unit and item.largest > 0xFF, digits=4)
