@@ -159,10 +159,12 @@ def _add_check(commands: _Commands) -> None:
     parser.add_argument(
         "--coverage",
         action="store_true",
-        help="count how often each fact was read, and exit 1 if one that needs two readings had one",
+        help="count how often each fact was read, and exit 1 if a fact that needs two readings was read only once",
     )
     parser.add_argument(
-        "--write", action="store_true", help="with --coverage: save the counts next to the specs, for their pages"
+        "--write",
+        action="store_true",
+        help="with --coverage: save the counts next to the specs, for the documentation pages",
     )
     parser.more_help = _targets_for_help
     parser.set_defaults(run=_check)
@@ -221,7 +223,8 @@ def _add_decode(commands: _Commands) -> None:
     parser.add_argument(
         "--layout",
         metavar="NAME",
-        help="the frame's layout, as named by show, if the frame does not identify it (another BiSS data channel)",
+        help="the frame's layout, one of those listed by show, if the frame does not identify it (such as another BiSS"
+        " data channel)",
     )
     parser.add_argument(
         "--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)"
@@ -246,7 +249,7 @@ def _add_master(commands: _Commands) -> None:
         type=a_path,
         default=[],
         metavar="PATH",
-        help="your own descriptions of masters, files or folders",
+        help="your own descriptions of masters, as files or folders",
     )
     _add_register_option(parser)
     _add_choose_option(parser, "no settings if they depend on it")

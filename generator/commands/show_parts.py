@@ -135,7 +135,7 @@ def alternative_lines(device: Device) -> list[str]:
         lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
         example = f"--choose {item.name}={item.answers[0].name}"
         lines.append(wrapped(f"Give decode the answer with {example}", WIDTH, "      ", "    "))
-    return ["", "Open in the manual, for you to choose", *lines] if lines else []
+    return ["", "Left open by the manual, for you to choose", *lines] if lines else []
 
 
 # -- registers

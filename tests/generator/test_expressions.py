@@ -59,7 +59,7 @@ def test_unknown_parameters_are_named() -> None:
 @pytest.mark.parametrize("text", ["a * 2", "2 * a", "2^3 * a", "b + a * 1"])
 def test_a_product_has_no_numbers(text: str) -> None:
     with pytest.raises(
-        ExpressionError, match="a product is made of parameters and powers of two of parameters, not of numbers"
+        ExpressionError, match="a product can contain only parameters and powers of two of parameters, not numbers"
     ):
         Expression.parse(text)
 

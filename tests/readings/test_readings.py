@@ -132,7 +132,8 @@ NO_PROSE = "a second reading has only facts, no prose; leave it out"
         (
             "device: twice",
             "device: thrice",
-            "3:9: device-name: the device is called 'thrice', but the file 'twice'; use the same name",
+            "3:9: device-name: the device is called 'thrice', but the file is called 'twice'; use the same name for"
+            " both",
         ),
         ("movement: rotary\n", "", "2:1: missing-key: 'movement' is missing; a second reading needs it"),
         ("    length: 2\n", "", "114:5: missing-key: 'length' is missing; a register needs it"),
