@@ -16,7 +16,7 @@ class Impact(IntEnum):
     COMPATIBLE = 2
     #: Code still builds, but sends, reads, accepts or rejects something else.
     BEHAVIOUR = 3
-    #: Code that uses it no longer builds, or asks for something that is gone.
+    #: Code that uses it no longer builds, or asks for something that no longer exists.
     BREAKING = 4
 
     @property

@@ -2,7 +2,7 @@
 
 Exit codes: 0 done. 1 problems in the input, a difference, a frame with an error, or a register value that does not
 match this encoder. 2 wrong usage, unknown order code, or text that is not a frame or needs --choose. 3 a valid frame
-whose position is not usable. With several frames, the worst decides: 2, then 1, then 3.
+whose position is not usable. With several frames, the worst one decides: 2, then 1, then 3.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "spec files, or folders whose .yaml files are read if their keys are those of a spec (default: the specs in the "
+    "spec files, or folders, in which all .yaml files with the keys of a spec are read (default: the specs in the "
     "current folder, or those shipped with codewheel if it has none)"
 )
 JSON_VERSION = 1
@@ -199,7 +199,7 @@ _ABOUT_FRAMES = (
     "every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 "
     "done. 1 a frame with an error, or a register value that does not match this encoder. 2 wrong usage, text that is "
     "not a frame, or a frame that needs --choose. 3 a valid frame whose position is not usable. With several frames, "
-    "the worst decides: 2, 1, 3."
+    "the worst one decides: 2, then 1, then 3."
 )
 
 

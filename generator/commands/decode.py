@@ -347,7 +347,7 @@ def _beside(item: Explanation) -> str:
 
 
 def _one_in(number: int) -> str:
-    return f"1 in {number:,}" if number < 1_000_000 else "fewer than 1 in a million"
+    return f"1 of {number:,}" if number < 1_000_000 else "fewer than 1 of a million"
 
 
 def _size(placed: PlacedLayout) -> str:

@@ -34,11 +34,11 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
     parser = commands.add_parser(
         "diff",
         help="list the changes between two versions of specs",
-        description="List each change with the outputs and order codes that it affects. Exit 1 if there is one.",
+        description="List each change with the outputs and order codes that it affects. Exit 1 if there are any.",
     )
     where = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
     parser.add_argument("old", metavar="OLD", help=f"the old specs: {where}")
-    parser.add_argument("new", metavar="NEW", help="the new specs, in the same forms")
+    parser.add_argument("new", metavar="NEW", help="the new specs, given in the same way")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print JSON")
     form.add_argument("--markdown", action="store_true", help="print a section of a changelog")

@@ -100,8 +100,10 @@ def _does_not_fit(
     if 2 * counts <= 1 << case.width and widths and counted <= widths:
         return (
             key,
-            f"{said} need {(counts - 1).bit_length()} bits, but {held}; define zeros above a position as a separate"
-            " field",
+            (
+                f"{said} need {(counts - 1).bit_length()} bits, but {held}; define zeros above a position as a separate"
+                " field"
+            ),
         )
     return None
 

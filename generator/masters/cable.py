@@ -1,4 +1,4 @@
-"""Clock by cable length, from the table in the encoder's manual or, for BiSS, from a public one."""
+"""Clock for a cable length, from the table in the encoder's manual or, for BiSS, from a public one."""
 
 from __future__ import annotations
 
