@@ -7,12 +7,12 @@ from enum import IntEnum
 
 
 class Impact(IntEnum):
-    """Effort that a change means for users, in rising order."""
+    """Effort that a change causes for users, in ascending order."""
 
     NONE = 0
     #: Words, sources and other facts that no code depends on.
     DOCUMENTATION = 1
-    #: Something new. Everything else is as before.
+    #: Additions. Everything else is unchanged.
     COMPATIBLE = 2
     #: Code still builds, but sends, reads, accepts or rejects something else.
     BEHAVIOUR = 3

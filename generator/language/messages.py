@@ -64,7 +64,7 @@ PATTERNS = {
     "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version consists of three numbers joined by dots, as in 0.1.0",
 }
 
-#: Names for one item of a list or map, where cutting the plural s does not give the singular.
+#: Names for one item of a list or map, if removing the plural s does not give the singular.
 _ITEMS = {
     "errata": "an erratum",
     "before": "a change",

@@ -1,4 +1,4 @@
-"""Editions of a manual: the family before a revision, or as far as a later one is public.
+"""Editions of a manual: the family as before a revision, or with the published facts of a later one.
 
 The spec transcribes one revision. Its ``editions`` are applied to it step by step: the changes ``before`` each revision
 on the way back to an older one, or those of ``then`` on the way to a newer one.
@@ -106,7 +106,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
 
 
 def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
-    """Yield the lists of changes on the way to a revision: index, key and name in outputs."""
+    """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
     order = [item.revision for item in family.device.editions]
     own, wanted = order.index(family.device.manual.revision), order.index(revision)
     listed_ = {item["revision"]: (index, item) for index, item in enumerate(family.document.data.get("editions", ()))}

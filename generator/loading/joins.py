@@ -31,7 +31,7 @@ def check_joined(layout: Layout, site: Site) -> None:
 
 
 def _check_joins(layout: Layout, site: Site) -> set[str]:
-    """Check that joined numbers have plain bits, each field once and, in a word, in sending order."""
+    """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order."""
     fields = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:

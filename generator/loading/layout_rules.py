@@ -1,4 +1,4 @@
-"""Checks of a layout whose fields have their places: lengths, values that fit, the CRC at the end."""
+"""Checks of a layout whose fields have been placed: lengths, values that fit, a CRC at the end."""
 
 from __future__ import annotations
 

@@ -142,7 +142,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
         (
             "  - remove: leds\n    value: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: a change with 'remove' takes no 'value'",
+            "o0.yaml:6:5: overlay-change: a change with 'remove' cannot have 'value'",
         ),
         (
             "  - set: device\n    to: other\n" + OWN,

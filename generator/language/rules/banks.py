@@ -1,4 +1,4 @@
-"""Rules on registers in banks, whose addresses are only valid after the bank has been selected."""
+"""Rules for registers in banks, whose addresses are only valid after the bank has been selected."""
 
 from __future__ import annotations
 

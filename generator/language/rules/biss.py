@@ -1,4 +1,4 @@
-"""Rules on facts fixed by BiSS itself (PROT p. 9-15): register addresses, single cycle frame, control frame."""
+"""Rules for facts fixed by BiSS itself (PROT p. 9-15): register addresses, single cycle frame, control frame."""
 
 from __future__ import annotations
 

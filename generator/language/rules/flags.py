@@ -1,4 +1,4 @@
-"""Rules on flags and their effect on the position in the same frame."""
+"""Rules for flags and their effect on the position in the same frame."""
 
 from __future__ import annotations
 

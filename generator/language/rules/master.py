@@ -1,4 +1,4 @@
-"""Rules on descriptions of masters: every name exists and has the right kind of value."""
+"""Rules for descriptions of masters: every name exists and has the right kind of value."""
 
 from __future__ import annotations
 

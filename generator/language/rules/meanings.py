@@ -1,4 +1,4 @@
-"""Rules on text that repeats nearby data: if the two differ, one of them is a mistake."""
+"""Rules for text that repeats nearby data: if the two differ, one of them is a mistake."""
 
 from __future__ import annotations
 

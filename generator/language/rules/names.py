@@ -1,4 +1,4 @@
-"""Rules on names and numbers that must be unique."""
+"""Rules for names and numbers that must be unique."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules on parameters and order codes: every code is unambiguous and sets everything."""
+"""Rules for parameters and order codes: every code is unambiguous and sets everything."""
 
 from __future__ import annotations
 

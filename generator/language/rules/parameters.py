@@ -1,4 +1,4 @@
-"""Rules on parameters: the interface that may use them, and their unit."""
+"""Rules for parameters: the interface that may use them, and their unit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules on facts that a manual prints twice: lists of defaults, last addresses, writes of procedures, labels."""
+"""Rules for facts that a manual prints twice: lists of defaults, last addresses, writes of procedures, labels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules on procedures: each step is possible, and matches the name of its procedure."""
+"""Rules for procedures: each step is possible, and matches the name of its procedure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules on names that refer to something, which must exist. Messages suggest the most similar name."""
+"""Rules for references to names, which must exist. Messages suggest the most similar name."""
 
 from __future__ import annotations
 

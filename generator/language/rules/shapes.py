@@ -1,4 +1,4 @@
-"""Rules on combinations of keys, which a schema could only check with incomprehensible messages."""
+"""Rules for combinations of keys, which a schema could only check with incomprehensible messages."""
 
 from __future__ import annotations
 

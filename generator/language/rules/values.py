@@ -1,4 +1,4 @@
-"""Rules on single numbers and texts: CRC parameters, widths of values, times, clocks, sources."""
+"""Rules for single numbers and texts: CRC parameters, widths of values, times, clocks, sources."""
 
 from __future__ import annotations
 
