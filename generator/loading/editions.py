@@ -59,7 +59,7 @@ def chosen(device: Device, wanted: str) -> str:
             f"the first edition, {dated[0].revision}, is dated {dated[0].date}, which is after {wanted}"
         )
     raise UnknownEdition(
-        f"the spec of {device.name} has no edition {quoted(wanted)}; it has {listed(names)}"
+        f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(names, 'or')}"
         + (", or a date such as 2020-03-31" if dated else "")
     )
 
