@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.flush()
         return code
     except BrokenPipeError:
-        # The reader of our output left before the end. Return the code that a shell gives for SIGPIPE.
+        # The reader closed our output early. Return the code that a shell gives for SIGPIPE.
         release()
         return 141
     except OSError as error:

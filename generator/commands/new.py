@@ -45,7 +45,7 @@ def write_spec(name: str, output: Path | None) -> list[Path]:
             f" {_suggested(name)}"
         )
     if name in TAKEN:
-        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; give the family another")
+        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
     path = output or Path(f"{name}.yaml")
     path = path / f"{name}.yaml" if path.is_dir() else path
     if path.name != f"{name}.yaml":

@@ -101,7 +101,7 @@ def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest
     assert "--register 0x56=0x.." in biss
     assert "position_bits 28" not in biss
     assert (
-        "Factory default: the widths in register 56h (singleturn_bits_used.bits) and register 57h "
+        "The widths are the factory defaults in register 56h (singleturn_bits_used.bits) and register 57h "
         "(multiturn_bits_used.bits)."
     ) in biss
     assert "--register" not in shown(capsys, "AM3616/4096-BG")

@@ -187,7 +187,7 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that steps by hand refer to a characteristic with numbered steps."""
+    """Check that manual remedies refer to a characteristic with numbered steps."""
     known = _Names(raw, report)
     counted = [name for name, item in by_name(raw, "characteristics").items() if has_steps(f"{item.get('value')}")]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
