@@ -132,7 +132,7 @@ _SURROUNDINGS: dict[str, dict[str, Treatment]] = {
         implemented=Plain("alarm-rule", "implemented"),
         cleared_by=Plain("alarm-rule", "cleared by", refers_to="procedures"),
         only=Plain("alarm-rule", "order codes"),
-        by_hand=Plain("alarm-rule", "steps by hand"),
+        by_hand=Plain("alarm-rule", "manual steps"),
     ),
     "Timing": _with_words(
         only=Plain("timing-typical", "order codes"),
