@@ -7,16 +7,16 @@ from enum import IntEnum
 
 
 class Impact(IntEnum):
-    """Effort that a change means for users, in rising order."""
+    """Effort that a change causes for users, in ascending order."""
 
     NONE = 0
     #: Words, sources and other facts that no code depends on.
     DOCUMENTATION = 1
-    #: Something new. Everything else is as before.
+    #: Additions. Everything else is unchanged.
     COMPATIBLE = 2
     #: Code still builds, but sends, reads, accepts or rejects something else.
     BEHAVIOUR = 3
-    #: Code that uses it no longer builds, or asks for something that is gone.
+    #: Code that uses it no longer builds, or asks for something that no longer exists.
     BREAKING = 4
 
     @property

@@ -108,7 +108,7 @@ def layouts(sides: Sides, old: Interface, new: Interface) -> list[Pair[Layout]]:
 
 
 def fields(sides: Sides, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
-    """Pair fields. A renamed one has the same bits and serves the same reader."""
+    """Pair fields. A renamed one has the same bits, and carries data only if the old one does."""
 
     def mark(layout: Layout, is_old: bool) -> Callable[[Field], Hashable]:
         places = sides.places(layout, interface, is_old)

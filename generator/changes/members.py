@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """A value that is equal or not. ``label`` is its name in reports, ``form`` its notation.
+    """A member that is compared for equality. ``label`` is its name in reports, ``form`` its notation.
 
     ``refers_to`` is the kind of thing that it names, so that a renaming is taken into account.
     """
@@ -25,7 +25,7 @@ class Plain:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A limit that allows less if it is lowered (``upper``) or raised. Without a limit, everything is allowed."""
+    """A limit that becomes narrower if it is lowered (``upper``) or raised. Without a limit, everything is allowed."""
 
     narrower: str
     wider: str
@@ -128,11 +128,11 @@ _SURROUNDINGS: dict[str, dict[str, Treatment]] = {
         register=Plain("alarm-bit", "register", refers_to="register"),
         field=Plain("alarm-bit", "bit", refers_to="any-field"),
         below_mv=Plain("alarm-rule", "threshold", "mv"),
-        latch=Plain("alarm-rule", "stays until it is reset"),
+        latch=Plain("alarm-rule", "kept until reset"),
         implemented=Plain("alarm-rule", "implemented"),
         cleared_by=Plain("alarm-rule", "cleared by", refers_to="procedures"),
         only=Plain("alarm-rule", "order codes"),
-        by_hand=Plain("alarm-rule", "steps by hand"),
+        by_hand=Plain("alarm-rule", "manual steps"),
     ),
     "Timing": _with_words(
         only=Plain("timing-typical", "order codes"),

@@ -1,4 +1,4 @@
-"""Pair the items of an old and a new list, by name or by a property that stays the same."""
+"""Pair the items of an old and a new list by name, or by a property that stays the same."""
 
 from __future__ import annotations
 

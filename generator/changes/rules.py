@@ -15,12 +15,12 @@ _LETTERS = {
     "-": Impact.NONE,
 }
 
-_GONE = "Its names are gone from C and Python, and its element from the XML. Code that uses them no longer builds."
+_GONE = "Its names no longer exist in C and Python, nor its element in the XML. Code that uses them no longer builds."
 _NEW = "All other names stay the same."
 _RENAMED = "Names in C, Python and XML follow the spec, so code must use the new name. It works as before."
-_WIRE = "The same names mean something else on the line, so code still builds but behaves differently."
-_LESS = "Less is allowed: values, clocks or pauses that worked are rejected or too short."
-_MORE = "Everything that was allowed still is."
+_WIRE = "The same names have a different meaning on the line, so code still builds but behaves differently."
+_LESS = "Values, clocks or pauses that used to work may be rejected or too short."
+_MORE = "Everything that was allowed is still allowed."
 
 #: Named things. Their rules are THING-gone, THING-new and THING-renamed. Each has a description, then the impacts on C,
 #: Python, XML and pages of the three rules, then the property by which a renamed one is recognised.
@@ -28,7 +28,7 @@ _THINGS = (
     ("family", "a family of encoders", "BBBD", "+++D", "BBBD", "the same order codes"),
     ("order-code", "an order code", "BBBD", "+++D", "BBBD", "the same parts"),
     ("part", "a part of the order code", "-BBD", "-WWD", "-BBD", "the same values"),
-    ("spelling", "another notation for labels", "BBBD", "+++D", "BBBD", "the same texts"),
+    ("spelling", "an additional notation for labels", "BBBD", "+++D", "BBBD", "the same texts"),
     (
         "parameter",
         "a quantity that an order code sets",
@@ -42,11 +42,11 @@ _THINGS = (
     ("field", "a field of a frame or register", "BBBD", "WB+D", "BBBD", "the same bits"),
     ("value", "a named value", "BBBD", "+++D", "BBBD", "the same number"),
     ("joined", "a number made of several fields", "BBBD", "BB+D", "BBBD", "the same fields"),
-    ("register", "a register", "BBBD", "+++D", "BBBD", "same address and bits"),
+    ("register", "a register", "BBBD", "+++D", "BBBD", "the same address and bits"),
     ("meaning", "a meaning of a register under a setting", "BBBD", "+++D", "BBBD", "the same setting"),
     ("crc", "a CRC", "BBBD", "+++D", "BBBD", "the same computation"),
     ("data-id", "a data ID", "BBBD", "+++D", "BBBD", "the same number"),
-    ("timing", "a time", "BBBD", "+++D", "BBBD", "the same times"),
+    ("timing", "a timing", "BBBD", "+++D", "BBBD", "the same times"),
     ("alarm", "an error or warning", "BBBD", "+++D", "BBBD", "the same bit"),
     ("procedure", "a procedure", "BBBD", "+++D", "BBBD", "the same steps"),
     ("decision", "a question that the manual leaves open", "BBBD", "BBBD", "BBBD", "the same bits"),
@@ -59,104 +59,129 @@ _THINGS = (
 
 #: Other changes: name, impact on C, Python, XML and pages, condition, reason.
 _CHANGES = (
-    ("interface-of-code", "BBBD", "an order code has another interface", "It has other frames and registers."),
-    ("parameter-of-code", "WWWD", "an order code has another resolution or other number", _WIRE),
+    ("interface-of-code", "BBBD", "an order code has a different interface", "It has different frames and registers."),
+    ("parameter-of-code", "WWWD", "an order code has a different resolution or other number", _WIRE),
     ("parameter-rule", "WWWD", "the formula of a quantity has changed", _WIRE),
-    ("parameter-range", "WWWD", "a quantity held in a register has another range or another register", _WIRE),
-    ("label", "WWWD", "the rule for reading labels has changed", "Labels may give other order codes."),
-    ("movement", "-WWD", "rotary has become linear or vice versa", "A position means something else."),
+    ("parameter-range", "WWWD", "a quantity held in a register has a different range or register", _WIRE),
+    ("label", "WWWD", "the rule for reading labels has changed", "Labels may result in different order codes."),
+    ("movement", "-WWD", "rotary has become linear or vice versa", "Positions have a different meaning."),
     ("measurement", "WWWD", "the units of the position have changed", "Angles and lengths differ."),
     ("maker", "BBBD", "the manufacturer's name or its Python package has changed", "Every name begins with it."),
     ("maker-id", "--BD", "the BiSS manufacturer ID has changed", "Masters use it to find the description file."),
-    ("supply-narrower", "D+WD", "the supply voltage has narrower limits", "A supply that was right may do damage."),
+    (
+        "supply-narrower",
+        "D+WD",
+        "the supply voltage has narrower limits",
+        "A supply that was correct may cause damage.",
+    ),
     ("supply-wider", "D++D", "the supply voltage has wider limits, or none", _MORE),
-    ("frame-length", "WWWD", "a frame has another length", _WIRE),
-    ("frame-order", "WWWD", "a frame is sent in another order or in another code", _WIRE),
-    ("frame-told-by", "WWWD", "another value identifies a frame", _WIRE),
+    ("frame-length", "WWWD", "a frame has a different length", _WIRE),
+    ("frame-order", "WWWD", "a frame is sent in a different order or code", _WIRE),
+    ("frame-told-by", "WWWD", "a different value identifies a frame", _WIRE),
     ("frame-decision", "BBBD", "a frame now needs a decision, or no longer does", "An argument is added or removed."),
     ("other-bits", "WWWD", "the required values of bits outside the fields have changed", _WIRE),
     ("field-moved", "WWWD", "a field is at other bits", _WIRE),
-    ("field-width", "WWWD", "a field has another width", _WIRE),
-    ("field-kind", "BBBD", "a field is of another kind", "Its type changes, or it is added or removed."),
-    ("field-reads-otherwise", "WWWD", "the bits of a field are converted in another way", _WIRE),
-    ("field-constant", "WWWD", "fixed or unused bits have another value", "Other frames are rejected or reported."),
-    ("field-verdict", "WWWD", "a bit has another effect on the position", "It decides whether positions are usable."),
-    ("field-expected", "WWWD", "a field has another documented value", "It identifies the encoder."),
-    ("field-default", "WWWD", "a field has another default", _WIRE),
-    ("field-unit", "DWWD", "a field has another unit", "The same number means something else."),
-    ("value-changed", "WWWD", "a named value has another number", _WIRE),
-    ("joined-of", "WWWD", "a number consists of other fields", _WIRE),
-    ("register-moved", "WWWD", "a register has another address or bank", _WIRE),
+    ("field-width", "WWWD", "a field has a different width", _WIRE),
+    ("field-kind", "BBBD", "a field is of a different kind", "Its type changes, or it is added or removed."),
+    ("field-reads-otherwise", "WWWD", "the bits of a field are converted differently", _WIRE),
+    (
+        "field-constant",
+        "WWWD",
+        "fixed or unused bits have a different value",
+        "Different frames are rejected or reported.",
+    ),
+    (
+        "field-verdict",
+        "WWWD",
+        "a bit has a different effect on the position",
+        "It decides whether positions are usable.",
+    ),
+    ("field-expected", "WWWD", "a field has a different documented value", "It identifies the encoder."),
+    ("field-default", "WWWD", "a field has a different default", _WIRE),
+    ("field-unit", "DWWD", "a field has a different unit", "The same number has a different meaning."),
+    ("value-changed", "WWWD", "a named value has a different number", _WIRE),
+    ("joined-of", "WWWD", "a number consists of different fields", _WIRE),
+    ("register-moved", "WWWD", "a register has a different address or bank", _WIRE),
     (
         "register-length",
         "BWWD",
-        "a register has another length",
+        "a register has a different length",
         "Buffers of the old length are too short or too long.",
     ),
-    ("register-order", "WWWD", "the bytes of a register have another order", _WIRE),
-    ("register-interface", "BBBD", "a register belongs to another interface", "It is accessed by other means."),
+    ("register-order", "WWWD", "the bytes of a register are in a different order", _WIRE),
+    ("register-interface", "BBBD", "a register belongs to a different interface", "It is accessed in a different way."),
     ("access-lost", "BBBD", "a register can no longer be read or written", "Its functions are gone."),
     ("access-gained", "+++D", "a register can now also be read or written", _NEW),
-    ("register-default", "WWWD", "a register has another default", _WIRE),
+    ("register-default", "WWWD", "a register has a different default", _WIRE),
     (
         "register-rule",
         "WWWD",
         "the effect, the conditions or the time of a write have changed",
-        "An access that worked may behave differently.",
+        "An access that used to work may behave differently.",
     ),
     ("limit-narrower", "WWWD", "a value has narrower limits", _LESS),
     ("limit-wider", "+++D", "a value has wider limits, or none", _MORE),
-    ("wait-longer", "WWWD", "a required waiting time is longer or new", _LESS),
-    ("wait-shorter", "+++D", "a required waiting time is shorter or gone", _MORE),
-    ("timing-typical", "+++D", "a typical time, or its symbol, has changed", "Code cannot rely on typical times."),
+    ("wait-longer", "WWWD", "a required waiting time is longer or was added", _LESS),
+    ("wait-shorter", "+++D", "a required waiting time is shorter or was removed", _MORE),
+    ("timing-typical", "+++D", "a typical time or its symbol has changed", "Code cannot rely on typical times."),
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),
     ("clock-wider", "+++D", "the clock has wider limits", _MORE),
     ("port", "WWWD", "the settings of the serial port have changed", _WIRE),
-    ("alignment", "DWWD", "a word has another alignment or code", _WIRE),
-    ("bank-select", "WWWD", "the bank is selected by another register", _WIRE),
+    ("alignment", "DWWD", "a word has a different alignment or code", _WIRE),
+    ("bank-select", "WWWD", "the bank is selected by a different register", _WIRE),
     (
         "interface-rule",
         "DWWD",
         "signals, network, profile or memory access have changed",
-        "Set-ups depend on it.",
+        "Installations depend on it.",
     ),
-    ("data-id-changed", "WWWD", "a data ID has another number, control byte or purpose", _WIRE),
+    ("data-id-changed", "WWWD", "a data ID has a different number, control byte or purpose", _WIRE),
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),
-    ("alarm-bit", "WWWD", "an error or warning is another bit", _WIRE),
+    ("alarm-bit", "WWWD", "an error or warning is a different bit", _WIRE),
     (
         "alarm-rule",
         "DWWD",
         "the conditions that set or clear an error or warning have changed",
-        "A reset or a wait has another effect.",
+        "A reset or a wait has a different effect.",
     ),
-    ("procedure-steps", "WWWD", "the steps of a procedure have changed", "The same call sends something else."),
-    ("procedure-arguments", "BBBD", "a procedure has other arguments", "Calls no longer match."),
-    ("procedure-interface", "BBBD", "a procedure uses another interface", "It is accessed by other means."),
-    ("answer-sets", "WWWD", "an answer stands for other bits", _WIRE),
-    ("contact", "DWWD", "a contact or wire carries another signal", "Wiring by the old spec may do damage."),
-    ("input-rule", "DWWD", "a hardware input has another function", "An encoder wired to it behaves differently."),
+    ("procedure-steps", "WWWD", "the steps of a procedure have changed", "The same call sends different data."),
+    ("procedure-arguments", "BBBD", "a procedure has different arguments", "Calls no longer match."),
+    ("procedure-interface", "BBBD", "a procedure uses a different interface", "It is accessed in a different way."),
+    ("answer-sets", "WWWD", "an answer selects different bits", _WIRE),
+    (
+        "contact",
+        "DWWD",
+        "a contact or wire carries a different signal",
+        "Wiring according to the old spec may cause damage.",
+    ),
+    ("input-rule", "DWWD", "a hardware input has a different function", "An encoder wired to it behaves differently."),
     ("unforeseen", "WWWD", "a change that no other rule covers", "It is reported rather than ignored."),
     ("words", "DDDD", "only the wording has changed", "No code depends on it."),
     ("source", "DDDD", "a citation has changed", "No code depends on it."),
-    ("manual", "DDDD", "the manual has another edition or more revisions", "Its changes have rules of their own."),
-    ("erratum", "DDDD", "an erratum is new, gone or changed", "The facts that it changes have rules of their own."),
-    ("example", "DDDD", "a worked example is new, gone or changed", "Examples are tests and pages."),
-    ("told", "DDDD", "a characteristic, table, light, document or lost figure has changed", "No code depends on it."),
-    ("order", "DDDD", "only the order of the facts has changed", "Facts are found by their names."),
+    ("manual", "DDDD", "the manual has a different edition or more revisions", "Changed facts have their own rules."),
+    ("erratum", "DDDD", "an erratum was added, removed or changed", "Changed facts have their own rules."),
+    ("example", "DDDD", "a worked example was added, removed or changed", "Examples only affect tests and pages."),
+    (
+        "told",
+        "DDDD",
+        "a characteristic, table, light, document or missing figure has changed",
+        "No code depends on it.",
+    ),
+    ("order", "DDDD", "only the order of the facts has changed", "Facts are identified by name."),
 )
 
 
 def _all() -> Iterator[Rule]:
     for thing, what, gone, new, renamed, same in _THINGS:
-        yield Rule(f"{thing}-gone", _impacts(gone), f"{what} is gone", _GONE)
+        yield Rule(f"{thing}-gone", _impacts(gone), f"{what} was removed", _GONE)
         why = "Callers must give an answer." if thing == "decision" else _NEW
         if thing in ("field", "joined"):
             why = "Code that encodes the frame or register must give one more value, and decoders return one more."
         if thing == "measurement":
-            why = "In C, a quantity that it uses is named after its role there, such as the counts per turn."
-        yield Rule(f"{thing}-new", _impacts(new), f"{what} is new", why)
+            why = "In C, each quantity of a measurement is named after its role, such as the counts per turn."
+        yield Rule(f"{thing}-new", _impacts(new), f"{what} was added", why)
         if same:
-            yield Rule(f"{thing}-renamed", _impacts(renamed), f"{what} has another name but {same}", _RENAMED)
+            yield Rule(f"{thing}-renamed", _impacts(renamed), f"{what} has a different name but {same}", _RENAMED)
     for name, impacts, when, why in _CHANGES:
         yield Rule(name, _impacts(impacts), when, why)
 

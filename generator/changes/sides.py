@@ -34,7 +34,7 @@ class Sides:
             item.name for _, layout in new.layouts() for items in (layout.fields, layout.joins) for item in items
         )
         before = {item.code for item in old.variants}
-        #: The common order codes, the new by the old.
+        #: The common order codes: the new ones by the old ones.
         self.shared: dict[str, str] = {}
         for item in old.variants:
             other = item.code if item.code in codes else by_parts.get(tuple(sorted(item.parts.items())), "")

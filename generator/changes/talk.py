@@ -128,7 +128,7 @@ def _register(sides: Sides, place: Thing, old: Register, new: Register) -> Itera
     for pair in known.named(old.meanings, new.meanings, lambda item: (item.when, item.value)):
         item = pair.new or pair.old
         assert item is not None
-        inner = bare.inside(item.name, f"{place.label}: as {item.name}")
+        inner = bare.inside(item.name, f"{place.label}: meaning {item.name}")
         yield from sides.presence("meaning", inner, pair.old, pair.new)
         if pair.old is not None and pair.new is not None:
             yield from members(sides, inner, pair.old, pair.new)

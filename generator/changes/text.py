@@ -37,7 +37,7 @@ def _change(change: Change) -> Iterator[str]:
 
 
 def _words(changes: Sequence[Change]) -> Iterator[str]:
-    """Yield the changes of documentation: a few by their places, the others as a count."""
+    """Yield the documentation changes: the places of the first few, and the number of the others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         here = [change for change in changes if change.rule is rule]
         texts = [_place(change) for change in here[:_MOST_LISTED]]

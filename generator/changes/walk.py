@@ -12,7 +12,7 @@ from .sides import Sides
 
 
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
-    """Return all changes of all families, by family name and then by falling impact.
+    """Return all changes of all families, by family name and then by descending impact.
 
     A missing family was renamed if a new one has the same order codes, or if there is only one of each.
     """
@@ -26,7 +26,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
 
 
 def compare_family(old: Device, new: Device) -> list[Change]:
-    """Return all changes of a family, by falling impact."""
+    """Return all changes of a family, by descending impact."""
     sides = Sides(old, new)
     known.note_all(sides)
     walks = (
@@ -45,7 +45,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     found = list(_merged(change for walk in walks for change in walk(sides)))
     if not found and _bare(old) != _bare(new):
         thing = Thing("", f"family {new.name}")
-        found.append(sides.change("order", thing, ": other order, same facts", None, None))
+        found.append(sides.change("order", thing, ": different order, same facts", None, None))
     return sorted(found, key=lambda change: -change.impact)
 
 

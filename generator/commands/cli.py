@@ -2,7 +2,7 @@
 
 Exit codes: 0 done. 1 problems in the input, a difference, a frame with an error, or a register value that does not
 match this encoder. 2 wrong usage, unknown order code, or text that is not a frame or needs --choose. 3 a valid frame
-whose position is not usable. With several frames, the worst decides: 2, then 1, then 3.
+whose position is not usable. With several frames, the worst one decides: 2, then 1, then 3.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "spec files, or folders whose .yaml files are read if their keys are those of a spec (default: the specs in the "
+    "spec files, or folders, in which all .yaml files with the keys of a spec are read (default: the specs in the "
     "current folder, or those shipped with codewheel if it has none)"
 )
 JSON_VERSION = 1
@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.flush()
         return code
     except BrokenPipeError:
-        # The reader of our output left before the end. Return the code that a shell gives for SIGPIPE.
+        # The reader closed our output early. Return the code that a shell gives for SIGPIPE.
         release()
         return 141
     except OSError as error:
@@ -159,10 +159,12 @@ def _add_check(commands: _Commands) -> None:
     parser.add_argument(
         "--coverage",
         action="store_true",
-        help="count how often each fact was read, and exit 1 if one that needs two readings had one",
+        help="count how often each fact was read, and exit 1 if a fact that needs two readings was read only once",
     )
     parser.add_argument(
-        "--write", action="store_true", help="with --coverage: save the counts next to the specs, for their pages"
+        "--write",
+        action="store_true",
+        help="with --coverage: save the counts next to the specs, for the documentation pages",
     )
     parser.more_help = _targets_for_help
     parser.set_defaults(run=_check)
@@ -197,7 +199,7 @@ _ABOUT_FRAMES = (
     "every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 "
     "done. 1 a frame with an error, or a register value that does not match this encoder. 2 wrong usage, text that is "
     "not a frame, or a frame that needs --choose. 3 a valid frame whose position is not usable. With several frames, "
-    "the worst decides: 2, 1, 3."
+    "the worst one decides: 2, then 1, then 3."
 )
 
 
@@ -221,7 +223,8 @@ def _add_decode(commands: _Commands) -> None:
     parser.add_argument(
         "--layout",
         metavar="NAME",
-        help="the frame's layout, as named by show, if the frame does not identify it (another BiSS data channel)",
+        help="the frame's layout, one of those listed by show, if the frame does not identify it (such as another BiSS"
+        " data channel)",
     )
     parser.add_argument(
         "--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)"
@@ -246,7 +249,7 @@ def _add_master(commands: _Commands) -> None:
         type=a_path,
         default=[],
         metavar="PATH",
-        help="your own descriptions of masters, files or folders",
+        help="your own descriptions of masters, as files or folders",
     )
     _add_register_option(parser)
     _add_choose_option(parser, "no settings if they depend on it")

@@ -324,10 +324,10 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
 
 def _mistake_lines(why: Why) -> list[str]:
     by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
-    tried = counted(why.tried, "usual mistake")
+    tried = counted(why.tried, "common mistake")
     noise = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
     if not why.explanations:
-        lines = ["", wrapped(f"No usual mistake explains it ({noise}).", WIDTH, "  ", "")]
+        lines = ["", wrapped(f"No common mistake explains it ({noise}).", WIDTH, "  ", "")]
     else:
         twice = (
             "No single mistake explains it. Two at once would"

@@ -20,7 +20,7 @@ from .decode import decode_register_text, decode_text, decoded_data, explain, wh
 from .frame_text import FrameTextError
 
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
-#: With several frames, the worst decides.
+#: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 
 #: A frame as text, with its line number on standard input, or None for an argument.

@@ -34,11 +34,11 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
     parser = commands.add_parser(
         "diff",
         help="list the changes between two versions of specs",
-        description="List each change with the outputs and order codes that it affects. Exit 1 if there is one.",
+        description="List each change with the outputs and order codes that it affects. Exit 1 if there are any.",
     )
     where = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
     parser.add_argument("old", metavar="OLD", help=f"the old specs: {where}")
-    parser.add_argument("new", metavar="NEW", help="the new specs, in the same forms")
+    parser.add_argument("new", metavar="NEW", help="the new specs, given in the same way")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print JSON")
     form.add_argument("--markdown", action="store_true", help="print a section of a changelog")
@@ -61,7 +61,7 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
     parser.add_argument(
         "--lenient",
         action="store_true",
-        help="compare specs even if today's spec language finds problems, and leave out the faulty parts",
+        help="compare specs even if the current spec language finds problems, without the faulty parts",
     )
     return parser
 
@@ -145,7 +145,7 @@ def _record(found: Found, after: _Side) -> Found:
 
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
-    """Return the families of one side. For the old side, these are the ones that today's language can still read."""
+    """Return the families of one side. For the old side, those that the current language can still read."""
     from ..changes.revisions import RevisionError, lay_out, named
     from ..loading.library import load_families, sound_families
 
@@ -169,13 +169,15 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     if lenient and families:
         _show(problems)
         count = counted(len(problems), "problem")
-        said = f"{text} has {count} in today's spec language. The faulty parts are left out and may be listed as new"
+        said = (
+            f"{text} has {count} in the current spec language. The faulty parts are left out and may be listed as new"
+        )
         return _Side(tuple(families), frozenset(), (said,))
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
-    said = f"not compared, with {counted(len(problems), 'problem')} in today's spec language: {', '.join(left_out)}"
+    said = f"not compared, with {counted(len(problems), 'problem')} in the current spec language: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 
@@ -193,7 +195,7 @@ def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
     if not is_old:
         return Stop(f"{text} has {count} and is not compared", 1)
     return Stop(
-        f"{text} has {count} in today's spec language and is not compared. It may use an older form of the language: "
-        "add --lenient, use a later revision, or run the codewheel of that time",
+        f"{text} has {count} in the current spec language and is not compared. It may use an older form of the "
+        "language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
     )

@@ -11,12 +11,12 @@ from typing import TypedDict
 from .arguments import Parser
 from .terminal import Stop
 
-#: Rules about several files, for which the tests have no single broken file to show.
+#: Rules about several files, for which the tests have no single broken file to show as an example.
 _SEVERAL_FILES = {
-    "coverage-file": "the coverage file next to a spec is not what 'check --coverage --write' would write.",
+    "coverage-file": "the coverage file next to a spec differs from what 'check --coverage --write' would write.",
     "overlay-change": "a change in an overlay or edition has keys that do not belong to its kind.",
     "overlay-conflict": "two overlays change the same place.",
-    "overlay-unused": "a change in an overlay does not find what it sets, adds or removes.",
+    "overlay-unused": "a change in an overlay has no effect, or sets, adds or removes something that does not exist.",
     "readings-disagree": "the second reading of a manual differs from the spec. The manual decides. If the manual "
     "prints both, record an erratum with 'readings'.",
 }
@@ -34,7 +34,7 @@ def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
     parser = commands.add_parser(
         "explain",
         help="explain a rule of check or diff",
-        description="Explain a rule of check by an example, or a rule of diff by its impact and reason.",
+        description="Explain a rule of check with an example, or a rule of diff by its impact and reason.",
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
     parser.set_defaults(run=_explain)

@@ -171,7 +171,7 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
         raise
     if report:
         files = list(dict.fromkeys(problem.file for problem in report.problems))
-        left_out = f"left out, with {counted(len(report), 'problem')}: {_listed(files)}; run codewheel check"
+        left_out = f"skipped, with {counted(len(report), 'problem')}: {_listed(files)}; run codewheel check"
         print(f"codewheel: {left_out}", file=sys.stderr)
 
 

@@ -45,7 +45,7 @@ def write_spec(name: str, output: Path | None) -> list[Path]:
             f" {_suggested(name)}"
         )
     if name in TAKEN:
-        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; give the family another")
+        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
     path = output or Path(f"{name}.yaml")
     path = path / f"{name}.yaml" if path.is_dir() else path
     if path.name != f"{name}.yaml":
@@ -131,7 +131,7 @@ _DEVICE = """\
 # using the schema named in the first line. A copy of the schema next to the spec belongs to codewheel: delete it after
 # an update, and "codewheel new" writes it again.
 #
-# Sources are the section and page of the manual, as in "6.2 p.25". Give a page only if the contents, the index or a
+# Sources are the section and page of the manual, as in "6.2 p.25". Cite a page only if the contents, the index or a
 # cross-reference proves it.
 
 codewheel: 1
@@ -157,7 +157,7 @@ manual:
 # Values set by the order code. Widths and limits below are expressions of these, such as 2^singleturn_bits - 1.
 parameters:
   singleturn_bits: {meaning: Singleturn resolution, unit: bits, source: "1"}
-  # Held by a register at run time instead of set by the order code:
+  # Held in a register at run time instead of set by the order code:
   # used_bits: {meaning: Bits as set, read_from: resolution.bits, min: 1, max: 17, source: "6"}
 
 order_code:
@@ -258,7 +258,7 @@ procedures:
     arguments: [{name: position, of: preset, meaning: New value for the current position}]
     steps:
       - {do: write, register: preset, value: position, meaning: write the four preset registers}
-      - {do: write, register: command, value: save, meaning: keep it over power-off}
+      - {do: write, register: command, value: save, meaning: keep it after power-off}
       - {do: wait, at_least_ms: 30, meaning: EEPROM writing time}
     source: "6.3"
 
@@ -274,7 +274,7 @@ examples:
     values: {preset: 1000}
     source: "6.3"
 
-# Errors and contradictions in the manual. Correct nothing without an entry here.
+# Errors and contradictions in the manual. Do not correct anything without an entry here.
 # errata:
 #   - name: preset_length
 #     source: "6.3"

@@ -115,7 +115,7 @@ def _manual(device: Device) -> list[str]:
     origin = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
     said = [BY_NAME.sentence(item) for item in says_origin(device)]
     if device.editions:
-        said.append(f"--edition shows other ones: {', '.join(item.revision for item in device.editions)}")
+        said.append(f"--edition shows the others: {', '.join(item.revision for item in device.editions)}")
     return [wrapped(line, WIDTH, "  ") for line in (origin, *said)]
 
 

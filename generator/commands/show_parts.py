@@ -78,11 +78,13 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes += [f"{style.sentence(said)} {shown}" for said in needs(replace(device, alternatives=(item,)), layout)]
     widths = run_time_widths(device, layout)
     if widths:
-        notes.append(f"Factory default: the widths in {' and '.join(field_at(device, path) for path in widths)}.")
+        notes.append(
+            f"The widths are the factory defaults in {' and '.join(field_at(device, path) for path in widths)}."
+        )
     if layout.gray_of and layout.gray_when:
         names = needed_parameters(device, layout.gray_when)
         held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
-        decided = f", by factory default of {held}" if held else ""
+        decided = f", according to the factory default of {held}" if held else ""
         notes.append(f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{decided}.")
     return [*lines, *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
 
@@ -135,7 +137,7 @@ def alternative_lines(device: Device) -> list[str]:
         lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
         example = f"--choose {item.name}={item.answers[0].name}"
         lines.append(wrapped(f"Give decode the answer with {example}", WIDTH, "      ", "    "))
-    return ["", "Open in the manual, for you to choose", *lines] if lines else []
+    return ["", "Left open by the manual, for you to choose", *lines] if lines else []
 
 
 # -- registers

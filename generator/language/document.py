@@ -10,7 +10,7 @@ from typing import Any
 #: Place in a spec: keys of maps, and for lists an index or the name of an item.
 Path = tuple[str | int, ...]
 
-#: Keys that name an item of a list. The first one present counts.
+#: Keys that name an item of a list. The first one present is used.
 _ITEM_KEYS = ("name", "id", "revision", "contact")
 _WRITTEN = re.compile(r"(?:[&!]\S*\s+)*([-+]?[0-9][0-9A-Za-z]*)")
 _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")

@@ -22,45 +22,49 @@ _SUM = "a whole number, or a sum such as singleturn_bits + 8"
 _NUMBER_OR_TEXT = {
     **dict.fromkeys(("bits", "min", "max", "counts_per_turn", "turns", "step_um", "modulus"), _SUM),
     "at": "a bit number, or a range such as 7:6",
-    "addresses": "an address, or the first and the last as in 0x4B-0x4D",
+    "addresses": "an address, or the first and the last, as in 0x4B-0x4D",
     "equals": "a whole number, a sum such as singleturn_bits + 8, or text",
 }
 
 #: Every pattern of the schemas in words.
 PATTERNS = {
     "^[a-z][a-z0-9]*(_[a-z0-9]+)*$": (
-        "a name has lower-case letters and digits, a letter first, and single underscores between them"
+        "a name begins with a lowercase letter and contains only lowercase letters, digits and single underscores"
+        " between them"
     ),
-    "^[a-z][a-z0-9]*$": "it has lower-case letters and digits, a letter first",
-    "^[a-z]{2}$": "a language code has two lower-case letters, as in en",
-    "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is year-month-day, as in 2024-05-10",
-    "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is year-month-day, as in 2024-05-10, or the year alone",
+    "^[a-z][a-z0-9]*$": "it must begin with a lowercase letter and contain only lowercase letters and digits",
+    "^[a-z]{2}$": "a language code has two lowercase letters, as in en",
+    "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is written as year-month-day, as in 2024-05-10",
+    "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is written as year-month-day, as in 2024-05-10, or as the year alone",
     '^https?://[^\\s<>"|`^{}\\[\\]\\\\]+$': (
-        "an address begins with https:// and has no spaces, quotes, bars or brackets except ( ); "
+        "a URL begins with https:// and contains no spaces, quotes, bars or brackets except ( ); "
         "write these as %20, %7C and so on"
     ),
-    "^[0-9A-Fa-f]{2}( [0-9A-Fa-f]{2})*$": ("bytes are two hex digits each, separated by single spaces, as in 1A 00 3F"),
-    "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$": "first and last address are written as in 0x4B-0x4D",
-    "^0x[0-9A-Fa-f]{1,4}(-0x[0-9A-Fa-f]{1,4})?( bit [0-9]{1,3})?( = (0x[0-9A-Fa-f]{1,16}|[0-9]{1,3}))?$": (
-        "a write is an address and a byte as in 0x48 = 0x01, an address and a bit as in 0x49 bit 2 = 0, or addresses"
-        " alone as in 0x50-0x54"
+    "^[0-9A-Fa-f]{2}( [0-9A-Fa-f]{2})*$": (
+        "bytes are written as two hex digits each, separated by single spaces, as in 1A 00 3F"
     ),
-    "^[01]+$": "bits are the digits 0 and 1 only",
+    "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$": "write the first and last address, as in 0x4B-0x4D",
+    "^0x[0-9A-Fa-f]{1,4}(-0x[0-9A-Fa-f]{1,4})?( bit [0-9]{1,3})?( = (0x[0-9A-Fa-f]{1,16}|[0-9]{1,3}))?$": (
+        "a write is an address and a byte, as in 0x48 = 0x01, an address and a bit, as in 0x49 bit 2 = 0, or only"
+        " addresses, as in 0x50-0x54"
+    ),
+    "^[01]+$": "bits are written with the digits 0 and 1 only",
     "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$": (
-        "a value of an order code has letters and digits, and single slashes between them"
+        "a value of an order code contains only letters, digits and single slashes between them"
     ),
     "^[A-Za-z0-9\\[\\]{},?+*-]+$": "use only letters, digits, classes in brackets and counts, as in [A-Z]{2}",
-    "^[a-z][a-z0-9_]*\\.[a-z][a-z0-9_]*$": "it names a register and its field, as in configuration.output_code",
-    "^[A-Za-z0-9_.-]+$": "a file name has letters, digits, '_', '.' and '-'",
-    "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path is names joined by dots, as in registers.preset",
-    "^S[A-Z0-9]+$": "a special model is named by its label after the slash, as in S042",
+    "^[a-z][a-z0-9_]*\\.[a-z][a-z0-9_]*$": "write a register and its field, as in configuration.output_code",
+    "^[A-Za-z0-9_.-]+$": "a file name contains only letters, digits, '_', '.' and '-'",
+    "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path consists of names joined by dots, as in registers.preset",
+    "^S[A-Z0-9]+$": "the name of a special model is the part of its label after the slash, as in S042",
     "^[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*(\\.[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*)*$": (
-        "a place is keys and names joined by dots, unnamed items by number, as in procedures.set_preset.steps[3]"
+        "a place consists of keys and names joined by dots, with numbers for unnamed items, as in"
+        " procedures.set_preset.steps[3]"
     ),
-    "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version is three numbers joined by dots, as in 0.1.0",
+    "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version consists of three numbers joined by dots, as in 0.1.0",
 }
 
-#: Names for one item of a list or map, where cutting the plural s does not give the singular.
+#: Names for one item of a list or map, if removing the plural s does not give the singular.
 _ITEMS = {
     "errata": "an erratum",
     "before": "a change",
@@ -79,7 +83,7 @@ _ITEMS = {
 }
 
 
-#: Maps in which an unknown key is not a typo but an unsupported feature.
+#: Maps in which an unknown key is an unsupported feature rather than a typo.
 _ALL_THERE_IS: dict[str | int, str] = {
     "interfaces": ("codewheel supports only ssi, biss and rs485 (requests and replies like Tamagawa's T-format)"),
 }
@@ -88,7 +92,7 @@ _ALL_THERE_IS: dict[str | int, str] = {
 #: Current names of keys, by their names in earlier versions of the language.
 _RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
-#: Follows a key that device files have and second readings do not.
+#: Text after a key that device files have and second readings do not.
 _NO_PROSE = "; a second reading has only facts, no prose; leave it out"
 
 
@@ -126,7 +130,7 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
             )
         else:
             yield Finding(
-                "bad-pattern", (*path, error.instance), f"the key {quoted(error.instance)} does not fit: {words}", True
+                "bad-pattern", (*path, error.instance), f"the key {quoted(error.instance)} is not valid: {words}", True
             )
     elif error.validator == "additionalProperties":
         for key in error.instance:

@@ -1,6 +1,6 @@
 """Overlays: changes applied to a spec, each with its reason and its source.
 
-The result is a document like any other. Its values know the file that they come from, so that later problems with
+The result is a document like any other. Each value records the file that it comes from, so that later problems with
 them are reported in the overlay. Changes that cannot be applied are reported here: a place that does not exist, a
 value that is already there, two changes of the same place.
 """
@@ -122,7 +122,7 @@ class Laying:
         needed = _VALUE_OF.get(kind)
         for key in _VALUE_OF.values():
             if (key in change) != (key == needed):
-                verb = "needs" if key == needed else "takes no"
+                verb = "needs" if key == needed else "cannot have"
                 self._tell("overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}")
                 return False
         return True

@@ -1,8 +1,8 @@
-"""Read YAML files into plain data that knows the place of each value.
+"""Read YAML files into plain data, with the place of each value.
 
 PyYAML handles the syntax. Scalars are resolved here, by the YAML 1.2 core schema. PyYAML's own resolver follows YAML
-1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false. A person who transcribes a manual means none of
-these. No module after this one knows YAML.
+1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false. A person who transcribes a manual intends none
+of these. No later module depends on YAML.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ def _character(lines: list[str], mark: Any) -> str:
 def _keyless(character: str) -> str:
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
-    return "a key without a colon, or a text continued without indentation"
+    return "a key has no colon, or a text continues without indentation"
 
 
 def _last_quoted(text: str, mark: Any) -> Any:
@@ -92,15 +92,15 @@ def _about_bracket(lines: list[str], opened: Any, mark: Any) -> str:
 
 def _message(problem: str, character: str, at_end: bool) -> str:
     if character == "\t":
-        return "a tab cannot indent; use spaces"
+        return "tabs cannot be used for indentation; use spaces"
     if (character and character in "@`") or (character == "%" and "token" in problem):
         return f"an unquoted text cannot begin with '{character}'; put it in quotes"
     if "mapping values are not allowed" in problem:
-        return "a colon and a space inside an unquoted text; put the text in quotes, or check the indentation"
+        return "an unquoted text contains a colon and a space; put the text in quotes, or check the indentation"
     if "undefined alias" in problem:
         return "there is no anchor of this name before this alias"
     if "'-' indicator" in problem:
         return "each item of a list begins with '-'; put one before this, or check the indentation"
     if at_end or "end of stream" in problem:
-        return f"the text ends in the middle of something ({problem}); a quote or bracket may be left open"
+        return f"the file ends unexpectedly ({problem}); a quote or bracket may not be closed"
     return f"{problem}; check the indentation, quotes and brackets here and just above"

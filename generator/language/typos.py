@@ -1,4 +1,4 @@
-"""Obvious mistakes in YAML, fixed while reading: each is reported once, and the rest is read as intended.
+"""Obvious mistakes in YAML, fixed while reading. Each is reported once, and the rest is read as intended.
 
 Without this, a comma in a text would look like an unknown key, and a missing dash like an item full of duplicate keys.
 """
@@ -118,7 +118,7 @@ class Mended:
         return following.value if isinstance(following, yaml.ScalarEvent) else None
 
     def _skip_rest(self, value: Any) -> None:
-        """Skip what follows a comma in an unquoted text or number in {...}: it would be a key without a value."""
+        """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value."""
         if value.style or value.tag or value.anchor:
             return
         first, number = None, _DIGITS.fullmatch(value.value) is not None
@@ -151,6 +151,6 @@ def _line(event: Any) -> int:
 
 def _about_comma(rest: Any, number: str) -> str:
     if number:
-        return f"a number has no commas; write {number}"
+        return f"numbers are written without commas; write {number}"
     rule = "A comma ends an unquoted text inside {...}: if this is part of the text, quote the whole text"
     return f"{quoted(rest.value)} has no colon. {rule}"

@@ -19,7 +19,7 @@ from .syntax import explain
 from .typos import Mended
 
 MAX_BYTES = 4 * 2**20
-#: Largest number of values in a spec, including repetitions by aliases. The largest manuals need some 20,000.
+#: Largest number of values in a spec, including repetitions by aliases. The largest manuals need about 20,000.
 MAX_VALUES = 200_000
 #: Largest nesting depth of maps and lists. The language needs 9.
 MAX_DEPTH = 60
@@ -117,7 +117,7 @@ class _Parser:
         if isinstance(start, yaml.StreamEndEvent):
             raise Refused(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if getattr(start, "version", None) not in (None, (1, 2)):
-            raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; leave the %YAML line out")
+            raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
         value = self._value(next(self._events), (), 1)
         next(self._events)  # The end of the document.
         following = next(self._events)
@@ -179,7 +179,8 @@ class _Parser:
             raise _refused(
                 event,
                 "too-large",
-                f"more than {MAX_VALUES} values up to here, repetitions by alias included; write the spec without them",
+                f"there are more than {MAX_VALUES} values up to here, including those repeated by aliases; remove the"
+                " aliases",
             )
 
     def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
@@ -225,7 +226,7 @@ class _Parser:
             self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
             return None
         if event.value == "<<" and not event.style:
-            self._refuse(event, "merge-key", "merge keys are not part of YAML 1.2; write the entries out", path)
+            self._refuse(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
             return None
         if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
             self._refuse(event, "bad-key", "a key is one word, without a tag and without control characters", path)
@@ -246,7 +247,7 @@ class _Parser:
         if tag in ("!", f"{_CORE}str") or (tag is None and event.style):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
-            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not known here; leave it out")
+            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not supported; remove it")
         if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
             return self._unusable(
                 event,
@@ -266,7 +267,7 @@ class _Parser:
     def _check_container_tag(self, event: Any) -> None:
         kind = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
         if event.tag not in (None, "!", f"{_CORE}{kind}"):
-            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not known here; leave it out")
+            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not supported; remove it")
 
 
 def _resolved(text: str) -> str | int | float | bool | None:

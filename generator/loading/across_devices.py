@@ -40,8 +40,9 @@ def _compare(kind: str, name: str, having: Sequence[Document], report: Report) -
                 continue
             line = other.position((kind, name, *place))[0]
             wrong = (
-                f"this is {fact[1]}, but {shown} in {PurePath(other.file).name}:{line}; by the manufacturer's file"
-                f" {quoted(name)} is the same in all devices. If not, add an erratum that affects {'.'.join(named)}"
+                f"this is {fact[1]}, but {shown} in {PurePath(other.file).name}:{line}; according to the"
+                f" manufacturer's file, {quoted(name)} is the same in all devices. If it is not, add an erratum that"
+                f" affects {'.'.join(named)}"
             )
             report.add("not-alike", document, (kind, name, *fact[0]), wrong)
 

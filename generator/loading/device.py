@@ -352,7 +352,7 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         path: Path = ("interfaces", interface.name, "data_ids", item.name)
         layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
         if layout is None:
-            wrong = f"no layout is for data ID {item.id:X}; add it to the 'when' of a layout"
+            wrong = f"no layout has data ID {item.id:X} in its 'when'; add it to one"
             report.add("undefined-reference", path, wrong)
             continue
         placed = layout.place(variant.parameters)
@@ -362,5 +362,5 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         except codec.EncodeError:
             continue  # a layout that cannot be encoded with zeros is found by other rules
         if made != item.control:
-            wrong = f"the control field of data ID {item.id:X} is {made:#04x} by its fields"
-            report.add("control-mismatch", (*path, "control"), f"{wrong}, but {item.control:#04x} in the manual")
+            wrong = f"according to its fields, the control field of data ID {item.id:X} is {made:#04x}"
+            report.add("control-mismatch", (*path, "control"), f"{wrong}, but it is {item.control:#04x} in the manual")

@@ -1,4 +1,4 @@
-"""Editions of a manual: the family before a revision, or as far as a later one is public.
+"""Editions of a manual: the family as before a revision, or with the published facts of a later one.
 
 The spec transcribes one revision. Its ``editions`` are applied to it step by step: the changes ``before`` each revision
 on the way back to an older one, or those of ``then`` on the way to a newer one.
@@ -7,7 +7,7 @@ on the way back to an older one, or those of ``then`` on the way to a newer one.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -55,15 +55,13 @@ def chosen(device: Device, wanted: str) -> str:
         then = [item.revision for item in dated if item.date <= wanted]
         if then:
             return then[-1]
-        raise UnknownEdition(f"the first edition, {dated[0].revision}, is of {dated[0].date}, after {wanted}")
+        raise UnknownEdition(
+            f"the first edition, {dated[0].revision}, is dated {dated[0].date}, which is after {wanted}"
+        )
     raise UnknownEdition(
-        f"the spec of {device.name} has no edition {quoted(wanted)}; there {_are(names)} {listed(names)}"
+        f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(names, 'or')}"
         + (", or a date such as 2020-03-31" if dated else "")
     )
-
-
-def _are(names: Sequence[str]) -> str:
-    return "are" if len(names) > 1 else "is"
 
 
 def edition_of(family: Family, revision: str, build: Build, report: Report) -> Family | None:
@@ -108,7 +106,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
 
 
 def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
-    """Yield the lists of changes on the way to a revision: index, key and name in outputs."""
+    """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
     order = [item.revision for item in family.device.editions]
     own, wanted = order.index(family.device.manual.revision), order.index(revision)
     listed_ = {item["revision"]: (index, item) for index, item in enumerate(family.document.data.get("editions", ()))}

@@ -128,7 +128,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
 def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
     register, variant = device.register(example.register), example_variant(device, example)
     if len(example.bytes) != register.length:
-        wrong = f"register '{register.name}' has {register.length} bytes; the example has {len(example.bytes)}"
+        wrong = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
         yield ("bytes",), wrong
         return
     number = number_from_bytes(register.layout, example.bytes)
@@ -141,7 +141,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
         kinds = {problem.fault.value for problem in decoded.problems}
         if example.refused not in kinds:
             says = ", ".join(sorted(kinds)) or "no error"
-            yield ("refused",), f"it should be refused for its {example.refused}; the decoder reports {says}"
+            yield ("refused",), f"it should be refused because of its {example.refused}, but the decoder reports {says}"
         return
     layout = decoded.layout.name if decoded.layout is not None else example.layout
     if example.layout and layout != example.layout and not decoded.problems:

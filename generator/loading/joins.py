@@ -31,7 +31,7 @@ def check_joined(layout: Layout, site: Site) -> None:
 
 
 def _check_joins(layout: Layout, site: Site) -> set[str]:
-    """Check that joined numbers have plain bits, each field once and, in a word, in sending order."""
+    """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order."""
     fields = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:
@@ -56,14 +56,14 @@ def _check_joins(layout: Layout, site: Site) -> set[str]:
 
 
 def _check_parities(layout: Layout, site: Site) -> None:
-    """Check that parity bits cover fields of data, each of them once."""
+    """Check that parity bits cover data fields, each at most once."""
     for field in layout.fields:
         of = field.kind.of if isinstance(field.kind, Parity) else ()
         for index, name in enumerate(of):
             kind = next((item.kind for item in layout.fields if item.name == name), None)
             wrong = ""
             if name in of[:index]:
-                wrong = f"'{field.name}' covers '{name}' twice; name it once"
+                wrong = f"'{field.name}' covers '{name}' twice; list it once"
             elif isinstance(kind, (CrcValue, Parity)):
                 wrong = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
             elif isinstance(kind, Constant) and len(of) > 1:
@@ -88,7 +88,7 @@ def _no_plain_bits(kind: Kind) -> str:
         case Flag():
             return "which is active low; write 'bits: 1' instead of 'active'"
         case Constant() | Unused() | CrcValue() | Parity() | Text():
-            return "which is not a number; give the field 'bits' and no kind"
+            return "which is not a number; define it with 'bits' and no kind"
         case _:
             assert_never(kind)
 

@@ -1,4 +1,4 @@
-"""Checks of a layout whose fields have their places: lengths, values that fit, the CRC at the end."""
+"""Checks of a layout whose fields have been placed: lengths, values that fit, a CRC at the end."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def is_sound(layout: Layout, site: Site) -> bool:
     """Return True if a layout is valid with the parameters of every order code, otherwise report why."""
     before = len(site.context.report)
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
-        wrong = f"'{layout.name}' takes {layout.bits.render()} bits, not a whole number of bytes"
+        wrong = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
         site.report("width-mismatch", wrong)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
-        site.report("too-long", f"'{layout.name}' takes {layout.widest} bits; the maximum is {LARGEST_NUMBER}")
+        site.report("too-long", f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}")
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
@@ -42,7 +42,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
     for name in (*(item.name for item in layout.fields), *(item.name for item in layout.joins)):
         if layout.unused and name == "unused":
-            wrong = "'unused' is the name of all unused bits in a decoded frame; rename the field"
+            wrong = "decoded frames use the name 'unused' for all unused bits; rename the field"
             site.report("duplicate-name", wrong, "fields", name)
     check_joined(layout, site)
     return len(site.context.report) == before
@@ -52,17 +52,17 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
     kind, bits = field.kind, field.widest
     is_zeros = field.padding_of or field.fills_gap
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
-        site.report("too-long", f"'{field.name}' takes {bits} bits; the maximum is {LARGEST_NUMBER}")
+        site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
         case Number():
             if kind.power_of_two:
                 _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
         case Flag():
             if field.width != Expression(1):
-                site.report("width-mismatch", f"'{field.name}' is a flag of one bit; it takes {bits}")
+                site.report("width-mismatch", f"'{field.name}' is a flag, so it must have one bit, not {bits}")
         case Parity():
             if field.width != Expression(1):
-                site.report("width-mismatch", f"'{field.name}' is a parity bit; it takes {bits} bits")
+                site.report("width-mismatch", f"'{field.name}' is a parity bit, so it must have one bit, not {bits}")
         case Choice():
             _check_choice(field, kind, site)
         case Constant() | Unused():
@@ -113,11 +113,13 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
     if crc is None:
         return
     if field.width != Expression(crc.width):
-        site.report("width-mismatch", f"'{field.name}' takes {field.widest} bits; the CRC '{crc.name}' has {crc.width}")
+        site.report(
+            "width-mismatch", f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
+        )
     if field is not layout.fields[-1]:
         site.report(
             "crc-not-last",
             f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'",
         )
     if layout.in_bytes and crc.width % 8:
-        site.report("width-mismatch", f"a CRC of {crc.width} bits does not end a frame of whole bytes")
+        site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")

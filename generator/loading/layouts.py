@@ -149,7 +149,7 @@ def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> l
             context.report.add(
                 "width-mismatch",
                 path,
-                f"the fields of group '{group['name']}' take {bits.render()} bits; 'bits' says {group['bits']}",
+                f"the fields of group '{group['name']}' have {bits.render()} bits, but 'bits' is {group['bits']}",
             )
             return None
     return [replace(item, group=group["name"]) for item in items]
@@ -212,7 +212,7 @@ def _highest(items: Sequence[Item], site: Site) -> int:
 def _sums_up(bits: Expression, total: int, site: Site) -> bool:
     for parameters in site.sets:
         if (sum_ := bits.value(parameters)) != total:
-            said = f"the fields take {sum_} bits{_with(parameters, bits)}; the register has {total}"
+            said = f"the fields have {sum_} bits{_with(parameters, bits)}, but the register has {total}"
             site.report("width-mismatch", said)
             return False
     return True
@@ -236,7 +236,7 @@ def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
         total = bits.value(parameters)
         if total > _MOST_BITS:
             site.report(
-                "too-long", f"the fields take {total} bits{_with(parameters, bits)}; the maximum is {_MOST_BITS}"
+                "too-long", f"the fields have {total} bits{_with(parameters, bits)}; the maximum is {_MOST_BITS}"
             )
             return False
         taken: list[tuple[int, int, Item]] = []
@@ -245,14 +245,14 @@ def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
             where = _with(parameters, item.width, item.low)
             name = item.raw.get("name", "")
             if width < 0 or width > span:
-                wrong = f"'{name}' has {width} bits{where}" + (f"; it is padded to {span}" if width > span else "")
+                wrong = f"'{name}' has {width} bits{where}" + (f", but it is padded to {span}" if width > span else "")
                 report.add("width-mismatch", item.path, wrong)
                 return False
             if low < 0 or low + span > total:
                 report.add(
                     "bit-out-of-range",
                     item.path,
-                    f"'{name}' takes {_bits(low + span - 1, low)}{where}; there are bits {total - 1} to 0",
+                    f"'{name}' uses {_bits(low + span - 1, low)}{where}, but there are only bits {total - 1} to 0",
                 )
                 return False
             for other_low, other_high, other in taken:
@@ -261,7 +261,7 @@ def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
                     report.add(
                         "bit-overlap",
                         item.path,
-                        f"'{name}' and '{other.raw.get('name', '')}' both take {shared}{where}",
+                        f"'{name}' and '{other.raw.get('name', '')}' both use {shared}{where}",
                     )
                     sound = False
             if width:
@@ -350,13 +350,13 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
 
 
 def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
-    """Return the fields with a constant zero field in every gap, or None if fields change places."""
+    """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
     zero, zeros = Constant(fills_gap=True), []
     for below, above, low, width in _gaps(fields, bits):
         for parameters in site.sets:
             if width.value(parameters) < 0 and below is not None and above is not None:
                 where = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
-                site.report("bit-overlap", f"{where}; with 'other_bits: zero' fields must keep their order")
+                site.report("bit-overlap", f"{where}; with 'other_bits: zero' the order of fields must not change")
                 return None
         name = (
             f"zero_below_{above.name}"

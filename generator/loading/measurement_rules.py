@@ -9,7 +9,7 @@ from ..language.problems import DocumentReport, Path
 from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression
 
-#: From this number, a power of two minus one is taken for the highest count instead of the number of counts.
+#: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
@@ -94,13 +94,16 @@ def _does_not_fit(
     said = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
     held = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
-        return key, f"{said} do not fit: {held}"
+        return key, f"{said} do not fit, because {held}"
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
     counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
     if 2 * counts <= 1 << case.width and widths and counted <= widths:
         return (
             key,
-            f"{said} need {(counts - 1).bit_length()} bits: {held}; put zeros above a position into their own field",
+            (
+                f"{said} need {(counts - 1).bit_length()} bits, but {held}; define zeros above a position as a separate"
+                " field"
+            ),
         )
     return None
 

@@ -31,11 +31,14 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
         only = owner["only"]
         if not any(fits(only, item.code) for item in variants):
             some = variants[0].code
-            wrong = f"no order code of the family matches {quoted(only)}; '...' is any text and 'x' one character"
-            report.add("only-codes", (*path, "only"), f"{wrong}, as in {quoted(some[: len(some) // 2] + '...')}")
+            wrong = f"no order code of the family matches {quoted(only)}"
+            right = (
+                f"'...' stands for any text and 'x' for one character, as in {quoted(some[: len(some) // 2] + '...')}"
+            )
+            report.add("only-codes", (*path, "only"), f"{wrong}; {right}")
         elif "active" in owner and not only_while(only, variants, set_parameters(raw)):
             wrong = f"no parameter distinguishes the order codes {quoted(only)} from the others"
-            right = "let them set one that is 0 for all others"
+            right = "add one that these set and that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{wrong}; {right}")
 
 
@@ -52,7 +55,7 @@ def check_alarms(raw: Raw, report: DocumentReport) -> None:
         flag = next((item for item in fields if item.get("name") == alarm.get("field", "")), None)
         if flag is None or alarm.get("only", "") == flag.get("only", ""):
             continue
-        wrong = f"the alarm is for {_quoted(alarm)}, its flag {quoted(flag['name'])} for {_quoted(flag)}"
+        wrong = f"the alarm applies to {_quoted(alarm)}, but its flag {quoted(flag['name'])} to {_quoted(flag)}"
         path: Path = ("alarms", index, "only") if "only" in alarm else ("alarms", index)
         report.add("only-alarm", path, f"{wrong}; give both the same 'only'")
 

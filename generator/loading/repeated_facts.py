@@ -106,7 +106,7 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
             if not any(number in _quantities(device, variant) for variant in codes for number in named):
                 sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 wrong = (
-                    f"the meaning of '{text}' says {named[0]:,}, but its order codes have no such number, with {sets}"
+                    f"the meaning of '{text}' says {named[0]:,}, but with {sets} its order codes have no such number"
                 )
                 report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
 
@@ -135,13 +135,14 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                 report.add(
                     "selector-place",
                     path,
-                    f"'{layout.selector}' moves with the order code; bits that identify a frame need a fixed place",
+                    f"the place of '{layout.selector}' depends on the order code; bits that identify a frame must have"
+                    " a fixed place",
                 )
                 continue
             name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
             if pieces != field.pieces:
                 wrong = (
-                    f"'{layout.selector}' is not at the same place as in '{name}'; the same bits must distinguish all"
-                    " frames of a sender"
+                    f"'{layout.selector}' is not at the same place as in '{name}'; all frames of a sender must be"
+                    " distinguished by the same bits"
                 )
                 report.add("selector-place", path, wrong)

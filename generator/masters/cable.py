@@ -1,4 +1,4 @@
-"""Clock by cable length, from the table in the encoder's manual or, for BiSS, from a public one."""
+"""Clock for a cable length, from the table in the encoder's manual or, for BiSS, from a public one."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class CableTable:
         if longest is None:
             fastest = max(self.rows, key=lambda row: row.hz)
             needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
-            why = f"one {fastest.cable} needs a clock {needed}, a longer one a lower clock"
+            why = f"a cable {fastest.cable} needs a clock {needed}, and a longer one needs a lower clock"
             return f"No cable allows this clock according to the table in {self.origin}: {why}."
         return f"For a cable {longest.cable}, according to the table in {self.origin}."
 

@@ -188,7 +188,7 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
         kind = _stage(item, of_position, order[stage])
         if kind not in order[stage:]:
             raise NoRecord(
-                f"no master expects '{item.name}' at its place: "
+                f"no master expects '{item.name}' at this place: "
                 "the common frame is padding, position, padding, status bits, CRC"
             )
         stage = order.index(kind)
@@ -212,7 +212,7 @@ def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
         return "before" if stage == "before" else "after"
     if item.width == 1 and isinstance(item.field.kind, (Flag, Constant, Unused)):
         return "status"
-    raise NoRecord(f"'{item.name}' is not a position, status bit or CRC, which are all that the masters' rules cover")
+    raise NoRecord(f"'{item.name}' is not a position, status bit or CRC, and the rules for masters cover only these")
 
 
 def _position(

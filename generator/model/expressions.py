@@ -181,7 +181,7 @@ def _atom(match: re.Match[str]) -> Expression:
         return Expression(0, (Term(1, (Factor(match["name"], power),)),))
     number = int(match["hex"], 16) if match["hex"] else int(match["number"])
     if power and number > LARGEST_EXPONENT:
-        raise ExpressionError(f"2^{number} is more than any field can hold")
+        raise ExpressionError(f"2^{number} is larger than any field can hold")
     return Expression(2**number if power else number)
 
 
@@ -194,7 +194,7 @@ def _times(one: Expression, other: Expression) -> Expression:
     if one == Expression(1):
         return other
     if one.is_constant or other.is_constant:
-        raise ExpressionError("a product is made of parameters and powers of two of parameters, not of numbers")
+        raise ExpressionError("a product can contain only parameters and powers of two of parameters, not numbers")
     return Expression(0, (Term(1, (*one.terms[0].factors, *other.terms[0].factors)),))
 
 

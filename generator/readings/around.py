@@ -63,7 +63,7 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
 
 def _of_alarm(reading: Reading, alarm: Alarm, where: str, owner: Path) -> Iterator[Fact]:
     key: Key = ("alarm", where)
-    yield Fact(Sort.ALARM, key, "present", f"alarm by {where}", owner, name=alarm.name)
+    yield Fact(Sort.ALARM, key, "present", f"alarm at {where}", owner, name=alarm.name)
     told = {
         "below_mv": f"{alarm.below_mv} mV" if alarm.below_mv is not None else "",
         "latch": str(alarm.latch).lower() if alarm.latch is not None else "",
@@ -75,7 +75,7 @@ def _of_alarm(reading: Reading, alarm: Alarm, where: str, owner: Path) -> Iterat
             what = f"'{name}' of the alarm '{alarm.name}'"
             yield Fact(Sort.ALARM, (*key, name), value, what, (*owner, name), key)
     for language, text in printed_names(reading, alarm.printed_name, alarm.names):
-        what = f"printed name of the alarm by {where}"
+        what = f"printed name of the alarm at {where}"
         place = reading.name_place(owner, language)
         yield Fact(Sort.PRINTED, (*key, "name", language), text, what, place, key, mild=True)
 

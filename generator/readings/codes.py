@@ -1,4 +1,4 @@
-"""Facts on order codes: the existing ones and their properties."""
+"""Facts about order codes: the existing ones and their properties."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .reading import Reading, bits, short
 
 
 def add_codes(reading: Reading, facts: Facts) -> None:
-    """Add facts on order codes, their parameters in registers, and the measurement of the position."""
+    """Add facts about order codes, their parameters in registers, and the measurement of the position."""
     facts.add(_codes(reading))
     facts.add(_spellings(reading))
     facts.add(_supplies(reading))

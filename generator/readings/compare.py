@@ -183,7 +183,7 @@ def _with(cases: list[Case]) -> str:
     held = f" while {state}" if state else ""
     codes = len({code for code, _ in cases})
     more = f" and {codes - 1} more" if codes > 1 else ""
-    return f", with {code}{more}{held}"
+    return f", for {code}{more}{held}"
 
 
 #: Identity of a disagreement across cases: places, class, and its index among those with the same ones.

@@ -1,4 +1,4 @@
-"""Facts on interfaces: frames, clocks, times, ports, data IDs, the control frame."""
+"""Facts about interfaces: frames, clocks, times, ports, data IDs, the control frame."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _ssi(interface: Ssi, owner: Path) -> Iterator[Fact]:
         code = interface.output_code.code
         yield Fact(Sort.SETTING, ("output code",), code, "output code over SSI", (*owner, "output_code"))
     for index, item in enumerate(interface.cable_lengths):
-        what = f"clock over a cable shorter than {item.shorter_than_m} m"
+        what = f"clock for a cable shorter than {item.shorter_than_m} m"
         key = ("cable", interface.name, item.shorter_than_m)
         place = (*owner, "cable_lengths", index, "below_hz")
         yield Fact(Sort.CLOCK, key, f"below {item.below_hz} Hz", what, place)

@@ -1,4 +1,4 @@
-"""Facts on registers other than their bits."""
+"""Facts about registers other than their bits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The usual mistakes with a frame that is one number: BiSS, or any other bits with a CRC at the end."""
+"""Common mistakes with a frame that is one number: BiSS, or any other bits with a CRC at the end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The usual mistakes with a frame of bytes on RS-485."""
+"""Common mistakes with a frame of bytes on RS-485."""
 
 from __future__ import annotations
 

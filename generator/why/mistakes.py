@@ -1,4 +1,4 @@
-"""Explain why a CRC fails by trying the usual mistakes.
+"""Explain why a CRC fails by trying common mistakes.
 
 For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
 may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation comes with its chance, and

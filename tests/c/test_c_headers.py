@@ -469,7 +469,8 @@ def test_what_c_cannot_express_has_its_place_and_stops_no_other_target(
         if "{name: text, at: 91:4" in row
     )
     wrong = (
-        f"words.yaml:{line}:9: c-target: the text 'text' does not begin at a byte, which the C target cannot express; "
+        f"words.yaml:{line}:9: c-target: the text 'text' does not begin at a byte boundary, which the C target does not"
+        " support; "
         "'generate --target' writes the other outputs\n"
     )
     assert wrong in capsys.readouterr().err

@@ -69,8 +69,8 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     )
     for ending in ("", "_bits", "_crc", "_decode", "_encode"):
         wanted = (
-            f"a_b.yaml:{line}:9: c-name: it needs the C name test_a_b_c{ending}, "
-            "and so does the family 'a'; rename one of the two"
+            f"a_b.yaml:{line}:9: c-name: its C name test_a_b_c{ending} "
+            "is also that of the family 'a'; rename one of the two"
         )
         assert any(row.endswith(wanted) for row in said), said
 

@@ -206,13 +206,13 @@ def _public(module: str) -> set[str]:
 
 def test_explain() -> None:
     assert explain("register-gone") == (
-        "register-gone: a register is gone.\n"
+        "register-gone: a register was removed.\n"
         "  C       breaking\n"
         "  Python  breaking\n"
         "  XML     breaking\n"
         "  pages   documentation\n"
-        "  Its names are gone from C and Python, and its element from the XML. Code that\n"
-        "  uses them no longer builds."
+        "  Its names no longer exist in C and Python, nor its element in the XML. Code\n"
+        "  that uses them no longer builds."
     )
     assert all(rule.name in explain(None) for rule in RULES.values())
     assert max(map(len, explain(None).splitlines())) <= 80

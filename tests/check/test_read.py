@@ -273,5 +273,5 @@ def test_reader_goes_on_after_a_duplicate_key(tmp_path: pathlib.Path) -> None:
     assert document.broken == (("b",),)
     assert [problem.splitlines()[0] for problem in problems] == [
         "spec.yaml:2:1: duplicate-key: duplicate key 'a', already on line 1; keep one of them",
-        "spec.yaml:3:4: tag: the tag '!x' is not known here; leave it out",
+        "spec.yaml:3:4: tag: the tag '!x' is not supported; remove it",
     ]

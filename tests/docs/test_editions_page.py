@@ -309,20 +309,20 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
         (
             ["show", "amm5", "--edition", "2.0"],
             (
-                "the spec of amm5 has no edition '2.0'; there are 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 "
-                "and 1.9, or a date such as 2020-03-31"
+                "the spec of amm5 has no edition '2.0'; use 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 "
+                "or 1.9, or a date such as 2020-03-31"
             ),
         ),
         (
             ["show", "amm5", "--edition", "2018-01-01"],
-            "the first edition, 1.0, is of 2018-08-10, after 2018-01-01",
+            "the first edition, 1.0, is dated 2018-08-10, which is after 2018-01-01",
         ),
         # Of 1.0 only the year is known, of 1.1 nothing: no day tells which was the latest.
         (
             ["show", "am36", "--edition", "2020-01-01"],
-            "the spec of am36 has no edition '2020-01-01'; there are 1.0 and 1.1",
+            "the spec of am36 has no edition '2020-01-01'; use 1.0 or 1.1",
         ),
-        (["show", "asc85", "--edition", "0.9"], "the spec of asc85 has no edition '0.9'; there is 1.0"),
+        (["show", "asc85", "--edition", "0.9"], "the spec of asc85 has no edition '0.9'; use 1.0"),
         (
             ["show", "AMM5A21/65KSC1", "--edition", "label"],
             "cannot infer the edition from this label; give its revision, such as 1.9",

@@ -48,7 +48,7 @@ SLIPS = {
     "top_bit": (
         "poly: 0x05",
         "poly: 0x25",
-        "crc-impossible: the polynomial 0x25 does not fit into 5 bits; leave the top bit out: 0x5",
+        "crc-impossible: the polynomial 0x25 does not fit into 5 bits; omit the top bit: 0x5",
     ),
     "start": (
         "init: 0x5A3C",
@@ -58,7 +58,7 @@ SLIPS = {
     "bank": (
         "      - {do: write, register: bank, value: position}\n",
         "",
-        "bank-not-selected: 'preset' is in bank 1; write that to 'bank' before it",
+        "bank-not-selected: 'preset' is in bank 1; write 1 to 'bank' before this step",
     ),
     "bits_from_1": ("at: 2:1, values", "at: 3:2, values", ""),
 }

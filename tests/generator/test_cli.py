@@ -101,7 +101,7 @@ def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest
     assert "--register 0x56=0x.." in biss
     assert "position_bits 28" not in biss
     assert (
-        "Factory default: the widths in register 56h (singleturn_bits_used.bits) and register 57h "
+        "The widths are the factory defaults in register 56h (singleturn_bits_used.bits) and register 57h "
         "(multiturn_bits_used.bits)."
     ) in biss
     assert "--register" not in shown(capsys, "AM3616/4096-BG")
@@ -276,7 +276,7 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())
         assert (
-            "Open in the manual, for you to choose eeprom_address: Position of the address in the byte "
+            "Left open by the manual, for you to choose eeprom_address: Position of the address in the byte "
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
         assert "Give decode the answer with --choose eeprom_address=as_printed" in out

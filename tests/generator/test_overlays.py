@@ -142,7 +142,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
         (
             "  - remove: leds\n    value: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: a change with 'remove' takes no 'value'",
+            "o0.yaml:6:5: overlay-change: a change with 'remove' cannot have 'value'",
         ),
         (
             "  - set: device\n    to: other\n" + OWN,
@@ -211,7 +211,7 @@ def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path
         "o0.yaml:3:5: undefined-reference: there is no family 'am36' among the specs that were read; known: amm5"
     ]
     assert laid(tmp_path, text.replace("of: amm5", "of: ../amm5.yaml"))[1][0].startswith(
-        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name has lower-case letters"
+        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name begins with a lowercase letter"
     )
 
 

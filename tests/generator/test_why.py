@@ -186,7 +186,7 @@ def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
                     found is None
                     or "matches by chance in 1 of" in text
                     or "fewer than 1 of" in text
-                    or "No usual mistake" in text
+                    or "No common mistake" in text
                 )
 
 

@@ -193,7 +193,7 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
         record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
         record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
-    with pytest.raises(NoRecord, match="no master expects 'warning' at its place"):
+    with pytest.raises(NoRecord, match="no master expects 'warning' at this place"):
         record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="does not define its position"):
         record(replace(device, measurement=None), variant)

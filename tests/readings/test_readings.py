@@ -132,7 +132,10 @@ NO_PROSE = "a second reading has only facts, no prose; leave it out"
         (
             "device: twice",
             "device: thrice",
-            "3:9: device-name: the device is called 'thrice', but the file 'twice'; use the same name",
+            (
+                "3:9: device-name: the device is called 'thrice', but the file is called 'twice'; use the same name for"
+                " both"
+            ),
         ),
         ("movement: rotary\n", "", "2:1: missing-key: 'movement' is missing; a second reading needs it"),
         ("    length: 2\n", "", "114:5: missing-key: 'length' is missing; a register needs it"),
@@ -273,7 +276,7 @@ def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None
             "{gray: {value: 1, printed_name: binary}, binary: {value: 0, printed_name: gray}}",
             ["name of value 0 of bit 5 of 'setting': 'gray'", "name of value 1 of bit 5 of 'setting': 'binary'"],
         ),
-        ("wrong", "faut", ["name of bit 0 of 'setting': 'fault'", "name of alarm by register 0x49 bit 0: 'fault'"]),
+        ("wrong", "faut", ["name of bit 0 of 'setting': 'fault'", "name of alarm at register 0x49 bit 0: 'fault'"]),
         ("wrong", "mistake", []),
     ],
     ids=["exchanged", "a letter lost", "another"],
@@ -327,7 +330,7 @@ def test_a_parameter_of_one_name_is_the_same_in_both(folder: pathlib.Path) -> No
         "  resolution: {unit: bits}\n  all_bits: {unit: bits, equals: resolution + 1}\n",
     )
     first, second = told()
-    assert "the parameter 'all_bits', with T10B and 7 more: 11 here, 10 in twice.yaml:" in first
+    assert "the parameter 'all_bits', for T10B and 7 more: 11 here, 10 in twice.yaml:" in first
     assert "10 here, 11 in twice.second.yaml:" in second
 
 

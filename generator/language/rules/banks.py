@@ -1,4 +1,4 @@
-"""Rules on registers in banks, whose addresses are only valid after the bank has been selected."""
+"""Rules for registers in banks, whose addresses are only valid after the bank has been selected."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if INTERFACES[interface].highest_in_bank is None:
             wrong = (
                 f"{quoted(register['name'])} is in a bank, but only BiSS has a register that selects banks; leave"
-                " 'bank' out, and describe in 'note' how its page is chosen"
+                " 'bank' out, and describe in 'note' how the page is selected"
             )
             report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
         elif select is None:
@@ -43,7 +43,9 @@ def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 # An argument may select any bank.
                 selected = numbers.get(step.get("value", ""), "any")
             elif isinstance(bank, int) and selected not in (bank, "any"):
-                wrong = f"{quoted(step['register'])} is in bank {bank}; write that to {quoted(select)} before it"
+                wrong = (
+                    f"{quoted(step['register'])} is in bank {bank}; write {bank} to {quoted(select)} before this step"
+                )
                 report.add("bank-not-selected", (*path, *below, "register"), wrong)
 
 

@@ -1,4 +1,4 @@
-"""Rules on spelling: hexadecimal numbers begin with 0x, decimal ones not with a zero, and quotes are straight."""
+"""Rules for spelling: hexadecimal numbers begin with 0x, decimal ones have no leading zero, and quotes are straight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules on what BiSS itself fixes (PROT p. 9-15): places of registers, the single cycle frame, the control frame."""
+"""Rules for facts fixed by BiSS itself (PROT p. 9-15): register addresses, single cycle frame, control frame."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if placed is None or interface_of(register) != Biss.name or ("bank" in register and name != select):
             continue
         address, length, where = placed
-        what, end = "it", "; correct it, or rename a different register"
+        what, end = "it", "; correct the address, or rename the register if it is a different one"
         if name == select:
             what, end = "the register that selects banks", ""
         if register["address"] != address or "bank" in register:
             report.add(
                 "biss-protocol",
                 (*path, "address"),
-                f"{quoted(name)} is at {register['address']:02X}h; BiSS has {what} {where}{end}",
+                f"{quoted(name)} is at {register['address']:02X}h, but BiSS has {what} {where}{end}",
             )
         elif register["length"] != length:
             report.add(
                 "biss-protocol",
                 (*path, "length"),
-                f"{quoted(name)} has {register['length']} bytes; BiSS has {what} {where}, {length} long",
+                f"{quoted(name)} has {register['length']} bytes; in BiSS it has {length}, {where}",
             )
 
 
@@ -72,10 +72,10 @@ def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if not explained(raw, "registers", name, "address"):
                 last = first + register["length"] - 1
                 at = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
-                wrong = f"{quoted(name)} is {at}; BiSS has {quoted(known)} {where}"
+                wrong = f"{quoted(name)} is {at}, but BiSS has {quoted(known)} {where}"
                 right = (
-                    f"correct the address, or call it {quoted(known)} if it is that. If the manual has it so, add an"
-                    f" erratum that affects registers.{name}.address"
+                    f"correct the address, or rename the register to {quoted(known)} if that is the one you mean. If"
+                    f" this is what the manual says, add an erratum that affects registers.{name}.address"
                 )
                 report.add("biss-protocol", (*path, "address"), f"{wrong}; {right}")
                 break
@@ -91,8 +91,8 @@ def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "biss-protocol",
                 (*path, "byte_order"),
-                f"{quoted(name)} has its low byte first; in BiSS the most significant byte has the lowest address."
-                f" If the manual has it so, add an erratum that affects registers.{name}.byte_order",
+                f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
+                f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order",
             )
 
 
@@ -105,7 +105,7 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent):
             for path, affected, wrong in _frame_faults(sent, crcs, (*fields.path, "name"), where):
                 if not explained(raw, affected):
-                    end = f"If the manual has it so, add an erratum that affects {affected}"
+                    end = f"If this is what the manual says, add an erratum that affects {affected}"
                     report.add("biss-protocol", path, f"{wrong}. {end}")
 
 
@@ -117,18 +117,18 @@ def _frame_faults(
     for path, field in sent:
         name = field.get("name")
         if name in _FLAGS and field.get("active") == "high":
-            wrong = f"{quoted(name)} is active high; in BiSS it is active low: write 'active: low'"
+            wrong = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield (*path, "active"), f"{where}.{name}", wrong
         crc = crcs.get(field.get("crc", ""), {})
         if crc.get("xorout") == 0 and isinstance(width := crc.get("width"), int):
-            wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends a CRC inverted"
+            wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends the CRC inverted"
             yield (*path, "crc"), f"crcs.{field['crc']}.xorout", f"{wrong}; write 'xorout: {(1 << width) - 1:#x}'"
     if {"error", "warning"} <= set(names) and names.index("error") > names.index("warning"):
         path, _ = sent[names.index("warning")]
         yield path, f"{where}.warning", "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
     if not any("crc" in field for _, field in sent):
-        right = "in BiSS it ends with one; add a last field such as {name: crc, crc: NAME}"
-        yield start, f"{where}.fields", f"the frame has no CRC; {right}"
+        right = "add a last field such as {name: crc, crc: NAME}"
+        yield start, f"{where}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {right}"
 
 
 def _names(sent: list[tuple[Path, Spec]]) -> set[str]:
@@ -145,14 +145,15 @@ def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "biss-protocol",
                 (*here, "bits"),
-                f"{quoted(name)} has {field['bits']} bits; in the control frame of BiSS it has {width}",
+                f"{quoted(name)} has {field['bits']} bits; in the BiSS control frame it has {width}",
             )
         if name == "rw":
             for word, value in mapping(field, "values").items():
                 right = _DIRECTIONS.get(word, value["value"])
                 if value["value"] != right:
                     wrong = (
-                        f"{quoted(word)} is {value['value']:02b}; in the control frame of BiSS 01 writes and 10 reads"
+                        f"{quoted(word)} is {value['value']:02b}; in the BiSS control frame, 01 means write and 10"
+                        " means read"
                     )
                     report.add("biss-protocol", (*here, "values", word, "value"), wrong)
         crc = crcs.get(field.get("crc", ""))

@@ -1,4 +1,4 @@
-"""Rules on flags and their effect on the position in the same frame."""
+"""Rules for flags and their effect on the position in the same frame."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> Non
             if "active" in field and "makes_position" not in field and "name" in field:
                 if field["name"] in INTERFACES[fields.interface].flags:
                     continue
-                wrong = f"{quoted(field['name'])} is in a frame with the position; give the verdict on the position"
-                right = "with 'makes_position': not_usable, usable_with_warning or usable"
-                report.add("makes-position-missing", path, f"{wrong} while it is active {right}")
+                wrong = f"{quoted(field['name'])} is in a frame with the position; set 'makes_position' to the verdict"
+                right = "not_usable, usable_with_warning or usable"
+                report.add("makes-position-missing", path, f"{wrong} while it is active: {right}")
 
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -47,7 +47,7 @@ def alarm_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if alarm["name"] in by_name(owner, "fields") and alarm.get("field", alarm["name"]) != alarm["name"]:
             wrong = (
                 f"the alarm {quoted(alarm['name'])} is named like a flag of {quoted(alarm[kind])}, but is about"
-                f" {quoted(alarm['field'])}; name that flag, or rename the alarm"
+                f" {quoted(alarm['field'])}; use that flag, or rename the alarm"
             )
             report.add("alarm-name", (*path, "field"), wrong)
 

@@ -1,4 +1,4 @@
-"""Rules on descriptions of masters: every name exists and has the right kind of value."""
+"""Rules for descriptions of masters: every name exists and has the right kind of value."""
 
 from __future__ import annotations
 
@@ -47,7 +47,9 @@ def _name(data: Raw, report: DocumentReport) -> None:
     stem = PurePath(report.document.file).stem
     if "master" in data and data["master"] != stem:
         report.add(
-            "device-name", ("master",), f"the master is '{data['master']}' and the file '{stem}'; use the same name"
+            "device-name",
+            ("master",),
+            f"the master is called '{data['master']}', but the file is called '{stem}'; use the same name for both",
         )
 
 
@@ -80,7 +82,7 @@ def _known(name: str, path: Path, report: DocumentReport, items: tuple[str, ...]
 
 
 def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
-    """Check that a condition or limit has words for a word, and bounds for a number."""
+    """Check that a condition or limit gives words for a word, and bounds for a number."""
     name = node["item"]
     if not _known(name, (*path, "item"), report):
         return
@@ -91,22 +93,22 @@ def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
             report.add(
                 "not-allowed",
                 (*path, key),
-                f"'{name}' is a {'word' if name in WORDS else 'number'}; use {listed(fitting, 'or')}",
+                f"'{name}' is a {'word' if name in WORDS else 'number'}; use {listed(map(quoted, fitting), 'or')}",
                 at_key=True,
             )
     if not given:
-        report.add("missing-key", path, f"no condition for '{name}'; add {listed(fitting, 'or')}")
+        report.add("missing-key", path, f"no condition for '{name}'; add {listed(map(quoted, fitting), 'or')}")
     for index, word in enumerate(node.get("is", ()) if name in WORDS else ()):
         _word(word, name, (*path, "is", index), report)
     if node.get("at_least", 0) > node.get("at_most", node.get("at_least", 0)):
-        report.add("value-clash", (*path, "at_most"), f"'at_most' is less than 'at_least', {node['at_least']}")
+        report.add("value-clash", (*path, "at_most"), f"'at_most' is less than 'at_least', which is {node['at_least']}")
 
 
 def _word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
     """Return True if the item can be this word, otherwise report it."""
     words = WORDS[name]
     if word not in words:
-        wrong = f"'{name}' is never {quoted(word)}{suggestion(str(word), words, 'use one of')}"
+        wrong = f"'{name}' cannot be {quoted(word)}{suggestion(str(word), words, 'use one of')}"
         report.add("undefined-reference", path, wrong)
     return word in words
 
@@ -116,7 +118,8 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
         _braces(setting.get(key, ""), _ITEMS, (*path, key), report)
     kinds = [kind for kind in _KINDS if kind in written]
     if len(kinds) != 1:
-        wrong = f"has {listed(kinds)}; keep one of them" if kinds else f"has no value; add one of {', '.join(_KINDS)}"
+        known = ", ".join(map(quoted, _KINDS))
+        wrong = f"has {listed(map(quoted, kinds))}; keep one of them" if kinds else f"has no value; add one of {known}"
         report.add("setting-shape", path, f"{quoted(setting['name'])} {wrong}")
         return
     for key in ("as", "bound"):
@@ -139,34 +142,35 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
         report.add(
             "value-clash",
             (*path, "any_clock", "at_most_hz"),
-            f"'at_most_hz' is less than 'at_least_hz', {clock['at_least_hz']}",
+            f"'at_most_hz' is less than 'at_least_hz', which is {clock['at_least_hz']}",
         )
 
 
 def _writing(data: Raw, report: DocumentReport) -> None:
-    """Check that conditions of writing have one kind, name existing settings, and define an order without cycles."""
+    """Check that write conditions have one kind, name existing settings, and define an order without cycles."""
     names = tuple(dict.fromkeys(item["name"] for item in data.get("settings", ())))
     order: dict[str, set[str]] = {}
     for index, rule in enumerate(data.get("writing", ())):
         path: Path = ("writing", index)
         given = [key for key in _WRITING if key in rule]
         if len(given) != 1:
-            wrong = f"has {listed(given)}; keep one of them" if given else f"is empty; add {listed(_WRITING, 'or')}"
-            report.add("writing-shape", path, f"a condition of writing {wrong}")
+            known = listed(map(quoted, _WRITING), "or")
+            wrong = f"has {listed(map(quoted, given))}; keep one of them" if given else f"is empty; add {known}"
+            report.add("writing-shape", path, f"a write condition {wrong}")
         for key in ("of", "after"):
             for place, name in enumerate(rule.get(key, ())):
                 if name not in names:
                     wrong = f"there is no setting {quoted(name)}{suggestion(name, names)}"
                     report.add("undefined-reference", (*path, key, place), wrong)
         if "after" in rule and "of" not in rule:
-            report.add("writing-shape", path, "'after' needs 'of': the settings that are written later")
+            report.add("writing-shape", path, "'after' also needs 'of', the settings to write later")
         for name in rule.get("of", ()):
             order.setdefault(name, set()).update(rule.get("after", ()))
         try:
             TopologicalSorter(order).prepare()
         except CycleError as error:
             circle = " after ".join(quoted(name) for name in reversed(error.args[1]))
-            report.add("value-clash", (*path, "after"), f"no order is possible: {circle}")
+            report.add("value-clash", (*path, "after"), f"circular order: {circle}")
             order.clear()
 
 
@@ -191,7 +195,7 @@ def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
         if name in WORDS and not _word(value, name, here, report):
             pass
         elif name in NUMBERS and not isinstance(value, int):
-            report.add("wrong-type", here, f"'{name}' is a number, {quoted(value)} is not")
+            report.add("wrong-type", here, f"'{name}' is a number, but {quoted(value)} is not")
         elif value in seen:
             report.add("duplicate-name", here, f"{quoted(value)} already has a case")
         seen.add(value)

@@ -1,4 +1,4 @@
-"""Rules on text that repeats nearby data: if the two differ, one of them is a mistake."""
+"""Rules for text that repeats nearby data: if the two differ, one of them is a mistake."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for name, right in _codes_named(spec, value).items():
                 if value["sets"][name] != right:
                     word = "Gray" if right else "binary"
-                    wrong = f"the meaning of {quoted(text)} says {word}; {quoted(name)} must be {right} for that"
+                    wrong = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {right}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
             lengths = [int(found.replace(",", "")) for found in _MICROMETRES.findall(meaning)]
             for name, number in mapping(value, "sets").items():
@@ -47,7 +47,7 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if named and has and named != (has["min_mv"], has["max_mv"]):
                 wrong = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"
                 report.add(
-                    "meaning-mismatch", (*here, "supply"), f"{wrong}; here it is {has['min_mv']} to {has['max_mv']}"
+                    "meaning-mismatch", (*here, "supply"), f"{wrong}, but here it is {has['min_mv']} to {has['max_mv']}"
                 )
 
 
@@ -87,7 +87,7 @@ def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 number = _number(value.get("printed_name", ""), constant_width(field))
                 if number is not None and number != value["value"]:
                     wrong = (
-                        f"{quoted(name)} is printed as {value['printed_name']}, which is {number}; 'value' is"
+                        f"{quoted(name)} is printed as {value['printed_name']}, which is {number}, but 'value' is"
                         f" {value['value']}"
                     )
                     report.add("printed-number", (*path, "values", name, "value"), wrong)

@@ -1,4 +1,4 @@
-"""Rules on names and numbers that must be unique."""
+"""Rules for names and numbers that must be unique."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LISTS = (
     ("errata", "an erratum", "name"),
 )
 
-#: The same for lists inside these items.
+#: The same for lists in these items.
 _INNER_LISTS = (
     ("registers", "meanings", "name", "a meaning"),
     ("procedures", "arguments", "name", "an argument"),
@@ -53,13 +53,14 @@ Named = tuple[Path, object]
 
 
 def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that the family has the name of its file, so that either leads to the other."""
+    """Check that a family and its file have the same name."""
     stem = report.document.family or family_of(report.document.file)
     if "device" in spec and spec["device"] != stem:
         report.add(
             "device-name",
             ("device",),
-            f"the device is called {quoted(spec['device'])}, but the file {quoted(stem)}; use the same name",
+            f"the device is called {quoted(spec['device'])}, but the file is called {quoted(stem)}; use the same name"
+            " for both",
         )
     if spec.get("device") in TAKEN:
         report.add(
@@ -114,7 +115,7 @@ def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 first = told.setdefault(key, layout.owner["name"])
                 if first != layout.owner["name"] or value in values[:index]:
                     here = "already listed" if first == layout.owner["name"] else f"already used by {quoted(first)}"
-                    wrong = f"{quoted(selector)} {value} is {here}; use it for one frame of the {key[1]}"
+                    wrong = f"{quoted(selector)} {value} is {here}; use each value for only one frame of the {key[1]}"
                     report.add("duplicate-name", (*layout.path, "when", selector, index), wrong)
 
 

@@ -1,4 +1,4 @@
-"""Rules on parameters and order codes: every code is unambiguous and sets everything."""
+"""Rules for parameters and order codes: every code is unambiguous and sets everything."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ...model.expressions import Expression, ExpressionError
 from ..problems import WORDS_ONLY, DocumentReport, Path, quoted
 from .walk import Spec, items, mapping
 
-#: Largest number of codes of one family. More indicate an error, as the largest catalogue pages have some hundreds.
+#: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
 MAX_CODES = 10_000
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
 #: Keys of parameters that are not set by order codes, with the origin of their value.
 _NOT_SET = {
-    "equals": "follows from other parameters (its 'equals')",
-    "read_from": "is read from the encoder (its 'read_from')",
-    "alternative": "is set by an alternative (its 'alternative')",
+    "equals": "is computed from other parameters ('equals')",
+    "read_from": "is read from the encoder ('read_from')",
+    "alternative": "is set by an alternative ('alternative')",
 }
 
 _CLASS = re.compile(r"\[[^\]]*\]")
@@ -86,7 +86,7 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         report.add(
             "order-code-pattern",
             _PARTS,
-            f"the parts combine to more than {MAX_CODES} order codes; use 'open' for open parts",
+            f"the parts combine to more than {MAX_CODES} order codes; use 'open' for parts with open values",
             at_key=True,
         )
     elif not codes:
@@ -142,7 +142,7 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that an alternative spelling has every part once, and that its texts represent listed values."""
+    """Check that an alternative spelling has every part exactly once, and that its texts represent listed values."""
     if not is_whole(spec, raw):
         return
     parts = {part["name"]: part for _, part in items(spec, *_PARTS)}
@@ -150,9 +150,9 @@ def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, spelling in items(spec, "order_code", "also_written"):
         used = _BRACES.findall(spelling["pattern"])
         if sorted(used) != sorted(parts):
-            needed = f"it needs each of {', '.join(parts)} once, as in {quoted(pattern)}"
-            wrong = f"has the parts {', '.join(used)}; {needed}" if used else f"has no parts; {needed}"
-            report.add("also-written", (*path, "pattern"), f"{quoted(spelling['pattern'])} {wrong}")
+            needed = f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(pattern)}"
+            has = f"the part{'s' * (len(used) > 1)} {', '.join(used)}" if used else "no parts"
+            report.add("also-written", (*path, "pattern"), f"{quoted(spelling['pattern'])} has {has}; {needed}")
             continue
         for name, texts in mapping(spelling, "values").items():
             if name not in parts:
@@ -201,7 +201,8 @@ def _check_pattern(spec: Spec, report: DocumentReport) -> None:
         report.add(
             "order-code-pattern",
             path,
-            f"{quoted(wrong)} is not allowed outside braces; a code has letters, digits, '/', '-', '_', '.' and spaces",
+            f"{quoted(wrong)} is not allowed outside braces; a code contains only letters, digits, '/', '-', '_', '.'"
+            " and spaces",
         )
     for name in dict.fromkeys(used):
         if name not in names:
@@ -209,11 +210,15 @@ def _check_pattern(spec: Spec, report: DocumentReport) -> None:
                 "order-code-pattern", path, f"the part {{{name}}} is not among the parts; known: {', '.join(names)}"
             )
         if used.count(name) > 1:
-            report.add("order-code-pattern", path, f"the part {{{name}}} is in the pattern {used.count(name)} times")
+            report.add(
+                "order-code-pattern", path, f"the part {{{name}}} occurs {used.count(name)} times in the pattern"
+            )
     for place, part in items(spec, *_PARTS):
         if part["name"] not in used:
             report.add(
-                "order-code-pattern", (*place, "name"), f"the pattern {quoted(pattern)} has no {{{part['name']}}}"
+                "order-code-pattern",
+                (*place, "name"),
+                f"the pattern {quoted(pattern)} does not contain {{{part['name']}}}",
             )
 
 
@@ -227,7 +232,7 @@ def _check_values(spec: Spec, report: DocumentReport) -> None:
                     report.add(
                         "order-code-pattern",
                         (*path, "values", text, "sets", name),
-                        f"{quoted(name)} {_NOT_SET[origin]}; a code cannot set it too",
+                        f"{quoted(name)} {_NOT_SET[origin]}, so an order code cannot set it too",
                     )
         wrong = _wrong_expression(part.get("open", ""))
         if wrong:
@@ -265,7 +270,7 @@ def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> 
             if count.count(name) == 0 and not misspelt:
                 message = (
                     f"no part of {code.text} sets {quoted(name)}; "
-                    "every code must, or the parameter needs 'equals', 'read_from' or 'alternative'"
+                    "every code must set it, or the parameter needs 'equals', 'read_from' or 'alternative'"
                 )
                 faults.setdefault(name, (("parameters", name), message))
             elif count.count(name) > 1:

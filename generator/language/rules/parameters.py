@@ -1,4 +1,4 @@
-"""Rules on parameters: the interface that may use them, and their unit."""
+"""Rules for parameters: the interface that may use them, and their unit."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add(
                     "parameter-interface",
                     path,
-                    f"{quoted(name)} is only for {of}, by its 'interface'; this is {interface}",
+                    f"{quoted(name)} is only for {of} (see its 'interface'), but this is {interface}",
                 )
                 break
 
@@ -141,7 +141,7 @@ def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that alternatives affect only the places of fields, because only there generated code asks for them."""
+    """Check that alternatives affect only the places of fields, because generated code can use them only there."""
     parameters = mapping(raw, "parameters")
     decided = {name for name in parameters if "alternative" in mapping(parameters, name)}
     used = [*expressions(spec), *((path, text) for path, _, text in uses(spec, raw) if path[-1] == "when")]
@@ -149,8 +149,10 @@ def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         name = next((factor.parameter for factor in _factors(text) if factor.parameter in decided), None)
         if name is not None and path[-1] not in _WIDTHS:
             of = mapping(parameters, name)["alternative"]
-            wrong = f"{quoted(name)} is set by the alternative {quoted(of)}, which only frames and registers ask for"
-            report.add("alternative-use", path, f"{wrong}; use it in 'bits' or 'low_bit' of a field")
+            wrong = (
+                f"{quoted(name)} is set by the alternative {quoted(of)}, so only frames and registers can depend on it"
+            )
+            report.add("alternative-use", path, f"{wrong}; use it only in 'bits' or 'low_bit' of a field")
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -164,7 +166,8 @@ def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "unit-mismatch",
                 path,
-                f"{quoted(factor.parameter)} is in {unit}; {use} needs {'µm' if needed == 'micrometres' else needed}",
+                f"{quoted(factor.parameter)} is in {unit}, but {use} must be in"
+                f" {'µm' if needed == 'micrometres' else needed}",
             )
 
     for path, text in expressions(spec):

@@ -1,4 +1,4 @@
-"""Rules on facts that a manual prints twice: lists of defaults, last addresses, writes of procedures, labels."""
+"""Rules for facts that a manual prints twice: lists of defaults, last addresses, writes of procedures, labels."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def addresses(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if numbers != has:
             wrong = (
                 f"{quoted(register['name'])} is printed at {_addresses(*numbers)}; 'address' {register['address']:#04x}"
-                f" and 'length' {register['length']} make it {_addresses(*has)}"
+                f" and 'length' {register['length']} result in {_addresses(*has)}"
             )
             report.add("addresses-mismatch", (*path, "addresses"), wrong)
 
@@ -89,11 +89,11 @@ def _row_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
         order = "little" if register.get("byte_order") == "low_byte_first" else "big"
         number = int.from_bytes(printed, order)  # type: ignore[arg-type]
         if len(printed) != register["length"]:
-            yield "bytes", f"{name} has {register['length']} bytes; {len(printed)} are printed"
+            yield "bytes", f"{name} has {register['length']} bytes, but {len(printed)} are printed"
         elif default is None:
-            yield "bytes", f"{name} has no 'default'; the printed bytes are {number:#x}"
+            yield "bytes", f"{name} has no 'default', but the printed bytes are {number:#x}"
         elif default != number:
-            yield "bytes", f"the 'default' of {name} is {default:#x}; the printed bytes are {number:#x}"
+            yield "bytes", f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
         return
     bounds = _bounds(row["at"])
     if bounds is None:
@@ -104,7 +104,10 @@ def _row_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
     if default is None:
         yield "value", f"{name} has no 'default' that contains these bits"
     elif held != row["value"]:
-        yield "value", f"the 'default' of {name} is {default:#x}, with {held} there; {row['value']} is printed"
+        yield (
+            "value",
+            f"the 'default' of {name} is {default:#x}, with {held} in these bits, but {row['value']} is printed",
+        )
     yield from _field_faults(row, register, bounds)
 
 
@@ -117,12 +120,12 @@ def _field_faults(row: Spec, register: Spec, bounds: tuple[int, int]) -> Iterato
     if field is None:  # Reported by the rule on references, or the field is in a group.
         return
     if "at" in field and _bounds(field["at"]) != bounds:
-        yield "at", f"{quoted(row['field'])} is at {field['at']}; {row['at']} is printed"
+        yield "at", f"{quoted(row['field'])} is at {field['at']}, but {row['at']} is printed"
     values = mapping(field, "values")
     if "is" in row and mapping(values, row["is"]).get("value") != row["value"]:
         right = next((name for name, item in values.items() if mapping(item).get("value") == row["value"]), None)
         what = f"is {quoted(right)}" if right else "has no name"
-        yield "is", f"{row['value']} {what} in {quoted(row['field'])}; {quoted(row['is'])} is printed"
+        yield "is", f"{row['value']} {what} in {quoted(row['field'])}, but {quoted(row['is'])} is printed"
 
 
 def _bounds(at: object) -> tuple[int, int] | None:

@@ -1,4 +1,4 @@
-"""Rules on procedures: each step is possible, and matches the name of its procedure."""
+"""Rules for procedures: each step is possible, and matches the name of its procedure."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 ((at, ("at_least_ms",)) for at, other in rest if other["do"] == "wait" and waits), (below, ())
             )
             said = f"the wait here is {sum(waits)} ms" if waits else "there is no wait here"
-            wrong = f"{quoted(step['register'])} needs {needed} ms after a write; {said}"
+            wrong = f"{quoted(step['register'])} needs a wait of {needed} ms after a write, but {said}"
             report.add("wait-too-short", (*path, *place, *key), wrong)
 
 
@@ -71,8 +71,8 @@ def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if step["do"] != "write" or not before or before[-1] in known:
                 continue
             wrong = (
-                f"{quoted(step['register'])} is opened by {quoted(opener['value'])} in {quoted(opener['register'])},"
-                f" but {quoted(before[-1])} was written there"
+                f"{quoted(step['register'])} must be opened by writing {quoted(opener['value'])} to"
+                f" {quoted(opener['register'])}, but {quoted(before[-1])} was written there"
             )
             report.add("not-opened", (*path, *below, "register"), wrong)
 

@@ -1,4 +1,4 @@
-"""Rules on names that refer to something, which must exist. Messages suggest the most similar name."""
+"""Rules for references to names, which must exist. Messages suggest the most similar name."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if "interface" not in register and INTERFACE_OF_REGISTERS not in mapping(raw, "interfaces"):
             message = (
                 f"registers belong to {INTERFACE_OF_REGISTERS} by default, "
-                f"but this device has no {INTERFACE_OF_REGISTERS}; give 'interface'"
+                f"but this device has no {INTERFACE_OF_REGISTERS}; add 'interface'"
             )
             report.add("undefined-reference", path, message)
         _opener((*path, "opened_by"), mapping(register, "opened_by"), known)
@@ -138,7 +138,7 @@ def _opener(path: Path, opened: Spec, known: _Names) -> None:
         values = known.values(name, opened.get("field"))
         known.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
         if "field" not in opened and opened.get("value") in values and len(known.bits(name)) > 1:
-            wrong = f"{quoted(name)} has several fields; name with 'field' the one"
+            wrong = f"{quoted(name)} has several fields; add 'field', the name of the one"
             known.tell((*path, "value"), f"{wrong} that must hold {quoted(opened['value'])}")
 
 
@@ -176,7 +176,9 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         known.refer_by("group", path, alarm, "field group")
         known.refer_by("register", path, alarm, "register")
         if "field" in alarm and "group" not in alarm and "register" not in alarm:
-            report.add("undefined-reference", (*path, "field"), "'field' names a flag; give its 'group' or 'register'")
+            report.add(
+                "undefined-reference", (*path, "field"), "'field' also needs the 'group' or 'register' of the flag"
+            )
         owner, owners = ("register", known.registers) if "register" in alarm else ("group", known.groups)
         if alarm.get(owner) in owners:
             flags = by_name(owners[alarm[owner]], "fields")
@@ -185,13 +187,13 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that steps by hand refer to a characteristic with numbered steps."""
+    """Check that manual remedies refer to a characteristic with numbered steps."""
     known = _Names(raw, report)
     counted = [name for name, item in by_name(raw, "characteristics").items() if has_steps(f"{item.get('value')}")]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
     flags = [item for fields in field_lists(spec) for item in fields]
     for path, owner in (*items(spec, "alarms"), *states, *flags):
-        known.refer_by("by_hand", path, owner, "characteristic with steps 1., 2., 3. called", counted)
+        known.refer_by("by_hand", path, owner, "characteristic with numbered steps called", counted)
 
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -295,7 +297,7 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for step in affected.split("."):
                 found = dict(_below(node))
                 if step not in found:
-                    kind = f"place {quoted(affected)} in this spec: nothing called"
+                    kind = f"place {quoted(affected)} in this spec: there is no"
                     known.refer((*path, "affects", index), kind, step, found)
                     break
                 node = found[step]
@@ -327,7 +329,7 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             hint = number_hint(str(path[-1]), text) or (
                 f"; write {str(text).replace('**', '^')}" if "**" in str(text) else ""
             )
-            report.add("bad-expression", path, f"{error}{hint or '; write it as in singleturn_bits + 8'}")
+            report.add("bad-expression", path, f"{error}{hint or '; write an expression such as singleturn_bits + 8'}")
             continue
         for name in names:
             known.refer(path, "parameter", name)

@@ -1,4 +1,4 @@
-"""Rules on combinations of keys, which a schema could only check with incomprehensible messages."""
+"""Rules for combinations of keys, which a schema could only check with incomprehensible messages."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_use(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
     if fields.kind is Has.GROUP:
-        report.add("layout-keys", (*path, "use"), "a field group cannot include another; list the fields here")
+        report.add("layout-keys", (*path, "use"), "a field group cannot include another group; list the fields here")
     elif fields.kind is Has.CONTROL:
-        report.add("layout-keys", (*path, "use"), "the control data cannot include groups; list the fields here")
+        report.add("layout-keys", (*path, "use"), "the control data cannot include field groups; list the fields here")
     beside = [key for key in field if key not in _BESIDE_USE]
     if beside:
         report.add(
@@ -91,40 +91,40 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
     name = quoted(field["name"])
     kinds = [key for key in _KINDS if key in field]
     if len(kinds) > 1:
-        wrong = f"{listed(map(quoted, kinds))} exclude each other; keep one"
+        wrong = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
         report.add("layout-keys", (*path, kinds[1]), wrong, at_key=True)
     for key in _OF_NUMBERS:
         if key in field and kinds:
-            wrong = f"{quoted(key)} belongs to a number; {name} has {quoted(kinds[0])} and is not one"
+            wrong = f"{quoted(key)} is only for numbers; {name} has {quoted(kinds[0])}, so it is not a number"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     for key in _OF_FLAGS:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
-            wrong = f"{quoted(key)} belongs to a flag; {name} also needs 'active: high' or 'active: low'"
+            wrong = f"{quoted(key)} is only for flags; to be one, {name} needs 'active: high' or 'active: low'"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     if "parity" in field and "parity_of" not in field:
-        wrong = f"'parity' belongs to a parity bit; {name} also needs 'parity_of', which names the covered field"
+        wrong = f"'parity' is only for parity bits; to be one, {name} needs 'parity_of' with the covered field"
         report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
 
 
 def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
-    """Reserved values are among few, are not written by a master, and take no name from another value."""
+    """Check that ``others`` names few values, none that a master writes, and none like a listed value."""
     if "others" not in field:
         return
     name, values, wrong = quoted(field["name"]), mapping(field, "values"), ""
     width = constant_width(field)
     if not values:
-        wrong = f"'others' belongs to listed values; {name} needs 'values' with it"
+        wrong = f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     elif width is None or width > _MOST_RESERVED_BITS:
-        wrong = f"'others' names every value, so {name} can have {_MOST_RESERVED_BITS} bits at most, as a plain number"
+        wrong = f"'others' names every value, so 'bits' of {name} must be a plain number up to {_MOST_RESERVED_BITS}"
     elif fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
         wrong = f"{name} is written by a master, which does not write reserved values; leave 'others' out"
     taken = {f"{RESERVED}_{value}" for value in range(1 << _MOST_RESERVED_BITS)} & {
         key for key, item in values.items() if key != f"{RESERVED}_{item.get('value')}"
     }
     if not wrong and taken:
-        wrong = f"{quoted(min(taken))} is what 'others' calls another value; give this one another name"
+        wrong = f"'others' gives the name {quoted(min(taken))} to another value; rename this one"
     if wrong:
         report.add("layout-keys", (*path, "others"), wrong, at_key=True)
 
@@ -137,7 +137,9 @@ def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:
         report.add("layout-keys", (*path, "bits"), wrong)
     given = [key for key in PLACES if key in field]
     if len(given) > 1:
-        wrong = f"{listed(map(quoted, given))} {'both' if len(given) == 2 else 'all'} give the position; keep one"
+        wrong = (
+            f"{listed(map(quoted, given))} {'both' if len(given) == 2 else 'all'} give the position; keep one of them"
+        )
         report.add("layout-keys", (*path, given[1]), wrong, at_key=True)
     elif "bits" in field and ":" in str(field.get("at", "")):
         wrong = f"the range {quoted(field['at'])} already gives the width; leave 'bits' out"
@@ -169,8 +171,8 @@ def _check_placing(fields: Fields, report: DocumentReport) -> None:
     report.add(
         "layout-keys",
         path,
-        f"{name} has no position, but {other} has; "
-        "give all fields of a layout one ('at', 'top_bit' or 'low_bit'), or none",
+        f"{name} has no position, but {other} has one; "
+        "give a position ('at', 'top_bit' or 'low_bit') to all fields of a layout or to none",
     )
 
 
@@ -192,17 +194,23 @@ def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
         report.add(
             "layout-keys",
             (*fields.path, "byte_order"),
-            f"{name} is carried as bits, which have no byte order; leave it out",
+            f"{name} is carried as bits, which have no byte order; leave 'byte_order' out",
             at_key=True,
         )
     if carried_as == "bits" and "when" in layout:
-        wrong = f"{name} is carried as bits, and 'when' only distinguishes frames of bytes"
+        wrong = f"'when' only distinguishes frames of bytes, but {name} is carried as bits"
         report.add(
-            "layout-keys", (*fields.path, "when"), f"{wrong}; leave it out, or write 'carried_as: bytes'", at_key=True
+            "layout-keys",
+            (*fields.path, "when"),
+            f"{wrong}; leave 'when' out, or write 'carried_as: bytes'",
+            at_key=True,
         )
     if "channel" in layout and not INTERFACES[fields.interface].has_channels:
         report.add(
-            "layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has channels", at_key=True
+            "layout-keys",
+            (*fields.path, "channel"),
+            f"{name} cannot have a data channel; only BiSS has channels",
+            at_key=True,
         )
 
 
@@ -260,14 +268,14 @@ def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_frame(path: Path, example: Spec, report: DocumentReport) -> None:
     if ("bytes" in example) == ("bits" in example):
-        fault = "has both; keep one" if "bits" in example else "has neither"
-        report.add("example-shape", path, f"a frame example needs 'bytes' or 'bits'; this {fault}")
+        fault = "has both; keep one of them" if "bits" in example else "has neither"
+        report.add("example-shape", path, f"a frame example needs 'bytes' or 'bits'; this one {fault}")
     elif "layout" not in example and ("bits" in example or "refused" not in example):
         report.add(
             "example-shape",
             path,
             "'layout' is missing; a frame example needs it"
-            + ("" if "bits" in example else ", or 'refused' if it fits none"),
+            + ("" if "bits" in example else ", or 'refused' if it fits no layout"),
         )
     if "refused" in example:
         if "erratum" not in example and "note" not in example:
@@ -309,7 +317,7 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add(
                     "measurement-shape",
                     (*path, key),
-                    f"{quoted(key)} does not belong to a {movement} encoder",
+                    f"{quoted(key)} does not apply to a {movement} encoder",
                     at_key=True,
                 )
 
@@ -320,7 +328,7 @@ def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         columns = len(table["columns"])
         for index, row in enumerate(table["rows"]):
             if len(row) != columns:
-                message = f"the row has {counted(len(row), 'cell')}; the table has {counted(columns, 'column')}"
+                message = f"the row has {counted(len(row), 'cell')}, but the table has {counted(columns, 'column')}"
                 report.add("table-shape", (*path, "rows", index), message)
 
 
@@ -339,4 +347,4 @@ def _check_keys(
         report.add(rule, path, missing(gone, what))
     for key in item:
         if key not in (*needed, *optional, *of_all):
-            report.add(rule, (*path, key), f"{quoted(key)} does not belong to {what}", at_key=True)
+            report.add(rule, (*path, key), f"{quoted(key)} does not apply to {what}", at_key=True)

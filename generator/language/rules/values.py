@@ -1,4 +1,4 @@
-"""Rules on single numbers and texts: CRC parameters, widths of values, times, clocks, sources."""
+"""Rules for single numbers and texts: CRC parameters, widths of values, times, clocks, sources."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, crc in items(spec, "crcs"):
         width = crc["width"]
         if crc["poly"] >> width:
-            hint = f"; leave the top bit out: {crc['poly'] ^ 1 << width:#x}" if crc["poly"] >> width == 1 else ""
+            hint = f"; omit the top bit: {crc['poly'] ^ 1 << width:#x}" if crc["poly"] >> width == 1 else ""
             report.add(
                 "crc-impossible",
                 (*path, "poly"),
@@ -77,16 +77,16 @@ def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, register in items(spec, "registers"):
         last = register["address"] + register["length"] - 1
         interface = INTERFACES[interface_of(register)]
-        bus, highest = interface.short, interface.highest_address
+        bus, highest = f"the address range of {interface.short}", interface.highest_address
         if "bank" in register and interface.highest_in_bank is not None:
-            bus, highest = f"a bank of {bus}", interface.highest_in_bank
+            bus, highest = f"a bank of {interface.short}", interface.highest_in_bank
         if highest is None:
-            bus, highest = "a register address", 0xFFFF
+            bus, highest = "the range of register addresses", 0xFFFF
         if last > highest:
             report.add(
                 "register-range",
                 (*path, "address"),
-                f"{quoted(register['name'])} reaches to {last:#x}; {bus} ends at {highest:#x}",
+                f"{quoted(register['name'])} extends to {last:#x}, but {bus} ends at {highest:#x}",
             )
 
 
@@ -101,7 +101,7 @@ def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add(
                     "timing-order",
                     (*path, high_key),
-                    f"{quoted(high_key)} is {high}, less than {quoted(low_key)}, which is {low}",
+                    f"{quoted(high_key)} ({high}) is less than {quoted(low_key)} ({low})",
                 )
 
 
@@ -113,7 +113,7 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "clock-range",
                 ("interfaces", interface, "clock", "min_hz"),
-                f"'min_hz' is {clock['min_hz']}, above 'max_hz', which is {clock['max_hz']}",
+                f"'min_hz' ({clock['min_hz']}) is above 'max_hz' ({clock['max_hz']})",
             )
 
 
@@ -126,9 +126,9 @@ def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for (_, short), (path, long) in pairwise(rows):
             if short["below_hz"] <= long["below_hz"] or short["shorter_than_m"] == long["shorter_than_m"]:
                 wrong = (
-                    f"below {long['shorter_than_m']} m the clock is below {long['below_hz']} Hz, and below"
-                    f" {short['shorter_than_m']} m below {short['below_hz']} Hz; a longer cable needs a slower clock."
-                    f" If the manual has it so, add an erratum that affects"
+                    f"the clock must be below {long['below_hz']} Hz for cables shorter than {long['shorter_than_m']} m,"
+                    f" but below {short['below_hz']} Hz for cables shorter than {short['shorter_than_m']} m; a longer"
+                    f" cable needs a slower clock. If this is what the manual says, add an erratum that affects"
                     f" interfaces.{interface}.cable_lengths.below_hz"
                 )
                 report.add("cable-order", ("interfaces", interface, "cable_lengths", *path[3:], "below_hz"), wrong)
@@ -146,11 +146,11 @@ def dates(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     history = [(path, item) for path, item in places if "history" in path and _date(item.get("date"))]
     for (_, earlier), (path, later) in pairwise(history):
         if later["date"] < earlier["date"]:
-            wrong = f"revision {later['revision']} is of {later['date']}, before revision {earlier['revision']}"
-            report.add("date", (*path, "date"), f"{wrong}, of {earlier['date']}; list the oldest first")
+            wrong = f"revision {later['revision']} is dated {later['date']}, before revision {earlier['revision']}"
+            report.add("date", (*path, "date"), f"{wrong}, dated {earlier['date']}; list the oldest first")
     own = next((item for _, item in reversed(history) if item["revision"] == manual.get("revision")), None)
     if own is not None and _date(manual.get("date")) and own["date"] != manual["date"]:
-        wrong = f"revision {manual['revision']} is of {manual['date']}, but of {own['date']} in its 'history'"
+        wrong = f"revision {manual['revision']} is dated {manual['date']}, but {own['date']} in 'history'"
         report.add("date", ("manual", "date"), wrong)
 
 
@@ -175,7 +175,7 @@ def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     report.add("supply-range", here, wrong, at_key=True)
     for path, supply in supplies:
         if supply["min_mv"] > supply["max_mv"]:
-            wrong = f"'min_mv' is {supply['min_mv']}, above 'max_mv', which is {supply['max_mv']}"
+            wrong = f"'min_mv' ({supply['min_mv']}) is above 'max_mv' ({supply['max_mv']})"
             report.add("supply-range", (*path, "min_mv"), wrong)
 
 
@@ -203,7 +203,7 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add(
                 "timeout-mismatch",
                 (*path, "half_clock_periods"),
-                "a fixed time-out does not depend on the clock; leave this out",
+                "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out",
                 at_key=True,
             )
         if "at_most_ns" not in timeout and "typical_ns" not in timeout:
@@ -246,12 +246,12 @@ def _check_piece(
     elif not _PLACE.fullmatch(place):
         shown = quoted(piece) if piece else "empty text"
         forms = (
-            "a section as in '6.4' or 'Cover', a table as in 'Table 41', a page as in 'p.35', "
-            "or a page after one of these"
+            "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
+            "or a section or table followed by a page"
         )
         message = (
-            f"{shown} is not a source: {forms}; "
-            "separate several by semicolons, and put key and colon before those in other documents"
+            f"{shown} is not a valid source; {forms}. "
+            "Separate several sources with semicolons, and begin those in other documents with its key and a colon"
         )
         report.add("bad-source", path, message)
 

@@ -39,7 +39,7 @@ def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
 
 
 def by_name(data: Any, *keys: str) -> dict[str, Spec]:
-    """Return the items of a list by name. The first one counts if several have the same name."""
+    """Return the items of a list by name. If several have the same name, the first one is used."""
     found: dict[str, Spec] = {}
     for _, item in items(data, *keys):
         name = item.get("name")

@@ -40,8 +40,8 @@ class Clash:
     def message(self, where: str = "") -> str:
         """Return the problem and its fix. ``where`` gives the place of the other part, as in `` on line 5``."""
         if not self.other:
-            return f"it needs the C name {self.name}, which the headers already use; rename it"
-        return f"it needs the C name {self.name}, and so does {called(self.other)}{where}; rename one of the two"
+            return f"its C name {self.name} is already used by the headers; rename it"
+        return f"its C name {self.name} is also that of {called(self.other)}{where}; rename one of the two"
 
 
 def called(path: Path) -> str:

@@ -253,11 +253,13 @@ class ProcedureCode:
             elif filled is not None:
                 yield FilledRows(at, "write", filled, note)
             elif not item.pieces:
-                raise TargetError(f"'{_place(item)}' moves with the order code; the C target cannot reach it alone")
+                raise TargetError(
+                    f"the place of '{_place(item)}' depends on the order code; the C target cannot access it alone"
+                )
             elif isinstance(item, Polls) and len(item.pieces) > 1:
                 # The bytes could match one after the other, and never all at the same time.
-                lies = f"'{_place(item)}' lies in {len(item.pieces)} bytes"
-                raise TargetError(f"{lies}, which the C target would wait for one after the other")
+                lies = f"'{_place(item)}' is spread over {len(item.pieces)} bytes"
+                raise TargetError(f"{lies}, which the C target would poll one after the other")
             else:
                 for index, piece in enumerate(item.pieces):
                     address, mask = item.register.address + piece.byte, piece.mask << piece.right

@@ -96,7 +96,7 @@ class Reports:
         self.all = reports_of(device)
         if len(self.all) > 64:
             wrong = f"the frames have {len(self.all)} flags and fields of unused bits to report"
-            raise TargetError(f"{wrong}; the C target has bits for at most 64", ("interfaces",))
+            raise TargetError(f"{wrong}; the C target supports at most 64", ("interfaces",))
         self.mask = unsigned(max(len(self.all), 32))
         self.text = f"{prefix}_report_text"
         self.texts = tuple(_texts(device, item) for item in self.all)

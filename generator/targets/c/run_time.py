@@ -27,7 +27,7 @@ class HeldValue:
     def __init__(self, context: Context, held: Held) -> None:
         parameter, field = held.parameter, held.field
         if not field.pieces:
-            wrong = f"'{parameter.read_from}' moves with the order code; the C target cannot read a parameter from it"
+            wrong = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(wrong)
         self.held = held
         self.local = c_name(parameter.name, ("bytes", "length", "variant"))

@@ -44,18 +44,18 @@ class Struct:
         self.reader = Reader(self.plan, context.scope)
         self.unused = Unused(self.reader)
         if self.plan.by_word and layout.widest > 64:
-            wrong = f"'{layout.name}' has {layout.widest} bits and fields that move"
-            raise TargetError(f"{wrong}; the C target can place them only within 64 bits", self.path)
+            wrong = f"'{layout.name}' has {layout.widest} bits and fields whose place depends on the order code"
+            raise TargetError(f"{wrong}; the C target supports such fields only within 64 bits", self.path)
         if self.plan.alternatives and register is not None:
             wrong = f"'{layout.name}' depends on a question that the manual leaves open"
-            raise TargetError(f"{wrong}; the C target has an argument for it only in frames", self.path)
+            raise TargetError(f"{wrong}; the C target supports this only in frames", self.path)
         if self.unused.width > 64:
             wrong = f"'{layout.name}' has unused bits in {-(-self.unused.width // 8)} bytes"
-            raise TargetError(f"{wrong}; the C target holds those of at most 8 bytes", self.path)
+            raise TargetError(f"{wrong}; the C target supports at most 8", self.path)
         for item in (part.field for part in self.plan.parts):
             self.type_of(item)
             if isinstance(meaning_of(item), Characters) and not characters(item):
-                wrong = f"the text '{item.name}' does not begin at a byte, which the C target cannot express"
+                wrong = f"the text '{item.name}' does not begin at a byte boundary, which the C target does not support"
                 raise TargetError(wrong, (*self.path, "fields", item.name))
 
     @property
