@@ -65,8 +65,8 @@ class CableTable:
         if longest is None:
             fastest = max(self.rows, key=lambda row: row.hz)
             needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
-            why = f"one {fastest.cable} needs a clock {needed}, a longer one a lower clock"
-            return f"No cable allows this clock according to the table in {self.origin}: {why}."
+            why = f"a cable {fastest.cable} needs a clock {needed}, and a longer one a lower clock"
+            return f"According to the table in {self.origin}, no cable allows this clock: {why}."
         return f"For a cable {longest.cable}, according to the table in {self.origin}."
 
 

@@ -29,7 +29,7 @@ _KEYS = {
     "min": "the minimum of {}",
     "max": "the maximum of {}",
     "wait_at_least_ms": "the wait in ms after a write to {}",
-    "at_least_ms": "the minimum time in ms of {}",
+    "at_least_ms": "the minimum time in ms for {}",
     "open": "unlisted values of {}",
     "open_only_with": "the values that may accompany unlisted values of {}",
 }
@@ -84,6 +84,9 @@ def _of(steps: Sequence[str]) -> str:
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     said, index = "", 0
+    match steps:
+        case ["order_code", "parts", part, "values", value, *_]:
+            said, index = f"order codes with {part} {value}", 5
     if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
         said, index = f"register {steps[0]}", 1
     while index < len(steps):

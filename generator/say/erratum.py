@@ -38,7 +38,7 @@ def reference(item: Erratum) -> Ref:
 def erratum(item: Erratum, *, whole: bool = False) -> Said:
     """Return an erratum in labelled parts: printed, used, and why.
 
-    The reason is left out if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
+    The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
     or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
     erratum is open.
     """

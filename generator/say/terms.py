@@ -11,8 +11,8 @@ from ..model import Biss, Interface, Rs485
 class Term:
     """Term with its meaning and the words of a spec that lead to it.
 
-    A term of an interface has ``over`` and the ``section`` that covers it. Any other term has ``spelled``, the names
-    of the fields, registers and times that it is about.
+    A term of an interface has ``over`` and the ``section`` that covers it. All other terms have ``spelled``, the names
+    of the related fields, registers and times.
     """
 
     name: str
@@ -26,7 +26,7 @@ TERMS = (
     Term(
         "ALMC",
         "The byte of an RS-485 reply that has a bit for each alarm. It identifies the alarm when a status bit only "
-        "says that there is one.",
+        "indicates that there is one.",
         ("almc",),
     ),
     Term(

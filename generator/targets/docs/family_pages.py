@@ -188,7 +188,7 @@ def _times_read(counts: TimesRead | None) -> str:
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the differences of other editions by the revision that introduced them."""
+    """Yield the differences in other editions, with the revision that introduced them."""
 
     def links(name: str) -> str:
         found = (item.name for item in device.errata if item.edition == name)

@@ -166,7 +166,7 @@ def used_groups(interface: Interface) -> list[str]:
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
     """Return a table of the places of fields by order code and choice, or nothing if they are the same for all.
 
-    Only choices that change the length are included. The row of a field has its places for all other choices.
+    Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
     deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
     shapes = [

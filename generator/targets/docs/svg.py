@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from ...say.lines import plain
 
-#: Width that fits on the screen of a phone: 375 pixels less the margins of a page.
+#: Width that fits on the screen of a phone: 375 pixels minus the margins of a page.
 WIDE = 340.0
 #: Average letter width of sans-serif fonts as a fraction of the font size, estimated on the high side.
 _LETTER = 0.58
