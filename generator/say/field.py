@@ -75,7 +75,7 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
         case Unused(value, verdict):
             yield said(f"Unused, documented as {short(value)}")
             if _comes_with_position(device, item):
-                yield said("Other values: the frame is still decoded, with the verdict ", Code(verdict.value))
+                yield said("Frames with other values are still decoded, with the verdict ", Code(verdict.value))
             else:
                 yield said("Other values are still decoded")
         case CrcValue(crc):

@@ -57,7 +57,7 @@ TERMS = (
     ),
     Term(
         "Control data",
-        "Access to registers over BiSS without interrupting the positions. Each frame carries one bit in each "
+        "Access to registers over BiSS without interrupting the position data. Each frame carries one bit in each "
         "direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
         over=Biss,
         section="control-data",
@@ -120,7 +120,7 @@ TERMS = (
     ),
     Term(
         "MEM BUSY",
-        "A bit of replies about the EEPROM. While it is set, the memory is busy and the request is not carried out.",
+        "A bit in replies about the EEPROM. While it is set, the memory is busy and the request is not carried out.",
         ("mem busy",),
     ),
     Term("Multiturn", "The number of whole revolutions, or an encoder that counts them.", ("multiturn",)),
@@ -137,7 +137,7 @@ TERMS = (
     ),
     Term(
         "Profile",
-        "Standardized selection and order of the fields of single cycle data.",
+        "Standardized selection and order of the fields in single cycle data.",
         over=Biss,
         section="frames",
     ),

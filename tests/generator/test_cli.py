@@ -276,7 +276,7 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())
         assert (
-            "Open in the manual, for you to choose eeprom_address: Position of the address in the byte "
+            "Open in the manual, for you to choose eeprom_address: Position of the address in byte "
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
         assert "Give decode the answer with --choose eeprom_address=as_printed" in out

@@ -325,7 +325,7 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     for more in ((), ("--json",)):
         message = refused(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
         assert message == (
-            "'eeprom_read_request' cannot be decoded until you decide. Position of the address in the byte ADF of an "
+            "'eeprom_read_request' cannot be decoded until you decide. Position of the address in byte ADF of an "
             "EEPROM access over RS-485: add --choose eeprom_address=as_printed (Bits 7:1, with MEM BUSY in bit 0, as "
             "the manual prints it) or --choose eeprom_address=as_t_format (Bits 6:0, as in public T-format stacks. "
             "MEM BUSY is then the remaining bit, 7)"

@@ -101,7 +101,7 @@ INTERFACES = [
 LAYOUTS = [
     ("word", "position is in Gray code while gray is 1, and in binary while it is 0."),
     ("word", "position consists of turns and steps, most significant first."),
-    ("reply", "Carries data_id 1 (place)."),
+    ("reply", "Its data_id is 1 (place)."),
 ]
 
 
