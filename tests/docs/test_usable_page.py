@@ -174,7 +174,7 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
 @pytest.mark.parametrize(
     ("family", "name", "remedy"),
     [
-        ("amm5", "status_other_error", "Request data ID 3: its ALMC shows which error it is"),
+        ("amm5", "status_other_error", "Request data ID 3. Its ALMC shows the active error"),
         # 7.5 p.46: the request is not executed while the memory is busy.
         ("amm5", "eeprom_write_reply_mem_busy", "Send the request again"),
         ("amm5", "eeprom_read_reply_mem_busy", "Send the request again"),
@@ -188,7 +188,7 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
 def test_a_remedy_of_the_manual_is_named(library: Library, page: str, family: str, name: str, remedy: str) -> None:
     found = [
         row[2]
-        for device, row in by_family(library, page, "What each report means")
+        for device, row in by_family(library, page, "Meaning of each report")
         if device.name == family and plain(row[0]).strip("`") == name
     ]
     assert found == [remedy]

@@ -46,7 +46,7 @@ def device() -> Device:
 
 #: What is said of each register of the spec that has one property of its own.
 REGISTERS = [
-    ("banked", "Select bank 3 with bank first."),
+    ("banked", "First select bank 3 with bank."),
     ("wide", "Byte order: high byte first, at 60h."),
     ("wide", "Default: 12 34."),
     ("narrow", "Byte order: low byte first, at 62h."),
