@@ -75,7 +75,7 @@ def changed(item: Erratum) -> Iterator[tuple[str, str]]:
     elif item.used == LEFT_OUT and item.edition:
         yield "Not present", what
     elif item.printed.endswith(".note") and item.edition:
-        yield "Replaces", what
+        yield "Instead of", what
         yield "Text", f"{item.used}"
     else:
         yield "In the spec", what

@@ -119,7 +119,8 @@ def _meaning(device: Device, item: RegisterMeaning) -> Said:
     path, _, field = item.when.partition(".")
     bit = device.register(path).layout.field(field)
     value = next(one.value for one in bit.values if one.name == item.value)
-    while_ = ("While ", register_field(device, item.when), f" holds {value} (", Code(item.value), "), the register holds ")
+    when = register_field(device, item.when)
+    while_ = ("While ", when, f" holds {value} (", Code(item.value), "), the register holds ")
     span = limits(item.min, item.max)
     about = f": {item.meaning}" if item.meaning else ""
     return said(*while_, Code(item.name), *((", ", *span) if span else ()), about, source=item.source)
