@@ -28,6 +28,8 @@ _KEYS = {
     "default": "the default of {}",
     "min": "the minimum of {}",
     "max": "the maximum of {}",
+    "when_active": "the meaning of an active {}",
+    "when_inactive": "the meaning of an inactive {}",
     "wait_at_least_ms": "the wait in ms after a write to {}",
     "at_least_ms": "the minimum time in ms for {}",
     "open": "unlisted values of {}",
@@ -87,6 +89,8 @@ def _of(steps: Sequence[str]) -> str:
     match steps:
         case ["order_code", "parts", part, "values", value, *_]:
             said, index = f"order codes with {part} {value}", 5
+        case ["order_code", "also_written", number, "values", part, *_]:
+            said, index = f"the values of {part} in spelling {number} on labels", 5
     if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
         said, index = f"register {steps[0]}", 1
     while index < len(steps):
