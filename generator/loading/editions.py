@@ -148,7 +148,16 @@ def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
 
 
 def _text(value: object) -> str:
-    return ", ".join(f"{key} = {item}" for key, item in value.items()) if isinstance(value, dict) else str(value)
+    """Return a value of a spec in words."""
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case dict():
+            return ", ".join(f"{key} = {item}" for key, item in value.items())
+        case list():
+            return ", ".join(map(str, value))
+        case _:
+            return str(value)
 
 
 def _affected(raw: Raw, text: str) -> str:

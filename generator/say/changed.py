@@ -28,6 +28,8 @@ _KEYS = {
     "default": "the default of {}",
     "min": "the minimum of {}",
     "max": "the maximum of {}",
+    "implemented": "whether {} is implemented",
+    "interfaces": "the interfaces of {}",
     "when_active": "the meaning of an active {}",
     "when_inactive": "the meaning of an inactive {}",
     "wait_at_least_ms": "the wait in ms after a write to {}",
