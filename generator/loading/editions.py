@@ -132,7 +132,7 @@ def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
     texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
     affects = [] if kind == "also" else [_affected(raw, text) for text in texts]
     value = change.get("to", change.get("value"))
-    used = {"remove": LEFT_OUT, "unknown": NOT_KNOWN, "also": NOT_KNOWN}.get(kind, str(value))
+    used = {"remove": LEFT_OUT, "unknown": NOT_KNOWN, "also": NOT_KNOWN}.get(kind, _text(value))
     return record(
         Erratum,
         {"severity": "wrong_data", **{key: change[key] for key in ("why", "source", "severity") if key in change}},
@@ -143,6 +143,19 @@ def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
         affects=tuple(dict.fromkeys(filter(None, affects))),
         edition=name,
     )
+
+
+def _text(value: object) -> str:
+    """Return a value of a spec in words."""
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case dict():
+            return ", ".join(f"{key} = {item}" for key, item in value.items())
+        case list():
+            return ", ".join(map(str, value))
+        case _:
+            return str(value)
 
 
 def _affected(raw: Raw, text: str) -> str:

@@ -109,7 +109,7 @@ def zero_field(name: str, kind: Constant, low: Expression, width: Expression, si
         low=low,
         width=width,
         widest=site.widest(width),
-        meaning="always zero",
+        meaning="Always zero",
         source=source,
     )
 

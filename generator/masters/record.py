@@ -329,8 +329,8 @@ def _answer_notes(deciding: Sequence[Alternative], taken: Mapping[str, str]) -> 
 def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
     if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
         yield (
-            "The clocks shown are the fastest that encoder and master support, regardless of the cable. "
-            "Use --cable METRES to choose them for a cable length."
+            "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
+            "Use --cable METRES to get the clocks for a cable length."
         )
 
 

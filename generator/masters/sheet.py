@@ -104,7 +104,7 @@ class _Unknown(Exception):
 
 
 def _not_in_manual(number: str) -> _Unknown:
-    return _Unknown(f"not in the encoder's manual: {NUMBERS[number]}")
+    return _Unknown(f"not in the encoder's manual ({NUMBERS[number]})")
 
 
 class _Refused(Exception):

@@ -28,8 +28,12 @@ _KEYS = {
     "default": "the default of {}",
     "min": "the minimum of {}",
     "max": "the maximum of {}",
+    "implemented": "whether {} is implemented",
+    "interfaces": "the interfaces of {}",
+    "when_active": "the meaning of an active {}",
+    "when_inactive": "the meaning of an inactive {}",
     "wait_at_least_ms": "the wait in ms after a write to {}",
-    "at_least_ms": "the minimum time in ms of {}",
+    "at_least_ms": "the minimum time in ms for {}",
     "open": "unlisted values of {}",
     "open_only_with": "the values that may accompany unlisted values of {}",
 }
@@ -84,6 +88,11 @@ def _of(steps: Sequence[str]) -> str:
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     said, index = "", 0
+    match steps:
+        case ["order_code", "parts", part, "values", value, *_]:
+            said, index = f"order codes with {part} {value}", 5
+        case ["order_code", "also_written", number, "values", part, *_]:
+            said, index = f"the values of {part} in spelling {number} on labels", 5
     if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
         said, index = f"register {steps[0]}", 1
     while index < len(steps):

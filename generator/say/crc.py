@@ -37,4 +37,4 @@ def sent(item: Crc) -> str:
     """Return how the remainder is changed before it is sent."""
     if item.xorout == item.mask:
         return "sent inverted"
-    return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent as it is"
+    return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent unchanged"

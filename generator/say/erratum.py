@@ -38,9 +38,9 @@ def reference(item: Erratum) -> Ref:
 def erratum(item: Erratum, *, whole: bool = False) -> Said:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    A long reason is omitted, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay or another
-    edition always has its reason. The short form includes the value used only if the erratum is open and wrong bytes
-    could be sent.
+    The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
+    or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
+    erratum is open.
     """
     if item.overlay or item.edition:
         return _change(item)
@@ -75,7 +75,7 @@ def changed(item: Erratum) -> Iterator[tuple[str, str]]:
     elif item.used == LEFT_OUT and item.edition:
         yield "Not present", what
     elif item.printed.endswith(".note") and item.edition:
-        yield "Replaces", what
+        yield "Instead of", what
         yield "Text", f"{item.used}"
     else:
         yield "In the spec", what

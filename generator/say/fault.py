@@ -46,7 +46,7 @@ def no_frame(selector: str, found: str, choices: str) -> str:
 
 def other_value(name: str, found: str, documented: str) -> str:
     """Return the message for a frame whose value differs from the manual."""
-    return f"{name} is {found}, the manual has {documented}"
+    return f"{name} is {found}, but the manual says {documented}"
 
 
 def other_content(name: str, found: str, code: str, documented: str) -> str:

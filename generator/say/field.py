@@ -46,7 +46,7 @@ def rules(device: Device, item: Field) -> Iterator[Said]:
     yield from told(item.unit, label="Unit")
     yield from _kind(device, item)
     if item.container:
-        yield said(f"Right-aligned in {item.container} bits, zeros above it")
+        yield said(f"Right-aligned in {item.container} bits, with zeros above it")
     if not item.implemented and "not implemented" not in item.meaning.lower():
         yield said("Not implemented in this encoder")
     if item.reserved:
@@ -73,9 +73,9 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
             if "always" not in item.meaning.lower():
                 yield said(f"Always {short(value)}")
         case Unused(value, verdict):
-            yield said(f"Unused, {short(value)} in the manual")
+            yield said(f"Unused, documented as {short(value)}")
             if _comes_with_position(device, item):
-                yield said("Other values: the frame is still decoded, with the verdict ", Code(verdict.value))
+                yield said("Frames with other values are still decoded, with the verdict ", Code(verdict.value))
             else:
                 yield said("Other values are still decoded")
         case CrcValue(crc):

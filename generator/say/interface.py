@@ -35,7 +35,7 @@ from .timing import timing
 from .words import counted, hertz, nanoseconds, number, sentence, timeout_words
 
 _ALIGNMENT = {
-    "msb_left": "left: the most significant bit comes with the first clock, zeros follow the word",
+    "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
     "lsb_right": "right: zeros come before the word",
 }
 _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}

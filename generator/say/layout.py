@@ -71,7 +71,7 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
     if layout.selects:
         names = {item.id: item.name for item in interface.data_ids} if isinstance(interface, Rs485) else {}
         values = [f"{value:X}" + (f" ({names[value]})" if value in names else "") for value in layout.selects]
-        yield said("Carries ", Code(layout.selector), " ", *listed(values, " or "))
+        yield said("Its ", Code(layout.selector), " is ", *listed(values, " or "))
 
 
 def joins(layout: Layout) -> Iterator[Said]:

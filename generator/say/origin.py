@@ -27,7 +27,7 @@ def origin(device: Device) -> Iterator[Said]:
             f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
             Code(device.base),
-            ". Each difference is given with its source. Unknown parts are left out",
+            ". Each difference is given with its source. Unknown parts are omitted",
         )
     for item in device.overlays:
         yield said(
@@ -65,6 +65,6 @@ def edition_test(revision: str, test: EditionTest) -> Said:
     return said(
         register,
         f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "
-        f"older than edition {revision}. A value in this range proves nothing",
+        f"older than edition {revision}. A value in this range is not conclusive",
         source=test.source,
     )

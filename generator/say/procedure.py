@@ -74,7 +74,7 @@ def _access(device: Device, item: RegisterStep) -> Iterator[Part]:
         case ReadStep(field=field):
             yield from ("Read ", _where(device, register.name, field), at)
         case PollStep(field=field, value=value):
-            yield from ("Read ", _where(device, register.name, field), f"{at}, until it is {value}")
+            yield from ("Poll ", _where(device, register.name, field), f"{at}, until it is {value}")
         case WriteStep(value_name=name, value=value):
             yield from ("Write ", *_value(name, value), " to ", named(device, register.name), at)
             yield from (": ", Code(register.bytes_of(value).hex(" ").upper())) if value is not None else ()

@@ -74,15 +74,15 @@ def _rules(device: Device, register: Register) -> Iterator[Said]:
     if register.bank is not None:
         facts = device.interface(register.interface).facts()
         select = next(fact.register for fact in facts if isinstance(fact, BankSelect))
-        yield said(f"Select bank {register.bank} with ", named(device, select), " first")
+        yield said(f"First select bank {register.bank} with ", named(device, select))
     if register.reserved:
         yield reserved(register.reserved)
     if register.opened_by:
         yield _opened_by(device, register)
     if register.wait_at_least_ms is not None:
-        yield said(f"Wait at least {register.wait_at_least_ms} ms after a write, before the next command")
+        yield said(f"Wait at least {register.wait_at_least_ms} ms between a write and the next command")
     if register.clears_itself:
-        yield said("Returns to its default by itself after a write")
+        yield said("Automatically returns to its default after a write")
     if register.volatile:
         yield said("Save the parameters after a write, or the encoder loses the value at power-off")
     if register.above_max:
@@ -119,7 +119,8 @@ def _meaning(device: Device, item: RegisterMeaning) -> Said:
     path, _, field = item.when.partition(".")
     bit = device.register(path).layout.field(field)
     value = next(one.value for one in bit.values if one.name == item.value)
-    while_ = ("While ", register_field(device, item.when), f" holds {value} (", Code(item.value), "), it holds ")
+    when = register_field(device, item.when)
+    while_ = ("While ", when, f" holds {value} (", Code(item.value), "), the register holds ")
     span = limits(item.min, item.max)
     about = f": {item.meaning}" if item.meaning else ""
     return said(*while_, Code(item.name), *((", ", *span) if span else ()), about, source=item.source)

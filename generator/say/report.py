@@ -40,7 +40,7 @@ def states(field: Field) -> tuple[str, str]:
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual."""
     if isinstance(field.kind, Unused):
-        wrong = f"unused bits differ from the manual, which has {short(field.kind.value)} there"
+        wrong = f"unused bits differ from the documented value {short(field.kind.value)}"
         return f"{wrong}. {sentence(field.meaning)}" if field.meaning else wrong
     active, _ = states(field)
     if not field.implemented:

@@ -11,8 +11,8 @@ from ..model import Biss, Interface, Rs485
 class Term:
     """Term with its meaning, and the parts of a spec from which it is linked.
 
-    A term of an interface has ``over`` and the ``section`` that covers it. Any other term has ``spelled``, the names of
-    fields, registers and times to which it applies.
+    A term of an interface has ``over`` and the ``section`` that covers it. All other terms have ``spelled``, the names
+    of the related fields, registers and times.
     """
 
     name: str
@@ -26,7 +26,7 @@ TERMS = (
     Term(
         "ALMC",
         "The byte of an RS-485 reply that has a bit for each alarm. It identifies the alarm when a status bit only "
-        "says that there is one.",
+        "indicates that there is one.",
         ("almc",),
     ),
     Term(
@@ -57,7 +57,7 @@ TERMS = (
     ),
     Term(
         "Control data",
-        "Access to registers over BiSS without interrupting the positions. Each frame carries one bit in each "
+        "Access to registers over BiSS without interrupting the position data. Each frame carries one bit in each "
         "direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
         over=Biss,
         section="control-data",
@@ -120,7 +120,7 @@ TERMS = (
     ),
     Term(
         "MEM BUSY",
-        "A bit of replies about the EEPROM. While it is set, the memory is busy and the request is not carried out.",
+        "A bit in replies about the EEPROM. While it is set, the memory is busy and the request is not carried out.",
         ("mem busy",),
     ),
     Term("Multiturn", "The number of whole revolutions, or an encoder that counts them.", ("multiturn",)),
@@ -137,7 +137,7 @@ TERMS = (
     ),
     Term(
         "Profile",
-        "Standardized selection and order of the fields of single cycle data.",
+        "Standardized selection and order of the fields in single cycle data.",
         over=Biss,
         section="frames",
     ),

@@ -98,7 +98,7 @@ def test_bytes_that_an_encoder_has_no_use_for_are_zeros(pages: Files) -> None:
     assert [rows[f"byte {number}"][0] for number in (5, 6, 7, 8, 9)] == ["encoder id", "0", "0", "0", "alarm field"]
     assert "byte 6: always 0 7:0" in desc(pages, "amm5/AMM5A21-1JP1-complete_reply")
     page = pages["docs/amm5/AMM5A21-1JP1.md"]
-    assert "| bytes 6 to 8 | 24 | always zero." in page.partition('id="layout-complete_reply"')[2]
+    assert "| bytes 6 to 8 | 24 | Always zero." in page.partition('id="layout-complete_reply"')[2]
 
 
 def rows_of(pages: Files, name: str) -> dict[str, list[str]]:

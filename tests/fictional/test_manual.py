@@ -237,5 +237,5 @@ def test_show_says_channel_and_bank(capsys: pytest.CaptureFixture[str]) -> None:
     assert max(map(len, text.splitlines())) <= 80
     flat = " ".join(text.split())
     assert "data channel 2" in flat
-    facts = "Byte order: low byte first, at 00h. Default: B6 03. Limits: -400 to 1,200. Select bank 2 with bank first."
+    facts = "Byte order: low byte first, at 00h. Default: B6 03. Limits: -400 to 1,200. First select bank 2 with bank."
     assert facts in flat

@@ -256,8 +256,8 @@ def test_the_page_tells_channels_banks_and_errata(generated: Path) -> None:
     flat = " ".join(page.lower().split())
     assert "data channel 1" in flat
     assert "data channel 2" in flat
-    assert flat.count("- select bank 1 with [`bank`](#register-bank) first.") == 2
-    assert flat.count("- select bank 2 with [`bank`](#register-bank) first.") == 3
+    assert flat.count("- first select bank 1 with [`bank`](#register-bank).") == 2
+    assert flat.count("- first select bank 2 with [`bank`](#register-bank).") == 3
     assert 'id="erratum-negative_temperature"' in page
     assert 'id="erratum-wait_after_bank"' in page
     assert "two's complement" in flat

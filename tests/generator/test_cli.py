@@ -83,7 +83,7 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown(capsys, "SMA21-SC4-0050")
     assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575, 52,428.800 mm in total" in sma21
-    assert "configuration.select_preset_offset holds 0 (preset), it holds preset, 0 to 1,048,575:" in sma21
+    assert "configuration.select_preset_offset holds 0 (preset), the register holds preset, 0 to 1,048,575:" in sma21
     assert "Time-out follows the clock, at most 16 µs" in sma21
     ssi = shown(capsys, "AMC3616/4096-GG")
     assert "below 400 kHz with a cable shorter than 50 m" in ssi
@@ -276,7 +276,7 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())
         assert (
-            "Left open by the manual, for you to choose eeprom_address: Position of the address in the byte "
+            "Left open by the manual, for you to choose eeprom_address: Position of the address in byte "
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
         assert "Give decode the answer with --choose eeprom_address=as_printed" in out

@@ -208,7 +208,7 @@ def test_where_there_is_no_verdict(
 
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
-        "no frame error; this frame has no CRC; no bit of this frame says whether the position is usable"
+        "no frame error; this frame has no CRC; no bit of this frame indicates whether the position is usable"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
@@ -230,7 +230,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
     values = {item["name"]: item["value"] for item in data["fields"]}
     assert (values["status_info"], values["position"], values["unused"]) == (2, 0x25430004DA, 2)
     assert (
-        "status_info (dd0 ... dd3): unused bits differ from the manual, which has 0 there. Information, not used "
+        "status_info (dd0 ... dd3): unused bits differ from the documented value 0. Information, not used "
         "in this encoder. so the position is usable, with a warning"
     ) in text(capsys, *printed)[1]
 
@@ -325,7 +325,7 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     for more in ((), ("--json",)):
         message = refused(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
         assert message == (
-            "'eeprom_read_request' cannot be decoded until you decide. Position of the address in the byte ADF of an "
+            "'eeprom_read_request' cannot be decoded until you decide. Position of the address in byte ADF of an "
             "EEPROM access over RS-485: add --choose eeprom_address=as_printed (Bits 7:1, with MEM BUSY in bit 0, as "
             "the manual prints it) or --choose eeprom_address=as_t_format (Bits 6:0, as in public T-format stacks. "
             "MEM BUSY is then the remaining bit, 7)"
@@ -434,9 +434,9 @@ def test_a_frame_with_another_id_is_decoded(capsys: Capture, tmp_path: Path) -> 
         code, data = decode(capsys, *arguments)
         assert (code, data["verdict"], data["problems"]) == (0, "usable", [])
         assert next(item["value"] for item in data["fields"] if item["name"] == "position") == 1
-        assert [item["message"] for item in data["differences"]] == ["KIND is 0x17, the manual has 0x23"] * differs
+        assert [item["message"] for item in data["differences"]] == ["KIND is 0x17, but the manual says 0x23"] * differs
         assert (
-            "not as documented: KIND is 0x17, the manual has 0x23 no other error" in text(capsys, *arguments)[1]
+            "not as documented: KIND is 0x17, but the manual says 0x23 no other error" in text(capsys, *arguments)[1]
         ) is differs
 
 

@@ -102,7 +102,7 @@ def test_what_cannot_be_said(
 def test_the_page_leads_to_the_erratum(pages: dict[str, str]) -> None:
     page = pages["docs/amm5-masters.md"]
     assert (
-        "Errata on the clock by cable length: [`ssi_cable_400_m`](amm5/errata.md#erratum-ssi_cable_400_m), "
+        "Errata about the clock for each cable length: [`ssi_cable_400_m`](amm5/errata.md#erratum-ssi_cable_400_m), "
         "[`ssi_cable_50_m`](amm5/errata.md#erratum-ssi_cable_50_m)"
     ) in page
     assert "| Clock by cable | shorter than 50 m: below 400 kHz, shorter than 100 m: below 300 kHz," in page

@@ -207,7 +207,7 @@ def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     assert "SENSCRCPOLY (address 193, bits 6:0) | `0x21`" in ic_mb
     assert "Not supported" in page.split("### KEB Combivert F5")[1].split("###")[0]
     assert "### Galil" in page
-    assert "Without a description for SSI" in page
+    assert "No SSI settings are known for: " in page
 
 
 @pytest.mark.slow

@@ -159,7 +159,7 @@ def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> Non
     clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042")
     assert (clock.value, clock.text) == (
         None,
-        "unknown: not in the encoder's manual: fastest clock of the encoder, in Hz",
+        "unknown: not in the encoder's manual (fastest clock of the encoder, in Hz)",
     )
 
 

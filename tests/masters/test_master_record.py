@@ -105,8 +105,8 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
     )
     assert any("(49h)" in note and "code" in note for note in notes)
     whatever_cable = (
-        "The clocks shown are the fastest that encoder and master support, regardless of the cable. "
-        "Use --cable METRES to choose them for a cable length."
+        "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
+        "Use --cable METRES to get the clocks for a cable length."
     )
     assert record_of("AMM5A23/65KSC1").notes == (whatever_cable,)
     device = devices["am36"]

@@ -416,8 +416,8 @@ def test_example_of_siemens(told: Told) -> None:
             "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
         ),
         # 16 + 23 bits; 16 + 17 are one too many.
-        ("omron_nx", "AMM5A23/65KBG1", "All data of a frame together have at most 32 bits. Here: frame bits 39."),
-        ("omron_nx", "AMM5A17/65KBG1", "All data of a frame together have at most 32 bits. Here: frame bits 33."),
+        ("omron_nx", "AMM5A23/65KBG1", "A frame has at most 32 data bits in total. Here: frame bits 39."),
+        ("omron_nx", "AMM5A17/65KBG1", "A frame has at most 32 data bits in total. Here: frame bits 33."),
         (
             "keb_f5",
             "SMA21-SC1-0002",

@@ -46,7 +46,7 @@ def device() -> Device:
 
 #: What is said of each register of the spec that has one property of its own.
 REGISTERS = [
-    ("banked", "Select bank 3 with bank first."),
+    ("banked", "First select bank 3 with bank."),
     ("wide", "Byte order: high byte first, at 60h."),
     ("wide", "Default: 12 34."),
     ("narrow", "Byte order: low byte first, at 62h."),
@@ -58,12 +58,12 @@ REGISTERS = [
     ("clearing", "A write sets bounded and least to zero."),
     ("kept", "Reserved for the manufacturer."),
     ("lost", "Save the parameters after a write, or the encoder loses the value at power-off."),
-    ("slow", "Wait at least 15 ms after a write, before the next command."),
-    ("key", "Returns to its default by itself after a write."),
+    ("slow", "Wait at least 15 ms between a write and the next command."),
+    ("key", "Automatically returns to its default after a write."),
     ("locked", "Can be written only while key holds C0h (unlock)."),
     ("opened", "Can be written only while settings.mode holds 0 (open)."),
-    ("either", "While settings.mode holds 0 (open), it holds preset, at most 100: A place [8.1]."),
-    ("either", "While settings.mode holds 1 (shut), it holds offset: A distance [8.2]."),
+    ("either", "While settings.mode holds 0 (open), the register holds preset, at most 100: A place [8.1]."),
+    ("either", "While settings.mode holds 1 (shut), the register holds offset: A distance [8.2]."),
     ("command", "Reading the same address accesses status instead."),
     ("status", "Writing to the same address accesses command instead."),
 ]
@@ -101,7 +101,7 @@ INTERFACES = [
 LAYOUTS = [
     ("word", "position is in Gray code while gray is 1, and in binary while it is 0."),
     ("word", "position consists of turns and steps, most significant first."),
-    ("reply", "Carries data_id 1 (place)."),
+    ("reply", "Its data_id is 1 (place)."),
 ]
 
 

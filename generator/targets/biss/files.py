@@ -69,7 +69,7 @@ _ASCII = str.maketrans(
 
 _EACH = "each"
 _BY_CODE = Option(
-    "order-codes", "each: also a file per order code, with numbers in place of sums", "none", ("none", _EACH)
+    "order-codes", "each: also a file per order code, with numbers instead of expressions", "none", ("none", _EACH)
 )
 
 
@@ -97,7 +97,8 @@ class Identifier(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``biss/idbissXXXX.xml`` for manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
 
-    With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with expressions resolved.
+    With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers instead of
+    expressions.
     """
     files = {}
     for maker, devices in library.by_manufacturer():
@@ -112,7 +113,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
-    """Yield a description of each listed order code, with numbers in place of expressions."""
+    """Yield a description of each listed order code, with numbers instead of expressions."""
     names = names_of_codes(item.code for item in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
         yield f"{folder}/{name}.xml", to_xml(variant_dump(device, Match(variant, (), "", special=False)))

@@ -55,7 +55,7 @@ def _release(release: Release) -> dict[str, Any]:
         here = [change for change in release.changes if change.impact == impact]
         items = [_item(change) for change in here]
         if impact == "documentation" and len(items) > _MOST_WORDS:
-            items = [f"{counted(len(items), 'change')} of wording, sources, errata and examples"]
+            items = [f"{counted(len(items), 'change')} to wording, sources, errata and examples"]
         if items:
             parts.append({"title": title, "lines": items})
     about = f"Changes since {release.since}, with revision {release.manual} of the manual."

@@ -50,7 +50,7 @@ def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, 
 
 
 def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
-    """Yield rows of number, instruction, reason, source. Steps that exist only in generated code have no number."""
+    """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
     index = 0
     for operation in run_of(device, item).operations:
         part = operation.step
@@ -161,8 +161,8 @@ def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
 
 
 def changes(number: int) -> str:
-    """Return a sentence about the changes by overlays and other editions."""
-    return f" {number} more entries are changes by overlays or other editions." if number else ""
+    """Return a sentence on the changes by overlays and other editions."""
+    return f" {number} more entries are changes made by overlays or other editions." if number else ""
 
 
 def severity(value: str) -> str:

@@ -182,13 +182,14 @@ def _times_read(counts: TimesRead | None) -> str:
     if counts is None:
         return ""
     every = counts.twice + counts.explained + counts.once
-    explained = f", {counts.explained} differ for reasons given in the errata" if counts.explained else ""
-    once = f", {counts.once} were read once" if counts.once else ""
+    differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
+    explained = f", {counts.explained} {differ} given in the errata" if counts.explained else ""
+    once = f", {counts.once} {'was' if counts.once == 1 else 'were'} read once" if counts.once else ""
     return f"Twice. Of {every} facts, {counts.twice} agree in both readings{explained}{once}"
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the differences in other editions, each with the revision that introduced it."""
+    """Yield the differences in other editions, with the revision that introduced them."""
 
     def links(name: str) -> str:
         found = (item.name for item in device.errata if item.edition == name)

@@ -42,7 +42,7 @@ def _link(term: Term, here: Device, interface: Interface) -> str:
 
 
 def _has(here: Device, interface: Interface, section: str) -> bool:
-    """Return whether the interface page has the section. Frames and times are on every page."""
+    """Return whether the interface page has the section. Every page has frames and times."""
     there = {
         "control-data": bool(getattr(interface, "control_data", ())),
         "procedures": bool(here.procedures),

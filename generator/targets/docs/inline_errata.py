@@ -45,7 +45,7 @@ class OnPage:
         wording = [item for item in own if item.severity == "wording"]
         if wording:
             links = ", ".join(self._link(item, code(item.name)) for item in wording)
-            lines.append(f"- {'Mistake' if len(wording) == 1 else 'Mistakes'} of wording in the manual: {links}")
+            lines.append(f"- Wording {'mistake' if len(wording) == 1 else 'mistakes'} in the manual: {links}")
         lines += self._of_editions(elsewhere)
         return "\n".join(lines)
 
@@ -99,7 +99,7 @@ def page_values(device: Device) -> ErrataPage:
     return {
         "device": device,
         "errata_summary": f"The manual has {len(of_manual)} known errata. {len(is_open)} of them are open, which means "
-        "that only hardware or the manufacturer can decide them. The others are settled by the manual's own evidence "
+        "that only hardware or the manufacturer can settle them. The others are settled by the manual's own evidence "
         "or by arithmetic." + fact_tables.changes(len(device.errata) - len(of_manual)),
         "erratum_links": [
             (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])

@@ -1,8 +1,8 @@
 """SVG pictures of layouts: a row of boxes for each byte, one byte below the other.
 
-A picture is as wide as the screen of a phone, so its text is readable there and next to a table. Every picture has a
-background card in the light or dark colour scheme of the screen. A name that does not fit in its box is below the row
-with its bit number, and so is each active-low bit. ``told`` returns the same information in words.
+A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Every picture has
+a background card in the light or dark scheme of the screen. A name that does not fit into its box is below the row with
+its bit number, and so is each active-low bit. ``told`` returns a description in words.
 """
 
 from __future__ import annotations

@@ -166,7 +166,7 @@ def used_groups(interface: Interface) -> list[str]:
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
     """Return a table of field positions by order code and choice, or an empty text if they are the same for all.
 
-    Only choices that change the length are included. For all other choices, the positions are in the row of the field.
+    Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
     deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
     shapes = [

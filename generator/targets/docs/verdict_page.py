@@ -105,7 +105,7 @@ def _reports(device: Device) -> Iterator[Row]:
         alarm = alarm_of(device, item.field)
         name = joined([code(item.name), text(own_names(item.field))])
         advised = joined([text(advice(item.field, alarm)), *to_steps(f"{device.name}/", by_hand(item.field, alarm))])
-        what_to_do = advised or "The manual names no remedy"
+        what_to_do = advised or "The manual gives no remedy"
         yield name, text(meaning(item.field, alarm)), what_to_do, cited(source(item.field, alarm))
 
 
