@@ -19,12 +19,12 @@ static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KJP1;
 
 /* Time between two requests. */
 #define POLL_US 1000U
-/* Time until the encoder answers, an assumption, then the bytes, ten bits each. */
+/* Assumed time until the encoder answers, plus the time of the bytes, ten bits each. */
 #define ANSWER_US 100U
 #define BYTES (1U + LIKA_RECEIVE_RS485_BYTES)
 #define REPLY_US (ANSWER_US + ((10000000U * BYTES) / LIKA_AMM5_RS485_BAUD))
 
-/* The present or last reply. */
+/* The current or last reply. */
 static lika_rs485_line line;
 
 /* -- your clock and your serial port ----------------------------------------------------------- */
@@ -42,7 +42,7 @@ static size_t arrived;
 static size_t taken;
 
 /*
- * Send a request of one byte. Return false if the port cannot. The encoder answers within
+ * Send a request of one byte. Return false if the port cannot send it. The encoder answers within
  * microseconds, so let the UART switch the driver of the line (hardware driver enable), or release
  * it in the transmit-complete interrupt, and enable the receiver before the request ends.
  */
@@ -101,10 +101,10 @@ static void print_reports(uint32_t reports)
 static lika_result show_frame(const uint8_t *bytes, size_t length)
 {
     lika_amm5_singleturn_reply frame;
-    /* Texts by lika_verdict. */
+    /* Texts in the order of lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
-        "no bit of this frame says whether the position is usable",
+        "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
@@ -119,7 +119,7 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     print_reports(lika_amm5_singleturn_reply_reports(&encoder, &frame));
-    /* A frame can be well formed with a correct CRC, and its position still not usable. */
+    /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_amm5_singleturn_reply_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     return LIKA_OK;
@@ -153,7 +153,7 @@ static void reply_came(void)
     refused = show_frame(line.bytes, line.length);
     asked = refused != LIKA_OK;
     if (asked) {
-        lika_rs485_resume(&line); /* look for a later start. Without this there is no time-out */
+        lika_rs485_resume(&line); /* look for a later start. Without this, no time-out follows */
     }
 }
 
@@ -170,7 +170,7 @@ static const char *reason(void)
     return (why == LIKA_FAULT_LENGTH) ? "incomplete reply" : "no reply";
 }
 
-/* Handle a missing reply. Leave the line quiet, so that a late one is not taken for the next. */
+/* Handle a missing reply. Leave the line idle, so that a late one is not mistaken for the next. */
 static void reply_failed(void)
 {
     printf("%lu us: %s\n", (unsigned long)now_us, reason());

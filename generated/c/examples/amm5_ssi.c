@@ -15,7 +15,7 @@
 /* The order code from the label, AMM5A23/65KBG1. The compiler computes the place of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;
 
-/* Set this yourself: most counts that the axis can move from one word to the next. */
+/* Set this yourself: the most counts that the axis can move from one word to the next. */
 #define AT_MOST 100U
 
 /* -- your bus ---------------------------------------------------------------------------------- */
@@ -44,10 +44,10 @@ static lika_result receive_word(uint64_t *word)
 static lika_result show_frame(void)
 {
     lika_amm5_ssi_word frame;
-    /* Texts by lika_verdict. */
+    /* Texts in the order of lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
-        "no bit of this frame says whether the position is usable",
+        "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
@@ -58,7 +58,7 @@ static lika_result show_frame(void)
     if (result == LIKA_OK) {
         result = lika_amm5_ssi_word_decode(&encoder, word, &frame);
     }
-    /* No CRC protects this word: the next one, immediately after it, must agree. */
+    /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == LIKA_OK) {
         result = receive_word(&word);
     }
@@ -76,7 +76,7 @@ static lika_result show_frame(void)
     printf("  multiturn: %llu\n", (unsigned long long)frame.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    /* A frame can be well formed with a correct CRC, and its position still not usable. */
+    /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_amm5_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {

@@ -105,10 +105,10 @@ static void print_reports(uint32_t reports)
 static lika_result show_frame(void)
 {
     lika_asc85_single_cycle_data frame;
-    /* Texts by lika_verdict. */
+    /* Texts in the order of lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
-        "no bit of this frame says whether the position is usable",
+        "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
@@ -123,7 +123,7 @@ static lika_result show_frame(void)
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
     print_reports(lika_asc85_single_cycle_data_reports(&encoder, &frame));
-    /* A frame can be well formed with a correct CRC, and its position still not usable. */
+    /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_asc85_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
@@ -214,7 +214,7 @@ int main(void)
     if (result != LIKA_OK) {
         printf("error %d\n", (int)result);
     }
-    /* After an error of the transport, print the step of the procedure and your error number. */
+    /* After a transport error, print the step of the procedure and your error number. */
     if ((result == LIKA_FAULT_TRANSPORT) || (result == LIKA_FAULT_TIMEOUT)) {
         printf("step %lu, address %02X, error %ld%s\n", (unsigned long)failure.step,
             (unsigned)failure.address, (long)failure.error, failure.left_open ? ", left open" : "");

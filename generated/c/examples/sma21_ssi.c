@@ -15,7 +15,7 @@
 /* The order code from the label, SMA21-BG1-0001. The compiler computes the place of each bit. */
 static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
 
-/* Set this yourself: most counts that the axis can move from one word to the next. */
+/* Set this yourself: the most counts that the axis can move from one word to the next. */
 #define AT_MOST 100U
 
 /* -- your bus ---------------------------------------------------------------------------------- */
@@ -57,10 +57,10 @@ static void print_reports(uint32_t reports)
 static lika_result show_frame(void)
 {
     lika_sma21_ssi_word frame;
-    /* Texts by lika_verdict. */
+    /* Texts in the order of lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
-        "no bit of this frame says whether the position is usable",
+        "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
@@ -71,7 +71,7 @@ static lika_result show_frame(void)
     if (result == LIKA_OK) {
         result = lika_sma21_ssi_word_decode(&encoder, word, &frame);
     }
-    /* No CRC protects this word: the next one, immediately after it, must agree. */
+    /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == LIKA_OK) {
         result = receive_word(&word);
     }
@@ -89,7 +89,7 @@ static lika_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     print_reports(lika_sma21_ssi_word_reports(&encoder, &frame));
-    /* A frame can be well formed with a correct CRC, and its position still not usable. */
+    /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_sma21_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from . import _codes, am36, amm5, asc85, biss, sma21
     from ._stream import decode_file, decode_partition
 
-    #: Every family, in order of name.
+    #: All families, sorted by name.
     FAMILIES: Final[tuple[Family, ...]] = ()
 
 __all__ = [
@@ -90,7 +90,7 @@ __all__ = [
 #: Version of this package.
 __version__: Final = "0.1.0"
 
-#: Beginnings of the order codes of each family, without blanks, by the name of its module.
+#: Prefixes of the order codes of each family, without spaces. The keys are the names of the modules.
 _BEGIN: Final = {
     "am36": ("AM36", "AMC36"),
     "amm5": ("AMM5",),
@@ -161,13 +161,13 @@ def lookup(label: str) -> Encoder: ...
 
 
 def lookup(label: str) -> Encoder:
-    """Return the encoder with this label, of any family.
+    """Return the encoder that belongs to a label, from any family.
 
     Args:
         label: Order code on the label. Case does not matter. A tail after ``-`` and an ending ``/Sxxx`` are accepted.
 
     Returns:
-        The encoder. Type checkers know its class for each listed order code.
+        The encoder. Type checkers infer its class for each listed order code.
 
     Raises:
         OrderCodeError: There is no such order code. The error lists similar ones.
@@ -184,7 +184,7 @@ def lookup(label: str) -> Encoder:
 
 
 def _refuse(text: str) -> NoReturn:
-    """Raise the most helpful error for an unknown label: with the wrong part, or with similar order codes."""
+    """Raise the most helpful error for an unknown label: it lists the wrong part or similar order codes."""
     modules = [import_module(f".{family}", __name__) for family in _BEGIN]
     for module in modules:
         try:
@@ -199,15 +199,15 @@ def _refuse(text: str) -> NoReturn:
 def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     """Find the common mistakes that explain an invalid frame, such as swapped wires.
 
-    A CRC of few bits is sometimes correct by chance. Check several frames, and look for the mistake that explains
-    all of them.
+    A short CRC is sometimes correct by chance. Check several frames, and look for the mistake that explains all of
+    them.
 
     Args:
         encoder: The encoder.
-        frame: The frame, as ``encoder.decode`` takes it.
+        frame: The frame, in any form that ``encoder.decode`` accepts.
 
     Returns:
-        The changes that make the frame valid, the most likely first. Empty if none is known.
+        Descriptions of the changes that make the frame valid, the most likely first. Empty if none is known.
     """
     from ._why import why
 
@@ -215,15 +215,15 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes, of all families, that agree with the contents of an encoder's registers.
+    """Return the order codes of all families that match the contents of an encoder's registers.
 
-    Registers that are not documented, or not complete in ``read``, exclude nothing.
+    Registers that are undocumented or incomplete in ``read`` are ignored.
 
     Args:
-        read: Bytes by address, or the bytes of whole registers by name.
+        read: Register contents: bytes keyed by address, or the bytes of whole registers keyed by name.
 
     Returns:
-        The order codes.
+        The matching order codes.
 
     Raises:
         ValueError: No family has such a register.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._stream import Summary
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
-#: Highest percentage of frames with an error. More of them point to wrong settings or wiring.
+#: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
 DEFAULT_MAX_ERRORS: Final = 10.0
 _COMMAND: Final = "python -m lika_encoders"
 _EPILOG: Final = """\
@@ -47,8 +47,8 @@ exit codes:
        more frames have an error than --max-errors allows
   2    wrong usage, or an unknown order code
   130  interrupted
-With too many errors (--max-errors) the output is still written. With every
-other exit code than 0, no output is written and an existing file is unchanged.
+With too many errors (--max-errors) the output is still written. With any
+other nonzero exit code, no output is written and an existing file is unchanged.
 """
 
 
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command.
 
     Args:
-        arguments: Arguments of the command line, by default those of the process.
+        arguments: Command-line arguments. Defaults to those of the process.
 
     Returns:
         The exit code.
@@ -191,7 +191,7 @@ for _kind, _name in ((_count, "count"), (_percent, "percent"), (_register, "ADDR
 
 
 def _encoder_of(chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder that the arguments name. Raises ValueError if there is none."""
+    """Return the encoder that the arguments select. Raises ValueError if there is none."""
     encoder: Encoder = lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         wanted = Interface(chosen.interface).title
@@ -285,7 +285,7 @@ class _Stoppable:
 
 
 class Progress:
-    """Progress bar in the last line of a terminal."""
+    """Progress bar on the last line of a terminal."""
 
     #: Highest number of updates per second.
     RATE: Final = 10

@@ -60,7 +60,7 @@ def _batches(
 
 @contextmanager
 def _told(name: str) -> Generator[None, None, None]:
-    """Turn the errors of pyarrow for a file that it cannot read into InputError."""
+    """Convert the errors that pyarrow raises for an unreadable file to InputError."""
     error: Any = import_module("pyarrow").lib.ArrowException
     try:
         yield
@@ -72,7 +72,7 @@ def _told(name: str) -> Generator[None, None, None]:
 
 
 class _NoFrame(ValueError):
-    """Error of a cell in ``row`` that is not a frame."""
+    """The cell in ``row`` does not contain a frame."""
 
     def __init__(self, row: int, message: str) -> None:
         super().__init__(message)
@@ -80,7 +80,7 @@ class _NoFrame(ValueError):
 
 
 def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_first: bool = True) -> Any:
-    """Return an Arrow column in the form for ``decode_many``. A missing item is masked or None.
+    """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
     ``is_first`` marks the first frames of a file, most of which must be readable.
     """
@@ -114,7 +114,7 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_fi
 
 
 def _rows_of(array: Any, length: int) -> Any:
-    """Return items of bytes as rows of an array, without a copy, or None if one has another length."""
+    """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
     kind, count = array.type, len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
@@ -133,14 +133,14 @@ def _rows_of(array: Any, length: int) -> Any:
 
 
 def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
-    """Return rows of bytes in the form for ``decode_many``: unchanged, or as numbers. None stays."""
+    """Convert rows of bytes to the form that ``decode_many`` expects: unchanged, or as numbers. None is kept."""
     if shape.length:
         return list(items)
     return [int.from_bytes(row, "big") if row else None for row in items]
 
 
 def _each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
-    """Return the frames in cells of text, None for a cell without one."""
+    """Return the frame in each text cell, or None for a cell without a frame."""
     cells = Cells(shape, digits)
     found = [cells.read(item or "", row) for row, item in enumerate(items)]
     if is_first and cells.are_others:

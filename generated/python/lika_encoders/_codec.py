@@ -23,7 +23,7 @@ Word = Union[SupportsIndex, str]
 #: Many frames of bytes: an array of uint8 with one row per frame, all bytes in sequence, or a list of frames.
 Rows: TypeAlias = Any
 
-#: Many frames that are numbers: an array of integers, a list of them, or eight bytes each, the lowest first.
+#: Many frames given as numbers: an array or a list of integers, or eight bytes per frame, least significant first.
 Words: TypeAlias = Any
 
 _Answer = TypeVar("_Answer", bound=Enum)
@@ -47,10 +47,10 @@ class Interface(Enum):
 
 
 class FrameError(ValueError):
-    """Error of a frame or register that cannot be decoded, or of values that cannot be encoded.
+    """A frame or register cannot be decoded, or values cannot be encoded.
 
     Attributes:
-        frame: The frame as it was given to an encoder's ``decode``, otherwise None.
+        frame: The frame that was passed to an encoder's ``decode``, otherwise None.
         encoder: The encoder whose ``decode`` raised the error, otherwise None.
         order_code: Order code of the encoder, otherwise empty.
     """
@@ -65,9 +65,9 @@ class FrameError(ValueError):
 
     @property
     def hint(self) -> str:
-        """Common mistake that explains the frame, as a sentence. Empty if no known mistake does.
+        """Common mistake that would explain the frame, as a sentence. Empty if there is none.
 
-        It is computed on access.
+        Computed on access.
         """
         if self.encoder is None:
             return ""
@@ -76,7 +76,7 @@ class FrameError(ValueError):
 
 
 class LengthError(FrameError):
-    """Error of a frame or register with too many or too few bits or bytes."""
+    """A frame or register has too many or too few bits or bytes."""
 
     def __init__(self, expected: int, found: int, unit: str = "bytes") -> None:
         super().__init__(expected, found, unit)
@@ -89,7 +89,7 @@ class LengthError(FrameError):
 
 
 class CrcError(FrameError):
-    """Error of a frame whose CRC does not match: bits changed on the way."""
+    """The CRC of a frame does not match, because bits were changed in transmission."""
 
     def __init__(self, received: int, computed: int) -> None:
         super().__init__(received, computed)
@@ -101,7 +101,7 @@ class CrcError(FrameError):
 
 
 class ConstantError(FrameError):
-    """Error of constant bits or a parity bit with a wrong value."""
+    """Constant bits or a parity bit have the wrong value."""
 
     def __init__(self, field: str, found: int, expected: int) -> None:
         super().__init__(field, found, expected)
@@ -114,7 +114,7 @@ class ConstantError(FrameError):
 
 
 class RangeError(FrameError):
-    """Error of a value that is undefined, too large or outside its limits."""
+    """A value is undefined, too large or outside its limits."""
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
         super().__init__(field, value, allowed)
@@ -127,7 +127,7 @@ class RangeError(FrameError):
 
 
 class FamilyError(ValueError):
-    """Error of an encoder that belongs to another family."""
+    """The encoder belongs to another family."""
 
     def __init__(self, code: str, found: str, expected: str) -> None:
         super().__init__(code, found, expected)
@@ -140,7 +140,7 @@ class FamilyError(ValueError):
 
 
 class InterfaceError(ValueError):
-    """Error of an encoder that has another interface than needed."""
+    """The encoder does not have the required interface."""
 
     def __init__(self, code: str, found: Interface, expected: Interface, instead: str = "") -> None:
         super().__init__(code, found, expected, instead)
@@ -178,7 +178,7 @@ class _Made(Protocol):
     def __call__(self, kind: type[_Kind], values: tuple[object, ...], /) -> _Kind: ...
 
 
-#: ``made(kind, values)`` does what ``kind(*values)`` does for a NamedTuple, in half the time.
+#: ``made(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
 made: Final = cast(_Made, _TUPLE.__new__)
 
 
@@ -211,7 +211,7 @@ class BitField(NamedTuple):
 
 
 def shown(value: object) -> str:
-    """Return ``value`` for a message, shortened if it is long."""
+    """Return ``value`` as text for a message, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:60]}..."
 
@@ -223,7 +223,7 @@ _NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
 def wrong_encoder(
     found: object, kind: type, interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
 ) -> Exception:
-    """Return the error for an encoder of another family, or with another interface than ``interface``."""
+    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
     if isinstance(found, kind):
         own: Interface = getattr(found, "interface")
         instead = f". Procedures over {own.title}: {', '.join(procedures[own])}" if own in procedures else ""
@@ -237,16 +237,16 @@ def wrong_encoder(
 def check_encoder(
     found: object, kind: type, interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
 ) -> None:
-    """Raise an error for an encoder of another family or interface.
+    """Raise an error if the encoder belongs to another family or has another interface.
 
-    ``procedures`` has the names of the procedures of each interface, for the message of a procedure.
+    ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
     """
     if not isinstance(found, kind) or getattr(found, "interface") is not interface:
         raise wrong_encoder(found, kind, interface, procedures)
 
 
 def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
-    """Return the answer to a question that the manual leaves open. Raises TypeError unless it is one of ``kind``."""
+    """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
     if not isinstance(answer, kind):
         answers = " or ".join(f"{kind.__name__}.{item.name}" for item in kind)
         raise TypeError(f"expected {answers}, got {shown(answer)}: the manual leaves this open")
@@ -262,7 +262,7 @@ def check_kind(kind: object, kinds: object) -> None:
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
-    """Return an integer of any type as an int. A bool is refused."""
+    """Return an integer of any type as an int. A bool is rejected."""
     if not isinstance(value, bool):
         try:
             return index(value)
@@ -276,7 +276,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
 
     Raises:
         LengthError: There are more or fewer bits.
-        RangeError: The text has other characters than 0 and 1.
+        RangeError: The text contains characters other than 0 and 1.
     """
     if isinstance(frame, str):
         # Underscores and spaces between digits are accepted: they make long frames readable.
@@ -300,7 +300,7 @@ def too_long(word: int, length: int) -> FrameError:
 
 
 def as_bytes(data: Data) -> bytes:
-    """Return a frame or register as bytes. Buffers of anything but a row of single bytes are refused."""
+    """Return a frame or register as bytes. Only one-dimensional buffers of single bytes are accepted."""
     if isinstance(data, bytes):
         return data
     try:
@@ -323,7 +323,7 @@ def check_width(field: str, value: SupportsIndex, bits: int) -> int:
 
 
 def check_bits(field: str, value: SupportsIndex, bits: int) -> int:
-    """Return ``value`` as an int. Raises RangeError if it has other bits than those in the mask ``bits``."""
+    """Return ``value`` as an int. Raises RangeError if it has bits outside the mask ``bits``."""
     number = value if type(value) is int else whole_number(field, value)
     if number & ~bits:
         raise RangeError(field, number, f"within the mask {bits:#x}")
@@ -331,7 +331,7 @@ def check_bits(field: str, value: SupportsIndex, bits: int) -> int:
 
 
 def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> int:
-    """Return ``value`` as an int. Raises RangeError unless it is within ``limits``, both included."""
+    """Return ``value`` as an int. Raises RangeError unless it is within ``limits``, which are inclusive."""
     number = value if type(value) is int else whole_number(field, value)
     if not limits[0] <= number <= limits[1]:
         raise RangeError(field, number, f"{limits[0]} to {limits[1]}")
@@ -364,7 +364,7 @@ def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 
 
 def text_number(field: str, text: str, length: int) -> int:
-    """Return ``length`` characters as one number, the first one most significant.
+    """Return ``length`` characters as one number, with the first one most significant.
 
     Latin-1 has a character for each byte, so every decoded text can be encoded again.
     """
@@ -378,7 +378,7 @@ def text_number(field: str, text: str, length: int) -> int:
 
 
 def signed(value: int, bits: int) -> int:
-    """Return ``bits`` bits read as two's complement."""
+    """Interpret ``bits`` bits as a two's complement number."""
     return value - (1 << bits) if value & (1 << bits >> 1) else value
 
 
@@ -391,7 +391,7 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
 
 
 def from_gray(number: int, low: int, width: int) -> int:
-    """Return ``number`` with the ``width`` bits from ``low`` on converted from Gray code to binary."""
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary."""
     mask = (1 << width) - 1
     gray = number >> low & mask
     binary = gray
@@ -401,7 +401,7 @@ def from_gray(number: int, low: int, width: int) -> int:
 
 
 def to_gray(number: int, low: int, width: int) -> int:
-    """Return ``number`` with the ``width`` bits from ``low`` on converted from binary to Gray code."""
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to Gray code."""
     mask = (1 << width) - 1
     binary = number >> low & mask
     return number & ~(mask << low) | (binary ^ binary >> 1) << low
@@ -450,7 +450,7 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
 
 @lru_cache(maxsize=None)
 def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
-    """Return a table for each 16 bits of a word. The XOR of their items is 0 if the word's CRC is correct.
+    """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
 
     ``crc`` computes the CRC over the first ``covered`` bits of the word. Its ``width`` bits follow them.
     """

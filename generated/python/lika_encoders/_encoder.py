@@ -28,11 +28,11 @@ class Frame(Protocol):
 
 @runtime_checkable
 class PositionFrame(Frame, Protocol):
-    """Frame with a position. ``isinstance`` recognizes one."""
+    """Frame with a position. Can be checked with ``isinstance``."""
 
     @property
     def position(self) -> int:
-        """Position in counts, raw. Check ``verdict`` before you use it."""
+        """Raw position in counts. Check ``verdict`` before you use it."""
         ...
 
     @property
@@ -47,17 +47,17 @@ class PositionFrame(Frame, Protocol):
 
 
 class Encoder:
-    """Encoder of any family, as its order code describes it. Immutable.
+    """Encoder of any family, as described by its order code. Immutable.
 
     Attributes:
         family: Family of the encoder.
         interface: Interface of the encoder.
-        code: Order code, without what may follow it on the label.
+        code: Order code, without any text that follows it on the label.
         parts: Parts of the order code.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending ``/Sxxx`` of the label, or empty.
-        written_as_in: Document that writes order codes like the label, if they are usually written differently.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
     """
 
     family: ClassVar[Family]
@@ -104,11 +104,11 @@ class Encoder:
         return bool(self.special_code)
 
     def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class of a family and an interface documents the frames."""
+        """Decode a frame that the encoder sent. The class for each family and interface describes its frames."""
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def _key(self) -> tuple[object, ...]:
-        """Return the identity of the encoder. Two labels may mean the same encoder."""
+        """Return the key by which encoders are compared. Two labels may denote the same encoder."""
         values = (getattr(self, name) for name in self._parameters)
         return (type(self), self.code, self.parts, self.unlisted, self.special_code, *values)
 
@@ -140,12 +140,12 @@ class Encoder:
 
 
 def _restored(kind: type[_Same], state: dict[str, Any]) -> _Same:
-    """Return an encoder with these attributes, for copies and pickles."""
+    """Recreate an encoder from its attributes, for copying and unpickling."""
     return kind(**state)
 
 
 def fact(module: str, name: str, names: tuple[str, ...]) -> object:
-    """Return a table of facts of a module. The first access loads all of them."""
+    """Return a table of facts of a module. The first access loads all tables."""
     if name not in names:
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
     package, _, family = module.rpartition(".")

@@ -19,7 +19,7 @@ _NO_NAMES: ReadOnly[str] = ReadOnly({})
 
 
 class Access(Enum):
-    """Access of a master to a register."""
+    """Access that a master has to a register."""
 
     READ_ONLY = "read_only"
     READ_WRITE = "read_write"
@@ -27,7 +27,7 @@ class Access(Enum):
 
 
 class ByteOrder(Enum):
-    """Byte order of a number: the byte at the lowest address."""
+    """Byte order of a number, given as the byte at the lowest address."""
 
     LOW_BYTE_FIRST = "low_byte_first"
     HIGH_BYTE_FIRST = "high_byte_first"
@@ -41,7 +41,7 @@ class AboveMax(Enum):
 
 
 class Alignment(Enum):
-    """Alignment of the data in an SSI word: zeros after the data, or before it."""
+    """Alignment of the data in an SSI word: the zeros come after the data, or before it."""
 
     MSB_LEFT = "msb_left"
     LSB_RIGHT = "lsb_right"
@@ -78,7 +78,7 @@ class Status(Enum):
 
 
 class Severity(Enum):
-    """Consequence of copying an erratum literally."""
+    """Consequence of following the printed text of an erratum literally."""
 
     WRONG_DATA = "wrong_data"
     WRONG_LIMIT = "wrong_limit"
@@ -87,7 +87,7 @@ class Severity(Enum):
 
 
 class Edition(NamedTuple):
-    """Edition of the manual in another language that was also read."""
+    """Edition of the manual in another language, which was also consulted."""
 
     language: str
     title: str
@@ -126,7 +126,7 @@ class Document(NamedTuple):
 
 
 class Crc(NamedTuple):
-    """Standard parameters of a CRC. ``poly`` is without its top bit."""
+    """Standard parameters of a CRC. ``poly`` omits the top bit."""
 
     name: str
     width: int
@@ -141,12 +141,12 @@ class Crc(NamedTuple):
 
 
 class FieldFacts(NamedTuple):
-    """Facts about a field. Its place in the frame is in ``bit_fields`` of the class.
+    """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
 
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
-    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` names
-    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the meaning of the bits 0, if it is not 0.
+    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` is the
+    only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
+    ``zero_means`` is the value that is sent as 0, if there is one.
     """
 
     name: str
@@ -171,9 +171,9 @@ class FieldFacts(NamedTuple):
 
 
 class RegisterMeaning(NamedTuple):
-    """One of several meanings of a register: that while the field ``when`` has the value ``value``.
+    """One of several meanings of a register. It applies while the field ``when`` has the value ``value``.
 
-    ``min`` and ``max`` are its limits as in the manual. The register's class has them as numbers.
+    ``min`` and ``max`` are its limits as given in the manual. The register's class has them as numbers.
     """
 
     name: str
@@ -186,12 +186,12 @@ class RegisterMeaning(NamedTuple):
 
 
 class Register(NamedTuple):
-    """Register of ``length`` bytes from ``address`` on.
+    """Register of ``length`` bytes, starting at ``address``.
 
-    If ``opened_by`` names a register, that one must hold the value ``opened_by_value``, in its field
-    ``opened_by_field`` if given, before this one can be written. ``wait_ms`` is the minimum time to wait after a write.
-    ``above_max`` is the reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to
-    zero. ``reserved`` names the only party that may use the register.
+    If ``opened_by`` is given, that register must hold ``opened_by_value``, in its field ``opened_by_field`` if given,
+    before this register can be written. ``wait_ms`` is the minimum time to wait after a write. ``above_max`` is the
+    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved`` is
+    the only party that may use the register.
     """
 
     name: str
@@ -233,7 +233,7 @@ class Timing(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """Range of a clock, both ends included."""
+    """Range of clock frequencies, including both limits."""
 
     min_hz: int
     max_hz: int
@@ -241,7 +241,7 @@ class Clock(NamedTuple):
 
 
 class CableLength(NamedTuple):
-    """Limit of the clock for a cable: below ``below_hz`` if it is shorter than ``shorter_than_m``."""
+    """Clock limit: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``."""
 
     shorter_than_m: int
     below_hz: int
@@ -268,7 +268,7 @@ class Network(NamedTuple):
 
 
 class PrintedTimeout(NamedTuple):
-    """Time-out that the manual prints for one clock."""
+    """Time-out given in the manual for one clock frequency."""
 
     clock_hz: int
     timeout_ns: int
@@ -285,13 +285,13 @@ class Timeout(NamedTuple):
     source: str = ""
 
     def nanoseconds(self, clock_hz: int) -> float | None:
-        """Return the time-out at a clock.
+        """Return the time-out for a clock frequency.
 
         Args:
-            clock_hz: Clock in hertz.
+            clock_hz: Clock frequency in hertz.
 
         Returns:
-            The time-out in nanoseconds, or None if the manual does not give it for this clock.
+            The time-out in nanoseconds, or None if the manual does not give it for this frequency.
         """
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
@@ -332,7 +332,7 @@ class DataIdFacts(NamedTuple):
 
 
 class MemoryAccess(NamedTuple):
-    """Reply of the encoder to a memory access, by the busy flag of the reply."""
+    """Reply of the encoder to a memory access, depending on the busy flag in the reply."""
 
     access: str
     busy: bool
@@ -357,13 +357,13 @@ class SsiFacts(NamedTuple):
     output_code_source: str = ""
 
     def clock_below_hz(self, cable_m: float) -> int | None:
-        """Return the limit of the clock for a cable, by the manual's table.
+        """Return the clock limit for a cable, according to the table in the manual.
 
         Args:
             cable_m: Length of the cable in metres.
 
         Returns:
-            The limit in hertz, which the clock must be below. None beyond the last row of the table.
+            The limit in hertz. The clock must be below it. None if the cable is too long for the table.
         """
         return next((row.below_hz for row in self.cable_lengths if cable_m < row.shorter_than_m), None)
 
@@ -401,7 +401,7 @@ class Alarm(NamedTuple):
 
     ``field`` is its flag, in a frame or in ``register``. ``latch`` is True if it stays active until it is reset.
     ``below_mv`` is the voltage in millivolts below which it is raised. ``cleared_by`` lists the procedures that clear
-    it, ``by_hand`` the characteristics with steps to carry out by hand. ``only`` describes the order codes that have
+    it, ``by_hand`` the characteristics that describe manual steps. ``only`` describes the order codes that have
     it, if not all do.
     """
 
@@ -446,8 +446,8 @@ class Connector(NamedTuple):
 class LedState(NamedTuple):
     """State of an LED and its meaning.
 
-    ``only`` describes the order codes that have it, if not all do. ``by_hand`` lists the characteristics with steps to
-    carry out by hand.
+    ``only`` describes the order codes that have it, if not all do. ``by_hand`` lists the characteristics that describe
+    manual steps.
     """
 
     state: str
@@ -457,7 +457,7 @@ class LedState(NamedTuple):
 
 
 class Led(NamedTuple):
-    """LED."""
+    """LED and the meaning of its states."""
 
     name: str
     title: str
@@ -466,7 +466,7 @@ class Led(NamedTuple):
 
 
 class Input(NamedTuple):
-    """Hardware input. ``inverts`` and ``needs`` name register bits as ``register.field``."""
+    """Hardware input. ``inverts`` and ``needs`` are register bits, written as ``register.field``."""
 
     name: str
     meaning: str
@@ -494,7 +494,7 @@ class Table(NamedTuple):
 
 
 class LostFigure(NamedTuple):
-    """Content of a figure in the manual that is not in its text."""
+    """Content of a figure in the manual that is missing from its text."""
 
     content: str
     source: str = ""

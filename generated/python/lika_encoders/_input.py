@@ -11,18 +11,18 @@ from typing import Any, Final, Literal, NamedTuple
 
 np: Any = import_module("numpy")
 
-#: Number of frames read at once: enough to make the overhead of a step small, few enough to bound the memory.
+#: Number of frames read at once: large enough to keep the overhead low, small enough to limit memory use.
 CHUNK: Final = 1 << 17
-#: Number of rows read at once where each cell is an object of its own.
+#: Number of rows read at once if each cell is a separate object.
 ROWS: Final = 1 << 16
-#: Number of frames at the start of a file that show whether it is read the right way.
+#: Number of frames at the start of a file that are used to check whether it is read correctly.
 FIRST: Final = 1000
 
 FileKind = Literal["binary", "csv", "parquet"]
 WordKind = Literal["packed", "little", "big", "little32", "big32"]
 DigitKind = Literal["hex", "decimal"]
 
-#: The number of bytes and the byte order of a word; packed words have as many bytes as their bits need.
+#: Number of bytes and byte order of a word. Packed words have as many bytes as their bits need.
 WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
     {
         "packed": (0, ">"),
@@ -33,15 +33,15 @@ WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
     }
 )
 
-#: Function that returns the valid fraction of some frames.
+#: Function that returns the fraction of valid frames.
 Share = Callable[[Any], float]
 
-#: Default names of the column of frames.
+#: Default names of the column that contains the frames.
 _NAMES: Final = ("frame", "word")
 
 
 class InputError(ValueError):
-    """Error of a file that does not contain the expected frames.
+    """A file does not contain the expected frames.
 
     Attributes:
         file: Name of the file.
@@ -58,17 +58,18 @@ class InputError(ValueError):
 
 
 class UsageError(ValueError):
-    """Error of arguments that are wrong whatever the file contains."""
+    """The arguments are wrong, regardless of the contents of the file."""
 
 
 class Stored(NamedTuple):
-    """How a file stores its frames.
+    """Storage format of the frames in a file.
 
     Attributes:
-        kind: Format of the file, by default by its extension.
-        words: Form of a frame of bits in a binary file: ``packed`` into as few bytes as possible, the most significant
-            first, or a number of eight bytes (``little`` or ``big`` endian) or of four (``little32``, ``big32``).
-        column: Column of the frames, by name, or in CSV by number from 1. Empty for the default.
+        kind: Format of the file. The default depends on its extension.
+        words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
+            first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
+            ``big32`` of four bytes.
+        column: Name of the column with the frames. In CSV, also its number from 1. Empty for the default.
         digits: Base of numbers in text without ``0x`` or ``0b``.
         cut: True to ignore an incomplete frame at the end.
         wanted: Names of the other columns to keep. Empty to keep all.
@@ -82,14 +83,14 @@ class Stored(NamedTuple):
     wanted: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
-        """Return whether to keep another column of this name."""
+        """Return whether to keep the column with this name. It is not the column with the frames."""
         return not self.wanted or name in self.wanted
 
 
 class Part(NamedTuple):
-    """Some frames as ``decode_many`` takes them, the cells of other columns in the same rows, and the progress.
+    """Frames in the form that ``decode_many`` expects, the other columns of the same rows, and the progress.
 
-    ``done`` is the amount of the source that has been read, in bytes or rows. A column is a list of texts, or an Arrow
+    ``done`` is the amount of the source that has been read, in bytes or rows. A column is a list of strings or an Arrow
     array.
     """
 
@@ -99,9 +100,9 @@ class Part(NamedTuple):
 
 
 class Source(NamedTuple):
-    """Frames of a file, the total amount to read if known, and the other columns.
+    """Frames of a file, the total amount of data if known, and the other columns.
 
-    ``names`` has the names of all other columns. ``kept`` has those that are read, each as an empty column.
+    ``names`` lists all other columns. ``kept`` contains those that are read, each as an empty column.
     """
 
     parts: Generator[Part, None, None]
@@ -111,7 +112,7 @@ class Source(NamedTuple):
 
 
 def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
-    """Return an empty column for each of the other columns that is kept."""
+    """Return an empty column for each of the other columns to keep."""
     found: dict[str, Any] = {}
     for name in filter(stored.keeps, names):
         if name in found:
@@ -121,7 +122,7 @@ def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], An
 
 
 def column_of(names: list[str], wanted: str, file: str) -> str:
-    """Return the name of the column of frames: the requested one, the only one, or one with a default name."""
+    """Return the name of the column with the frames: the requested one, the only one, or one with a default name."""
     if wanted:
         if names.count(wanted) == 1:
             return wanted
@@ -134,22 +135,22 @@ def column_of(names: list[str], wanted: str, file: str) -> str:
 
 
 def named_place(names: list[str]) -> int | None:
-    """Return the index of the only column, or of the only one with a default name for columns of frames."""
+    """Return the index of the only column, or of the only one with a default name for the frames."""
     named = [place for place, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None
 
 
 def check_form(name: str, own: Any, others: Iterable[tuple[str, Any]], share: Share) -> None:
-    """Check that no other form yields valid frames if the chosen form yields few.
+    """Check that no other form works much better if many frames are invalid in the chosen form.
 
     Args:
         name: Name of the file.
         own: The first frames in the chosen form.
         others: Command-line option of each other form, and the first frames in that form.
-        share: Function that returns the valid fraction of some frames.
+        share: Function that returns the fraction of valid frames.
 
     Raises:
-        InputError: At least one frame in ten has an error, and in another form at most one in twenty.
+        InputError: At least one frame in ten has an error, but in one of ``others`` at most one in twenty would.
     """
     if not len(own) or (valid := share(own)) > 0.9:
         return
@@ -177,6 +178,6 @@ def short(text: str) -> str:
 
 
 def listed(names: list[str]) -> str:
-    """Return at most eight of the names for a message."""
+    """Return the names for a message, eight at most."""
     shown = ", ".join(short(item) for item in names[:8])
     return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown

@@ -13,7 +13,7 @@ from ._shape import Check, Column, Join, Shape, width_of
 
 
 class RowError(RangeError):
-    """RangeError in a ``row``: the first field of the first row that cannot be encoded."""
+    """A field cannot be encoded. ``row`` is the index of the first row with such a field."""
 
     def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
         super().__init__(field, value, allowed)
@@ -25,7 +25,7 @@ class RowError(RangeError):
 
 
 class Refused:
-    """First error of some rows that cannot be encoded: the first field of the first such row."""
+    """First error found in the rows: the first wrong field in the first wrong row."""
 
     def __init__(self) -> None:
         self.row: int | None = None
@@ -46,7 +46,7 @@ class Refused:
 
 
 def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
-    """Encode the frames in ``columns``. See ``encode_many`` of a frame's class."""
+    """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
     given = _given(columns, shape)
     count = len(next(iter(given.values()))) if given else 0
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
@@ -60,7 +60,7 @@ def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
 
 
 def _given(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
-    """Return the needed columns as arrays of one length. A single value applies to all rows."""
+    """Return the required columns as arrays of equal length. A single value applies to all rows."""
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     needed = {name: item for item in shape.columns for name in names_of(item)}
@@ -78,17 +78,17 @@ def _given(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
         if item.ndim > 1 or item.ndim == 1 and len(item) != longest:
             raise ValueError(f"column {name} has the shape {item.shape}, but others have {longest} rows")
         if item.dtype.kind not in ("SU" if name in needed and needed[name].kind == "text" else "uib"):
-            raise TypeError(f"column {name} has the type {item.dtype}, which does not fit such a field")
+            raise TypeError(f"column {name} has the type {item.dtype}, which does not fit the field")
     return {name: np.broadcast_to(item, (longest,)) for name, item in arrays.items()}
 
 
 def names_of(item: Column) -> tuple[str, ...]:
-    """Return the names of a field's columns: those of its digits if it has any."""
+    """Return the names of a field's columns: one for each group of its decimal digits, or just the field."""
     return tuple(name for name, _, _ in item.runs) or (item.name,)
 
 
 def _made(given: Mapping[str, Any], shape: Shape, refused: Refused) -> list[Any]:
-    """Return the frames as numbers, in limbs of 64 bits."""
+    """Return the frames as numbers, in 64-bit limbs."""
     count = len(next(iter(given.values())))
     limbs = [np.full(count, shape.fixed >> low & (1 << 64) - 1, np.uint64) for low in range(0, shape.bits, 64)]
     if "fault" in given:
@@ -112,7 +112,7 @@ def _made(given: Mapping[str, Any], shape: Shape, refused: Refused) -> list[Any]
 
 
 def _put(limbs: list[Any], low: int, width: int, bits: Any) -> None:
-    """Insert bits where all bits are still 0."""
+    """Insert bits at a position where all bits are still 0."""
     at, shift = divmod(low, 64)
     if width:
         limbs[at] |= bits << np.uint64(shift)
@@ -121,7 +121,7 @@ def _put(limbs: list[Any], low: int, width: int, bits: Any) -> None:
 
 
 def _bits(given: Mapping[str, Any], item: Column, refused: Refused) -> Iterator[tuple[int, int, Any]]:
-    """Yield the bits of a field, each with its place and width."""
+    """Yield the pieces of a field: lowest bit, width and bits."""
     values = given[names_of(item)[0]]
     if item.kind in ("flag", "not_flag"):
         yield item.low, item.width, ((values != 0) == (item.kind == "flag")).astype(np.uint64)
@@ -158,7 +158,7 @@ def _number(values: Any, item: Column, refused: Refused) -> Any:
 
 
 def _unsigned(values: Any, refused: Refused, name: str, most: int) -> Any:
-    """Return numbers of at most ``most`` as unsigned numbers of 64 bits."""
+    """Return numbers up to ``most`` as unsigned 64-bit numbers."""
     wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
     if most < (1 << 64) - 1:
@@ -168,14 +168,14 @@ def _unsigned(values: Any, refused: Refused, name: str, most: int) -> Any:
 
 
 def _fitting(bits: Any, width: int, values: Any, refused: Refused, name: str) -> Any:
-    """Return bits that must not be more than ``width``."""
+    """Return bits after a check that they fit into ``width`` bits."""
     if width < 64:
         refused.add(bits >> np.uint64(width) != 0, name, values, f"0 to {(1 << width) - 1}")
     return bits
 
 
 def _text(values: Any, item: Column, refused: Refused) -> Iterator[tuple[int, int, Any]]:
-    """Yield the characters of a text, the first one most significant. NUL characters at the end may be omitted."""
+    """Yield the characters of a text, the first one most significant. Trailing NUL characters may be omitted."""
     length = item.width // 8
     kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
     count = values.dtype.itemsize // kind.itemsize
@@ -189,7 +189,7 @@ def _text(values: Any, item: Column, refused: Refused) -> Iterator[tuple[int, in
 
 
 def _put_join(limbs: list[Any], given: Mapping[str, Any], shape: Shape, join: Join, refused: Refused) -> None:
-    """Insert the fields of a joined number. Fields that are also given by themselves must agree with it."""
+    """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
     width = width_of(shape, join)
     whole = _unsigned(given[join.name], refused, join.name, (1 << width) - 1)
     by_name = {item.name: item for item in shape.columns}
@@ -228,7 +228,7 @@ def _parity(chunk: Chunk, check: Check) -> Any:
 
 
 def _check_values(limbs: list[Any], given: Mapping[str, Any], shape: Shape, refused: Refused) -> None:
-    """Check fields that are limited to some values, or consist of digits."""
+    """Check the fields that allow only some values or consist of decimal digits."""
     by_place = {(item.low, item.width): item for item in shape.columns}
     for check in shape.checks:
         item = by_place.get((check.low, check.width))

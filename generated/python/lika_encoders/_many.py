@@ -16,7 +16,7 @@ from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, measured, s
 from ._shape import unused_groups, width_of
 from ._table import Fault, Table
 
-#: Number of frames decoded at once: few enough for the cache, and enough to make the overhead of calls small.
+#: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
 
 #: NumPy, untyped so that type checkers accept all its versions.
@@ -24,27 +24,27 @@ np: Any = import_module("numpy")
 
 
 class Chunk:
-    """Some frames, each a number of ``bits`` bits in limbs of 64, the lowest first. Higher bits are 0."""
+    """Chunk of frames. Each is a number of ``bits`` bits, in 64-bit limbs, lowest limb first. Higher bits are 0."""
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs, self.bits = limbs, bits
         self._bytes: dict[int, Any] = {}
 
     def byte(self, place: int) -> Any:
-        """Return the eight bits from bit ``8 * place`` on."""
+        """Return the eight bits that start at bit ``8 * place``."""
         if place not in self._bytes:
             limb, shift = self.limbs[place // 8], 8 * (place % 8)
             self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
         return self._bytes[place]
 
     def small(self, low: int, mask: int) -> Any:
-        """Return the bits in ``mask``, from ``low`` on. All of them are in one byte."""
+        """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
         found = self.byte(low // 8)
         found = found >> np.uint8(low % 8) if low % 8 else found
         return found if mask == 0xFF >> low % 8 else found & np.uint8(mask)
 
     def take(self, low: int, width: int, out: Any = None) -> Any:
-        """Return ``width`` bits from ``low`` on, as numbers of 64 bits in ``out`` if it is given."""
+        """Return the ``width`` bits that start at ``low``, as 64-bit numbers in ``out`` if it is given."""
         if width == 0 or low % 8 + width <= 8:
             count = len(self.limbs[0])
             found = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
@@ -60,7 +60,7 @@ class Chunk:
         return number
 
     def flag(self, low: int, active: bool, out: Any) -> None:
-        """Write to ``out`` whether a bit is 1, or 0 if ``active`` is False."""
+        """Write to ``out`` whether a bit is 1, or whether it is 0 if ``active`` is False."""
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
@@ -77,7 +77,7 @@ class Chunk:
 
 
 def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
-    """Decode ``frames`` into columns. See ``decode_many`` of a frame's class."""
+    """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
     source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
@@ -107,7 +107,7 @@ def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 
 
 def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
-    """Return frames as rows of bytes, and the indices of those with another length."""
+    """Return frames as rows of bytes, and the indices of those with the wrong length."""
     if isinstance(frames, (list, tuple)):
         rows = [b"" if _is_missing(item) else as_bytes(item) for item in cast(Iterable[Any], frames)]
         wrong = [place for place, row in enumerate(rows) if len(row) != length]
@@ -127,7 +127,7 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
 
 
 def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
-    """Return frames as numbers of 64 bits, and the indices of those that have more or are missing."""
+    """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
     if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
@@ -140,7 +140,7 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
         return frames.astype(np.uint64, copy=False), ()
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
-    # A missing frame has a length error, as -1 has.
+    # A missing frame is replaced by -1, because both have a length error.
     words = [-1 if _is_missing(item) else whole_number("a frame", item) for item in cast(list[Any], frames)]
     wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
     for place in wrong:
@@ -164,7 +164,7 @@ def of_floats(frames: Any, bits: int) -> Any:
 
 
 def _is_missing(item: object) -> bool:
-    """Return whether the item is None, NaN or the missing value of pandas."""
+    """Return whether the item is None, NaN or ``pandas.NA``."""
     if type(item) is int or type(item) is bytes:
         return False
     return item is None or type(item).__name__ == "NAType" or (isinstance(item, float) and item != item)
@@ -200,7 +200,7 @@ def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: M
 
 
 def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
-    """Return arrays that are not 0 for frames that fail a check other than the CRC."""
+    """Return arrays that are nonzero for frames that fail a check other than the CRC."""
     look = sound(shape)
     found = [limb & np.uint64(mask) ^ np.uint64(value) for limb, (mask, value) in zip(chunk.limbs, look.fixed) if mask]
     for place, values in look.bytes:
@@ -210,7 +210,7 @@ def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
 
 
 def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
-    """Return the error of each frame. With several, it is the one that ``decode`` checks first."""
+    """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
     chunk = Chunk(limbs, shape.bits)
     found = [(Fault.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
@@ -245,7 +245,7 @@ def _limbs(rows: Any, shape: Shape) -> list[Any]:
 
 
 def _short(rows: Any, kind: str, is_little: bool) -> Any:
-    """Return rows of less than eight bytes as numbers. All but the last eight are read beyond their end."""
+    """Return rows of fewer than eight bytes as numbers. All rows but the last eight are read beyond their end."""
     count, length = rows.shape
     most = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
@@ -264,7 +264,7 @@ def _short(rows: Any, kind: str, is_little: bool) -> Any:
 def _holds(chunk: Chunk, item: Check) -> Any:
     bits = chunk.take(item.low, item.width)
     if item.parity_of:
-        # The parity of several fields is that of their bits added without carry.
+        # The parity of several fields is the parity of their XOR.
         parts = [chunk.take(*place) for place in item.parity_of]
         of = parts[0] if len(parts) == 1 else np.bitwise_xor.reduce([part.astype(np.uint64) for part in parts])
         width = max(width for _, width in item.parity_of)
@@ -285,7 +285,7 @@ def _holds(chunk: Chunk, item: Check) -> Any:
 
 
 def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
-    """Return the bits in which each CRC differs from the computed one. 0 if it matches."""
+    """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
     if crc.steps:
         return _folded(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
@@ -303,7 +303,7 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
 
 
 def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
-    """Return the remainders of numbers, folded at multiples of the polynomial, in 32 bits as soon as they fit."""
+    """Return remainders. Numbers are folded at multiples of the polynomial, in 32 bits as soon as they fit."""
     found, one = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
     for step in crc.steps:
         if bits <= step.shift:
@@ -322,7 +322,10 @@ def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
 
 @lru_cache(maxsize=64)
 def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
-    """Return for each byte of a number a table of its contribution to the difference. The first includes that of 0."""
+    """Return one table per byte of a number, with its contribution to the CRC difference.
+
+    The entries of the first table also include the difference of the number 0.
+    """
     none = differs(0)
     tables: list[Any] = []
     for low in range(0, bits, 8):
@@ -398,7 +401,7 @@ def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
 def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the verdict on the position of each valid frame.
 
-    It is computed without branches, so the time does not depend on the frames.
+    The computation has no branches, so the time does not depend on the frames.
     """
     otherwise, worth = VERDICTS.index(shape.otherwise), out["verdict"]
     spare: Any = out.get("unused")
@@ -422,5 +425,5 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
         worth *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
 
 
-#: Verdicts by their number in a column. The worst is 0.
+#: Verdicts in the order of their numbers in a column. The worst is 0.
 VERDICTS: Final[list[Verdict | None]] = [*Verdict]

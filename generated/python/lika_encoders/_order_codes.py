@@ -19,11 +19,11 @@ _ALL_GO_WITH_IT: ReadOnly[tuple[str, ...]] = ReadOnly({})
 
 
 class OrderCodeError(ValueError):
-    """Error of a label that is not an order code.
+    """A label is not an order code.
 
     Attributes:
         label: The label.
-        part: Name of the wrong part, if it is only one.
+        part: Name of the wrong part, if there is exactly one.
         reason: What is wrong.
         nearest: Order codes most similar to the label.
     """
@@ -56,7 +56,7 @@ class Part(NamedTuple):
         meaning: Meaning of the part.
         values: Listed values.
         open: Regular expression for values that the manual does not list.
-        open_only_with: Values of other parts that these can be combined with, by part. Empty for any.
+        open_only_with: Values of other parts that can be combined with unlisted values, by part. Empty if all can.
         source: Section and page of the manual.
     """
 
@@ -69,7 +69,7 @@ class Part(NamedTuple):
 
 
 class SpelledValue(NamedTuple):
-    """Text of a spelling and the listed value of the part that it represents."""
+    """Text in an alternative spelling, and the listed value that it represents."""
 
     part: str
     text: str
@@ -82,7 +82,7 @@ class Spelling(NamedTuple):
     Attributes:
         pattern: The spelling, with the names of the parts in braces.
         where: Document that uses the spelling.
-        values: Texts of parts that are spelled differently. These parts have no other texts.
+        values: Allowed texts of the parts that are spelled differently.
         then: Regular expression for text that follows and is ignored.
         source: Section and page.
     """
@@ -97,9 +97,9 @@ class Spelling(NamedTuple):
 class Label(NamedTuple):
     """Label split into its parts.
 
-    ``listed`` has the parts of the listed code that the label is treated as: a value that the manual does not list is
-    replaced by the first listed value that goes with the rest. ``special`` is the ending ``/Sxxx`` of the label.
-    ``written_as_in`` is the document that writes codes like the label, if they are usually written differently.
+    ``listed`` has the parts of the listed code that replaces the label: instead of a value that the manual does not
+    list, it has the first listed value that can be combined with the others. ``special`` is the ending ``/Sxxx`` of the
+    label. ``written_as_in`` is the document that uses the label's spelling, if it is not the usual one.
     """
 
     code: str
@@ -133,7 +133,7 @@ class OrderCode(NamedTuple):
     def read(self, label: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> Label:
         """Return the label split into its parts.
 
-        Case and blanks are ignored. A tail after ``-`` and an ending ``/Sxxx`` are accepted.
+        Case and spaces are ignored. A tail after ``-`` and an ending ``/Sxxx`` are accepted.
 
         Args:
             label: The text on the label.
@@ -144,7 +144,7 @@ class OrderCode(NamedTuple):
             OrderCodeError: The label is not an order code of the family.
         """
         text = checked(label)
-        # A part of the code itself may look like /Sxxx, so only text after the code counts as such an ending.
+        # A part of the code itself may look like /Sxxx, so only text after the code is treated as this ending.
         match = re.fullmatch(f"{self._expression()}{_AFTER}", text, re.IGNORECASE)
         if match is not None:
             return self._label(text, match, {part.name: match[part.name] for part in self.parts}, codes)
@@ -173,7 +173,7 @@ class OrderCode(NamedTuple):
         return Label(code, tuple(shown.values()), listed, unlisted, match["tail_"] or "", match["special_"] or "")
 
     def _fitting(self, known: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
-        """Return the parts of the first listed code with these values. None stands for a value that is not listed."""
+        """Return the parts of the first listed code with these values. None represents an unlisted value."""
         names = [part.name for part in self.parts]
         for values in codes.values():
             found = dict(zip(names, values))
@@ -206,7 +206,7 @@ class OrderCode(NamedTuple):
         return OrderCodeError(text, part, f"has {listed}, which cannot be combined", nearest(codes, text))
 
     def _expression(self, any_for: str = "") -> str:
-        """Return a regular expression for the whole code, in which the part ``any_for`` may be anything."""
+        """Return a regular expression for the whole code, with any text allowed for the part ``any_for``."""
         expressions = {part.name: "[A-Z0-9]*" if part.name == any_for else _alternatives(part) for part in self.parts}
         return _joined(self.pattern, expressions)
 
@@ -227,7 +227,7 @@ class OrderCode(NamedTuple):
                 unlisted = sum(_listed(other, match[other.name]) is None for other in others)
                 found.append((unlisted, part, match[part.name]))
         if found:
-            # Prefer a part that leaves listed values for the others, then a missing part.
+            # Prefer the part without which all others have listed values, and then a missing part.
             _, part, given = min(found, key=lambda item: (item[0], item[2] != ""))
             wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
             valid = ", ".join(value.text for value in part.values)
@@ -236,7 +236,7 @@ class OrderCode(NamedTuple):
 
 
 def checked(label: str) -> str:
-    """Return ``label`` in capitals, without blanks.
+    """Return ``label`` in upper case, without spaces.
 
     Raises:
         OrderCodeError: ``label`` is longer than any label.
@@ -284,5 +284,5 @@ def _joined(pattern: str, expressions: Mapping[str, str]) -> str:
 
 
 def _without_blanks(text: str) -> str:
-    """Return the text without blanks. Some codes are printed with and without them."""
+    """Return the text without spaces. Some codes are printed both with and without them."""
     return "".join(text.split())

@@ -11,7 +11,7 @@ from ._codec import Data, FrameError, Interface, LengthError, as_bytes, check_li
 
 
 class Encodable(Protocol):
-    """Register as an object of its class."""
+    """Register object that can be encoded."""
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -31,9 +31,9 @@ def whole(
 
 
 class Held(NamedTuple):
-    """Parameter that a register holds at run time, in ``width`` bits from ``low`` on.
+    """Parameter that a register holds at run time, in the ``width`` bits that start at ``low``.
 
-    ``zero_means`` is the meaning of the bits 0, if it is not 0.
+    ``zero_means`` is the value that is stored as 0, if there is one.
     """
 
     parameter: str
@@ -52,7 +52,7 @@ class Held(NamedTuple):
         return int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1) or self.zero_means
 
     def bytes_with(self, value: int) -> bytes:
-        """Return the factory default of the register with this parameter."""
+        """Return the bytes of the register with this parameter and factory defaults for the rest."""
         mask = (1 << self.width) - 1
         number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
         bits = 0 if value == self.zero_means else value
@@ -60,7 +60,7 @@ class Held(NamedTuple):
 
 
 def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: object) -> dict[str, int]:
-    """Return the parameters for these bytes, by address. Missing bytes are those of ``variant``."""
+    """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
     found: dict[str, int] = {}
     known: set[int] = set()
     here = [item for item in items if item.interface is getattr(variant, "interface")]
@@ -90,7 +90,7 @@ def held_text(items: tuple[Held, ...], variant: object) -> str:
 
 
 class Located(Protocol):
-    """Object with a place among the registers."""
+    """Object that has an address and a length, like a register."""
 
     @property
     def address(self) -> int:
@@ -104,7 +104,7 @@ class Located(Protocol):
 
 
 def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:
-    """Return bytes by address, from bytes by address or from whole registers by name."""
+    """Return ``read`` as bytes keyed by address. It may also contain whole registers keyed by name."""
     held: dict[int, int] = {}
     value: Any
     for key, value in read.items():
@@ -122,7 +122,7 @@ def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[
 
 
 def agrees(held: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]) -> bool:
-    """Return whether a register is as expected. One that was not read completely always agrees."""
+    """Return whether a register has the expected value. True if it was not read completely."""
     found = [held[place] for place in range(address, address + length) if place in held]
     try:
         return len(found) < length or expected(bytes(found))

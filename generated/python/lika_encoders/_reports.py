@@ -13,7 +13,7 @@ _Value = TypeVar("_Value")
 
 
 class ReadOnly(Mapping[str, _Value]):
-    """Read-only mapping. Unlike a MappingProxyType it can be copied and pickled."""
+    """Read-only mapping. Unlike a MappingProxyType, it can be copied and pickled."""
 
     __slots__ = ("_items",)
 
@@ -76,9 +76,9 @@ class Report(NamedTuple):
         name: Name of the report.
         printed_name: Name in the manual.
         meaning: Meaning of the report.
-        remedy: Remedy, as far as the manual gives one.
-        makes_position: Verdict on the position due to this report, None if the frame has no position. The ``verdict``
-            of a frame combines all its reports.
+        remedy: Remedy, if the manual gives one.
+        makes_position: Verdict on the position that results from this report, or None if the frame has no position. The
+            ``verdict`` of a frame combines all its reports.
         source: Section and page of the manual.
     """
 

@@ -38,7 +38,7 @@ class Line(Protocol):
         ...
 
     def receive(self, length: int, /) -> bytes:
-        """Return ``length`` bytes, or fewer after a time-out. An echo of the request must be left out."""
+        """Return ``length`` bytes, or fewer after a time-out. An echo of the request must be omitted."""
         ...
 
 
@@ -55,7 +55,7 @@ class Reading(NamedTuple):
 
 
 class StepError(RuntimeError):
-    """Error of a step of a procedure. ``__cause__`` is the original error.
+    """A step of a procedure failed. ``__cause__`` is the original error.
 
     Attributes:
         step: The step that failed.
@@ -76,7 +76,7 @@ class StepError(RuntimeError):
 
 
 class VerifyError(ValueError):
-    """Error of a register that does not hold the value that was written to it.
+    """A register does not hold the value that was written to it.
 
     Nothing was saved or activated, so the procedure can be repeated.
 
@@ -165,9 +165,9 @@ class _Run:
         line.drain()
 
     def put_back(self, left: Sequence[Step]) -> tuple[str, ...]:
-        """Close what a remaining step would have closed, and restore what was modified.
+        """Close the registers that remaining steps would have closed, and restore the modified ones.
 
-        Return the names of the registers for which that failed.
+        Return the names of the registers for which this failed.
         """
         failed: list[str] = []
         for step in left:
@@ -222,10 +222,10 @@ def run(
     Not yet tested on hardware.
 
     Args:
-        steps: Steps that a procedure of a family returns.
+        steps: Steps, as returned by a function for a procedure.
         bus: Object that reads and writes registers. For RS-485 requests, a line that sends them and receives replies.
         progress: Called before each step with its index, the number of steps, and the step.
-        poll_s: Longest time to poll a register, in seconds.
+        poll_s: Maximum time to poll a register, in seconds.
         wait: Function that waits for a number of seconds.
 
     Returns:

@@ -13,9 +13,10 @@ from ._table import Fault
 
 
 class Column(NamedTuple):
-    """Field: ``width`` bits from ``low`` on, in the number that a frame forms.
+    """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
-    ``kind`` is the meaning of the bits. ``runs`` has the names, divisors and moduli of decimal digits.
+    ``kind`` is the type of value that the bits encode. ``runs`` has the name, divisor and modulus of each group of
+    decimal digits.
     """
 
     name: str
@@ -28,7 +29,7 @@ class Column(NamedTuple):
 
 
 class Check(NamedTuple):
-    """Condition on ``width`` bits from ``low`` on.
+    """Condition on the ``width`` bits that start at ``low``.
 
     They must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
     ``odd``.
@@ -69,7 +70,7 @@ class CrcOf(NamedTuple):
 def of_bytes(
     function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
 ) -> Callable[[int], int]:
-    """Return a function for the bits in which the CRC, the last ``width`` of ``length`` bytes, is wrong."""
+    """Return a function that computes the wrong bits of the CRC, the last ``width`` of ``length`` bytes."""
 
     def differs(number: int) -> int:
         data = number.to_bytes(length, order)
@@ -79,19 +80,19 @@ def of_bytes(
 
 
 def of_bits(function: Callable[[int, int], int], covered: int, width: int) -> Callable[[int], int]:
-    """Return a function for the bits in which the CRC, the last ``width`` bits of a number, is wrong."""
+    """Return a function that computes the wrong bits of the CRC, the last ``width`` bits of a number."""
     return lambda number: function(number >> width, covered) ^ number & ((1 << width) - 1)
 
 
 class Join(NamedTuple):
-    """Number that is joined from fields, each with its lowest bit in the number."""
+    """Number assembled from fields, each listed with the position of its lowest bit in the number."""
 
     name: str
     fields: tuple[tuple[str, int], ...]
 
 
 class Unused(NamedTuple):
-    """Bits without meaning. Those that differ from ``value`` are 1 in ``unused``, from ``place`` on."""
+    """Bits without meaning. Those that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
 
     low: int
     width: int
@@ -100,7 +101,7 @@ class Unused(NamedTuple):
 
 
 class Speaks(NamedTuple):
-    """Condition for a ``verdict``: a flag unless others are active, or the unused bits in ``mask``."""
+    """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ."""
 
     verdict: Verdict
     flag: str = ""
@@ -109,7 +110,7 @@ class Speaks(NamedTuple):
 
 
 class Tells(NamedTuple):
-    """Condition for a ``report``: a flag, or the unused bits in ``mask``."""
+    """Condition for a ``report``: a flag is active, or unused bits in ``mask`` differ."""
 
     report: str
     flag: str = ""
@@ -117,7 +118,7 @@ class Tells(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """Description of a frame. ``length`` is its number of bytes, 0 if it is a number of ``bits`` bits.
+    """Description of a frame. ``length`` is its number of bytes, or 0 if it is a number of ``bits`` bits.
 
     ``fixed`` has the bits that are 1 in every such frame. ``position`` is the column of the position, if there is one,
     and ``otherwise`` the verdict if no condition applies.
@@ -165,13 +166,13 @@ def smallest(width: int) -> str:
 
 
 def unused_bits(shape: Shape) -> int:
-    """Return the width of the number of all unused bits."""
+    """Return the width of the number that all unused bits form."""
     return max(item.place + item.width for item in shape.unused)
 
 
 @lru_cache(maxsize=256)
 def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
-    """Return groups of unused bits that move together, each with its lowest bit, mask, value and place."""
+    """Return groups of unused bits that are shifted together: lowest bit, mask, value and place of each."""
     found: dict[tuple[int, int], list[Unused]] = {}
     for item in shape.unused:
         found.setdefault((item.low - item.place, item.low // 8), []).append(item)
@@ -200,7 +201,7 @@ def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
 
 
 def measured(shape: Shape) -> frozenset[str]:
-    """Return the columns of the position and its parts, or the numbers in a frame with only a part of it."""
+    """Return the columns of the position and its parts, or all numbers if the frame has only a part of the position."""
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
         return frozenset((shape.position, *parts))
@@ -211,7 +212,7 @@ def measured(shape: Shape) -> frozenset[str]:
 class Sound(NamedTuple):
     """Quick checks of a frame. Only frames that fail them are examined for their errors.
 
-    ``fixed`` has a mask and the required bits of each limb of 64, ``bytes`` the allowed values of single bytes, and
+    ``fixed`` has a mask and the required bits of each 64-bit limb, ``bytes`` the allowed values of single bytes, and
     ``others`` the remaining checks.
     """
 

@@ -24,7 +24,7 @@ _SUFFIXES: Final[dict[str, TargetKind]] = {
     ".feather": "arrow",
 }
 
-#: Words for the numbers of a column, because readers of a file may not have this package.
+#: Words that replace the numbers of a column, because readers of a file may not have this package.
 _WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "fault": tuple(item.name.lower() for item in Fault),
     "verdict": tuple(item.value for item in Verdict),
@@ -36,7 +36,7 @@ _ROWS: Final = 1 << 14
 
 
 def target_kind(path: str) -> TargetKind:
-    """Return the format of a file by its extension."""
+    """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
 
 
@@ -78,7 +78,7 @@ class Plan(NamedTuple):
 
     Attributes:
         names: Names of the columns, in order.
-        kept: Columns of the source that are written too, each as an empty column.
+        kept: Columns of the source that are also written, each as an empty column.
         empty: A table without frames.
         raw: True to write positions that are not usable.
     """
@@ -108,12 +108,12 @@ class Sink(Protocol):
 
     @property
     def lost(self) -> int:
-        """Number of cells of other columns that were left empty because they are not numbers like those before."""
+        """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
         ...
 
 
 class Texts:
-    """Converter of a text column to Arrow arrays: of numbers, if all cells of the first chunk are numbers."""
+    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers."""
 
     def __init__(self) -> None:
         self._pa: Any = import_module("pyarrow")
@@ -121,7 +121,7 @@ class Texts:
         self.lost = 0
 
     def array(self, cells: Sequence[str]) -> Any:
-        """Return the cells. An empty one is null, and so is one that is not a number like those before it."""
+        """Return the cells as an array. Empty cells become null, and so do cells that should be numbers but are not."""
         texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
             self.kind = self._kind_of(texts)
@@ -169,7 +169,7 @@ class ArrowSink:
 
     @property
     def lost(self) -> int:
-        """Number of cells of other columns that were left empty because they are not numbers like those before."""
+        """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
         return sum(item.lost for item in self._texts.values())
 
     def write(self, table: Table, others: Mapping[str, Any]) -> None:
@@ -179,7 +179,7 @@ class ArrowSink:
             found[name] = self._texts[name].array(others[name]) if name in self._texts else others[name]
         columns = {name: found[name] for name in self._plan.names}
         if self._writer is None:
-            # The types of other columns follow from their first cells.
+            # The first cells of other columns determine their types.
             self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
         self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 

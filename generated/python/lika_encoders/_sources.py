@@ -32,13 +32,13 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
 
 
 def kind_of(path: str) -> FileKind:
-    """Return the format of a file by its extension."""
+    """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
 
 
 @contextmanager
 def opened(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
-    """Open the frames of a file, or of standard input for ``-``. ``share`` returns the valid fraction of some."""
+    """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames."""
     kind = stored.kind or kind_of(path)
     if not shape.length:
         if shape.bits > 64:
@@ -120,12 +120,12 @@ def _read(file: BinaryIO, size: int) -> bytes:
 
 
 def _length(words: WordKind, shape: Shape) -> int:
-    """Return the number of bytes per frame of bits."""
+    """Return the number of bytes that a frame of bits occupies in the file."""
     return WORDS[words][0] or (shape.bits + 7) // 8
 
 
 def _other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
-    """Yield the other forms that are wide enough for such a frame."""
+    """Yield all other forms that are wide enough for such a frame."""
     return (other for other in get_args(WordKind) if other != words and 8 * _length(other, shape) >= shape.bits)
 
 

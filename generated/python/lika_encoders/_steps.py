@@ -18,7 +18,7 @@ class Write(NamedTuple):
         value: Byte to write.
         register: Name of the register.
         meaning: Purpose of the step.
-        closes: True if the step closes what an earlier step has opened.
+        closes: True if the step closes registers that an earlier step opened.
     """
 
     address: int
@@ -43,11 +43,11 @@ class Send(NamedTuple):
     Attributes:
         request: Bytes of the request.
         times: Number of requests.
-        every_us: Shortest time from one request to the next, in microseconds.
+        every_us: Minimum time from one request to the next, in microseconds.
         meaning: Purpose of the step.
         in_succession: True if no other request may be sent between the requests.
-        reply: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply is that
-            of the request.
+        reply: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply equals
+            that of the request.
         is_xor: True if the last byte of the reply is the XOR of all others.
     """
 
@@ -74,7 +74,7 @@ class Read(NamedTuple):
 class Verify(NamedTuple):
     """Read back what earlier steps wrote to a register, and stop if a bit in ``mask`` differs.
 
-    Over BiSS a disturbed write can look as if it had been stored. Manuals do not have this step: it ensures that
+    Over BiSS, a disturbed write can look as if it had been stored. This step is not in the manuals. It ensures that
     only the intended value is saved or activated. ``mask`` and ``order`` apply to the number that the bytes form.
     """
 
@@ -124,5 +124,5 @@ Step = Union[Write, Wait, Send, Read, Modify, Poll, Verify]
 
 
 def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:
-    """Return the writes of ``data`` to ascending addresses."""
+    """Return the steps that write ``data`` to ascending addresses."""
     return tuple(Write(address + index, byte, register, meaning, closes) for index, byte in enumerate(data))

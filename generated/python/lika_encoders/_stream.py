@@ -48,7 +48,7 @@ class Summary(NamedTuple):
         frames: Number of frames.
         faults: Number of frames with each error.
         verdicts: Number of valid frames with each verdict. Empty if the frames have no verdict.
-        lost: Number of cells of other columns that were left empty because they are not numbers like those before.
+        lost: Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells.
     """
 
     frames: int
@@ -73,11 +73,11 @@ class Summary(NamedTuple):
 
 
 def counted(count: int, word: str) -> str:
-    """Return a number with its noun."""
+    """Return a number followed by its noun."""
     return f"{count} {word}{'' if count == 1 else 's'}"
 
 
-# Which frames
+# Kinds of frames
 
 
 class Layout(NamedTuple):
@@ -89,7 +89,7 @@ class Layout(NamedTuple):
     make: Callable[..., Shape]
 
     def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
-        """Return the shape of such frames of the encoder, for these answers."""
+        """Return the shape of these frames for an encoder and the answers to its questions."""
         variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
         return self.make(**variant, **answers)
 
@@ -109,7 +109,7 @@ def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
 
 
 def layout_of(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, in the manual or of its class.
+    """Return the kind of frame with this name, which is the name in the manual or that of the class.
 
     Raises:
         UsageError: There is no such frame, or a name is needed to choose one.
@@ -132,8 +132,8 @@ def _shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
     asked = layout_of(encoder, layout)
     for name in answers:
         if name not in asked.answers:
-            needed = f"it takes {', '.join(asked.answers)}" if asked.answers else "it needs no answers"
-            raise UsageError(f"{asked.name} does not take an answer '{name[:40]}': {needed}")
+            needed = f"it accepts {', '.join(asked.answers)}" if asked.answers else "it needs no answers"
+            raise UsageError(f"{asked.name} does not accept the answer '{name[:40]}': {needed}")
     given: dict[str, object] = {}
     for name, kind in asked.answers.items():
         answer = answers.get(name)
@@ -169,24 +169,24 @@ def decode_file(
 ) -> Summary:
     """Decode a file of frames into a file of columns, in bounded memory.
 
-    Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if the frame
-    has an error, which ``fault`` names, or if its position is not usable. A cell without a frame becomes a row with a
-    length error. The target appears when it is complete. After an error there is no new file, and an existing one is
-    unchanged.
+    Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if it is not
+    usable, or if the frame has an error. The error is in ``fault``. A cell without a frame becomes a row with a length
+    error. The target appears when it is complete. On error, no file is created and an existing file is left unchanged.
 
     Args:
         encoder: The encoder, or its label.
         source: The file to read, or ``-`` for standard input.
         target: The file to write, or ``-`` for CSV on standard output.
-        layout: Kind of the frames, if the encoder sends several.
+        layout: Kind of the frames, if the encoder sends several kinds.
         to: Format to write: ``parquet``, ``arrow`` or ``csv``. The default follows from the name of the file.
         kind: Format to read: ``binary``, ``csv`` or ``parquet``. The default follows from the name of the file.
-        words: Form of a frame of bits in a binary file: ``packed`` into as few bytes as possible, the most significant
-            first, or a number of eight bytes (``little`` or ``big`` endian) or of four (``little32``, ``big32``).
-        column: Column with the frames, by name. In CSV also by number, from 1.
-        digits: Base of numbers without ``0x`` in text: ``hex`` or ``decimal``.
+        words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
+            first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
+            ``big32`` of four bytes.
+        column: Name of the column with the frames. In CSV, also its number from 1.
+        digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
         cut: Ignore an incomplete frame at the end.
-        columns: Columns to write, decoded ones and those of the file. The default is all.
+        columns: Columns to write, both decoded ones and those of the file. The default is all.
         limit: Highest number of frames to decode.
         raw: Write the position of every frame, even if it is not usable.
         force: Replace an existing file.
@@ -194,19 +194,20 @@ def decode_file(
         progress: Called from time to time with the amount read, the total if known, and the number of frames.
 
     Returns:
-        The number of frames, of errors and of verdicts.
+        The number of frames, errors and verdicts.
 
     Raises:
-        InputError: The source does not contain such frames. The error says where. It is also raised if many of the
-            first 1000 frames have an error but would be valid with other ``words`` or ``digits``, which it names.
-        UsageError: The arguments are wrong, or do not fit together.
+        InputError: The source does not contain such frames. The message says where. This error is also raised if many
+            of the first 1000 frames have an error but would be valid with other ``words`` or ``digits``. The message
+            then suggests them.
+        UsageError: The arguments are wrong or incompatible with each other.
         OSError: A file cannot be read or written.
     """
     encoder = _encoder(encoder)
     shape = _shape(encoder, layout, answers)
     to = to or target_kind(os.fspath(target))
     if os.fspath(target) == "-" and to != "csv":
-        raise UsageError("standard output takes only CSV")
+        raise UsageError("only CSV can be written to standard output")
     empty = decode_many([], shape, encoder)
     stored = Stored(kind, words, column, digits, cut, columns)
     counts = _Counts()
@@ -276,7 +277,7 @@ def _plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: 
 
 @contextmanager
 def _written(target: str, source: str | os.PathLike[str], force: bool) -> Generator[Any, None, None]:
-    """Open a temporary file that is renamed to ``target`` when it is complete, and removed after an error."""
+    """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error."""
     if target == "-":
         yield None
         return
@@ -326,9 +327,10 @@ def decode_partition(
     Args:
         part: The partition.
         encoder: The encoder, or its label.
-        column: Column of frames: integers, bytes or text. The default is the only column, or ``frame`` or ``word``.
-        layout: Kind of the frames, if the encoder sends several.
-        digits: Base of numbers without ``0x`` in text: ``hex`` or ``decimal``.
+        column: Name of the column with the frames: integers, bytes or text. By default, the only column, or ``frame``
+            or ``word``.
+        layout: Kind of the frames, if the encoder sends several kinds.
+        digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
         raw: Keep the position of every frame, even if it is not usable.
         answers: Answers to the questions that the manual leaves open, by name.
 
@@ -338,7 +340,7 @@ def decode_partition(
     Raises:
         InputError: The column does not contain such frames.
         TypeError: ``part`` is not a partition of a supported type.
-        UsageError: The arguments are wrong, or do not fit together.
+        UsageError: The arguments are wrong or incompatible with each other.
     """
     encoder = _encoder(encoder)
     shape = _shape(encoder, layout, answers)
@@ -378,7 +380,7 @@ def _of_pandas(part: Any, encoder: Encoder, shape: Shape, column: str, digits: D
 
 
 def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
-    """Return a pandas column in the form for ``decode_many``. A missing item is None or NaN."""
+    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN."""
     frames: Any = series.to_numpy()
     if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
         return frames
@@ -406,7 +408,7 @@ def _item(item: object, shape: Shape, cells: Cells, row: int) -> Any:
 
 
 def _apart(kept: Iterable[str], made: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column has the name of a decoded one."""
+    """Raise UsageError if another column has the same name as a decoded one."""
     both = sorted({*kept} & {*made})
     if both:
         raise UsageError(

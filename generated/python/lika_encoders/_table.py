@@ -18,7 +18,7 @@ from ._reports import Verdict
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
 
-#: Parts of a turn in each angular unit, and micrometres in each unit of length.
+#: Size of one turn in each angular unit, and size of each unit of length in micrometres.
 _OF_A_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
 _OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
 
@@ -36,7 +36,7 @@ class Fault(IntEnum):
 class Table(Mapping[str, Any]):
     """Columns of many frames: a NumPy array for each field, by its name, and for ``fault``.
 
-    The arrays hold the raw bits of every frame, also of invalid ones. Use ``usable_position`` for positions: it is
+    The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
     masked if there is none. ``to_arrow`` and ``to_pandas`` return nulls there.
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
@@ -71,7 +71,7 @@ class Table(Mapping[str, Any]):
 
     @property
     def position(self) -> Any:
-        """Raw position of each frame in counts, also of invalid frames. See ``usable_position``.
+        """Raw position of each frame in counts, including invalid frames. See ``usable_position``.
 
         Raises:
             AttributeError: The frames have no position.
@@ -109,7 +109,7 @@ class Table(Mapping[str, Any]):
 
     @property
     def reports(self) -> dict[str, Any]:
-        """For each report by name, an array that is True for each valid frame with that report."""
+        """Arrays by name of the report. Each is True for the valid frames with that report."""
         made: dict[str, Any] = {}
         for report, flag, mask in self._tells:
             unused: Any = self["unused"] if mask else None
@@ -146,8 +146,8 @@ class Table(Mapping[str, Any]):
     def unwrapped(self, previous: int | None = None) -> Any:
         """Return the position of each frame as a count that continues when the position wraps around.
 
-        It starts with the first usable position. A frame without a usable position has the count of the frame before.
-        Between two usable frames the encoder must move by less than half of the ``modulus``.
+        It starts with the first usable position. A frame without a usable position has the count of the preceding
+        frame. Between two usable frames the encoder must move by less than half of the ``modulus``.
 
         Args:
             previous: Last count of the preceding frames, to continue from.
@@ -199,15 +199,15 @@ class Table(Mapping[str, Any]):
         return np.where(self.usable, made, np.nan) if counts is None else made
 
     def velocity(self, seconds: Any, unit: Unit = "counts") -> Any:
-        """Return the speed of the encoder since the usable frame before.
+        """Return the speed of the encoder, measured from the previous usable position.
 
         Args:
             seconds: Time between two frames, or an array with the time of each frame.
             unit: Unit of length or angle.
 
         Returns:
-            An array of speeds in units per second. It is NaN for frames that are not usable, and for the first usable
-            one.
+            An array of speeds in units per second. It is NaN for frames without a usable position, and for the
+            first frame with one.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.

@@ -28,7 +28,7 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame in a text of hex bytes, or of a number. Raises ValueError if there is none."""
+    """Return the frame in a text, which contains hex bytes or a number. Raises ValueError if there is none."""
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
         packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
@@ -49,7 +49,7 @@ class Cells:
     """Reader of frames in cells of text. An empty cell, or one without a frame, yields None.
 
     ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. ``place``
-    and ``said`` are the place and the error of the first of these.
+    and ``said`` are the location and the error message of the first of these.
     """
 
     def __init__(self, shape: Shape, digits: DigitKind | None) -> None:
@@ -139,7 +139,7 @@ class _Table:
         """Return the cells of some frames, their lines, and the cells of other columns in the same rows."""
         cells: list[str] = []
         numbers: list[int] = []
-        # Only cells are kept, because the garbage collector would traverse rows, which are lists, again and again.
+        # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
         others: dict[str, list[str]] = {name: [] for _, name in self.columns}
         kept = [(at, others[name].append) for at, name in self.columns]
         lines, place = self.lines, self.place
@@ -149,7 +149,7 @@ class _Table:
             for at, append in kept:
                 append(row[at] if len(row) > at else "")
         if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
-            # The last line is not terminated, and shorter than the one before: digits may be missing.
+            # The last line is not terminated and is shorter than the previous one, so digits may be missing.
             cells[-1] = ""
         self._before = cells[-1] if cells else ""
         return cells, numbers, others
@@ -172,7 +172,7 @@ def _parts(table: _Table, name: str, stored: Stored, shape: Shape, share: Share)
 
 
 def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shape: Shape, share: Share) -> None:
-    """Raise InputError if the first cells are not frames, or would be valid frames with other digits."""
+    """Raise InputError if the first cells are not frames, or if they are valid frames only in another base."""
     if cells.are_others:
         raise InputError(name, f"line {cells.place}", cells.said)
     if stored.digits is not None and not shape.length:
@@ -182,7 +182,7 @@ def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shap
 
 
 def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
-    """Return the frames in cells, without cells that have none."""
+    """Return the frames in cells. Cells without one are skipped."""
     cells = Cells(shape, digits)
     return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
 

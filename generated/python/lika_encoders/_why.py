@@ -15,9 +15,9 @@ from ._encoder import Encoder
 def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     """Return the changes that make an invalid frame valid, the most likely first.
 
-    A dead line is the only answer if there is one. A CRC of few bits is sometimes correct by chance, one of 6 bits in
-    1 of 64 cases, and with one bit inverted in most cases. Check several frames: look for the mistake that explains
-    all of them.
+    If the line is dead, this is the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct
+    in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check several frames, and look
+    for the mistake that explains all of them.
     """
     apart = _is_told_apart(encoder)
     if dead := _dead_line(frame, _bits_of(encoder), apart):
@@ -28,14 +28,14 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
 
 
 def hint(encoder: Encoder, frame: object) -> str:
-    """Return the same as one sentence."""
+    """Return the result of ``why`` as one sentence."""
     found = why(encoder, frame)
     if found and _dead_line(frame, _bits_of(encoder), _is_told_apart(encoder)):
         return found[0][0].upper() + found[0][1:]
     return f"The frame would be valid {'; or '.join(found)}" if found else ""
 
 
-#: Shorter frames can have all bits alike by chance.
+#: In shorter frames, all bits can be equal by chance.
 _LEAST_BITS: Final = 12
 
 
@@ -66,7 +66,7 @@ def _dead_line(frame: object, bits: int, has_crc: bool) -> str:
 
 
 def _is_told_apart(encoder: Encoder) -> bool:
-    """Return whether some frames of the right length are invalid. Otherwise a valid one explains nothing."""
+    """Return whether some frames of the right length are invalid. If all are valid, a valid one proves nothing."""
     bits = _bits_of(encoder)
     return not bits or not all(_is_sound(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
 
@@ -116,7 +116,7 @@ def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
 def _disturbed(
     encoder: Encoder, flipped: Iterable[object], named: Callable[[int], str]
 ) -> Iterator[tuple[str, object]]:
-    """Yield a valid frame with one bit inverted, and which bit if there is only one candidate."""
+    """Yield a frame that is valid after inverting one bit. Its description names the bit if only one is possible."""
     found = [(bit, other) for bit, other in enumerate(flipped) if _is_sound(encoder.decode, other)]
     if found:
         which = named(found[0][0]) if len(found) == 1 else f"one of {len(found)} bits"

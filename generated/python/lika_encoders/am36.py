@@ -2,8 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """AM36 and AMC36 absolute multiturn encoders, by Lika Electronic.
 
-Start with lookup(), which knows every order code. Names follow the manual. Names that are reserved in Python end in an
-underscore.
+Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in Python end in
+an underscore.
 
 Contents:
     Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, VARIANTS, FAMILY
@@ -28,8 +28,8 @@ A valid frame does not imply a usable position. Check the verdict before you use
         print(frame.multiturn, frame.singleturn, frame.position)
 
 Version 0.1.0, generated from the manual “AM36 AMC36”, revision 1.0 of 2014 (en). Sections and pages refer to this
-manual. A source that starts with a language code refers to the edition in that language, and one that starts with
-another key to an entry of DOCUMENTS.
+manual. A source that starts with a language code refers to the edition in that language. A source that starts with any
+other key refers to that entry of DOCUMENTS.
 
 Differences from other editions of the manual are noted inline. Generate files for one with ``codewheel generate
 --edition am36=1.0``.
@@ -108,7 +108,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Return a table of facts. The first access loads all of them."""
+        """Return a table of facts. The first access loads all tables."""
         return fact(__name__, name, _FACTS)
 
 
@@ -200,38 +200,38 @@ _Same = TypeVar("_Same", bound="Variant")
 
 
 class Variant(Encoder):
-    """Encoder as its order code describes it. Each interface has a subclass.
+    """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
         family: Family of the encoder.
         interface: Interface of the encoder.
-        code: Order code, without what may follow it on the label.
+        code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: model, singleturn, turns, output.
         singleturn_bits: Singleturn resolution given by the order code [5.2]. Unit: bits.
         multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
         ssi_gray: Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2].
-        used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base 2 logarithm
+        used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
             of Information per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h
-            (``singleturn_bits_used.bits``), 0 to 20. Over BiSS C-mode only. The factory default, unless set by
-            with_registers().
+            (``singleturn_bits_used.bits``), 0 to 20. Applies only to BiSS C-mode. The value is the factory default
+            unless set by with_registers().
         used_multiturn_bits: Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits.
-            Held at run time in register 57h (``multiturn_bits_used.bits``), 0 to 16. Over BiSS C-mode only. The factory
-            default, unless set by with_registers().
-        used_revolutions: Number of revolutions after which the BiSS position starts again, as currently set [6.5 p.28].
+            Held at run time in register 57h (``multiturn_bits_used.bits``), 0 to 16. Applies only to BiSS C-mode. The
+            value is the factory default unless set by with_registers().
+        used_revolutions: Number of revolutions after which the BiSS position wraps around, as currently set [6.5 p.28].
             Unit: revolutions. Held at run time in registers 4Eh to 4Fh (``number_of_revolutions.revolutions``), 1 to
-            65,536. Over BiSS C-mode only. The factory default, unless set by with_registers().
+            65,536. Applies only to BiSS C-mode. The value is the factory default unless set by with_registers().
         used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Held at run time
-            in registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Over BiSS C-mode only. The
-            factory default, unless set by with_registers().
+            in registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS C-mode.
+            The value is the factory default unless set by with_registers().
         output_code: Code of the position over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Held at run time in
-            register 49h (``configuration.output_code``), 0 to 1. Over BiSS C-mode only. The factory default, unless set
-            by with_registers().
+            register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
+            default unless set by with_registers().
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
-        written_as_in: Document that writes order codes like the label, if they are usually written differently.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
     """
 
     family: ClassVar[Family] = FAMILY
@@ -275,13 +275,14 @@ class Variant(Encoder):
         return 1 - self.output_code
 
     def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
-        """Return the encoder for other contents of its registers.
+        """Return the encoder with other register contents.
 
-        These registers affect how frames are decoded, or a limit: singleturn_bits_used at 56h, multiturn_bits_used at
-        57h, number_of_revolutions at 4Eh, information_per_revolution at 4Bh, configuration at 49h.
+        The following registers affect the decoding of frames or a limit: singleturn_bits_used at 56h,
+        multiturn_bits_used at 57h, number_of_revolutions at 4Eh, information_per_revolution at 4Bh, configuration at
+        49h.
 
         Args:
-            held: Bytes by address. Other registers keep their contents, at first the factory default.
+            held: Bytes keyed by address. Other registers keep their contents, initially the factory default.
 
         Returns:
             The encoder.
@@ -368,7 +369,7 @@ class Variant(Encoder):
         return self.used_singleturn_bits + self.used_multiturn_bits + 8
 
     def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class of its interface documents the form."""
+        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def try_decode(self, frame: Any) -> Frame | FrameError:
@@ -380,7 +381,7 @@ class Variant(Encoder):
 
 
 class SsiEncoder(Variant):
-    """Encoder with SSI. ``Variant`` documents its attributes."""
+    """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
 
@@ -395,17 +396,17 @@ class SsiEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_ssi_word(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -441,7 +442,7 @@ class SsiEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SsiWord.decode_many(frames, self)
 
@@ -455,14 +456,14 @@ class SsiEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SsiWord.encode_many(columns, self)
 
 
 class BissEncoder(Variant):
-    """Encoder with BiSS C-mode. ``Variant`` documents its attributes."""
+    """Encoder with BiSS C-mode. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _BISS
 
@@ -477,17 +478,17 @@ class BissEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -523,7 +524,7 @@ class BissEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SingleCycleData.decode_many(frames, self)
 
@@ -537,7 +538,7 @@ class BissEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SingleCycleData.encode_many(columns, self)
@@ -556,20 +557,20 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder with this label.
+    """Return the encoder that belongs to a label.
 
     A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
-    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` names these parts. Known spellings
-    of other editions are accepted. ``Variant.written_as_in`` names the edition.
+    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
+    of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
-        label: Order code on the label. Case and blanks do not matter.
+        label: Order code on the label. Case and spaces do not matter.
 
     Returns:
-        The encoder. Type checkers know its class for each listed order code.
+        The encoder. Type checkers infer its class for each listed order code.
 
     Raises:
-        OrderCodeError: There is no such order code. The error names the wrong part, its valid values and similar
+        OrderCodeError: There is no such order code. The message lists the wrong part, its valid values and similar
             order codes.
         TypeError: ``label`` is not a string.
     """
@@ -658,8 +659,8 @@ def _remainder_biss_6_44(word: int) -> int:
 
 
 class CountingDirection(IntEnum):
-    """Counting direction: Rotation with which the position counts up, seen from the shaft, while the Counting
-    direction input is at 0VDC.
+    """Counting direction: Direction of rotation in which the position counts up, seen from the shaft, while the
+    Counting direction input is at 0VDC.
     """
 
     CW = 0
@@ -739,7 +740,7 @@ class SsiWord(NamedTuple):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the position. Always unknown, because nothing in this frame decides it."""
+        """Verdict on the position. Always unknown, because nothing in this frame determines it."""
         return Verdict.UNKNOWN
 
     @property
@@ -815,7 +816,7 @@ class SsiWord(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
@@ -847,7 +848,7 @@ class SsiWord(NamedTuple):
         return encode_many(columns, shape_of_ssi_word(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant.
+        """Return the word, with the first bit most significant.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -864,7 +865,7 @@ class SsiWord(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _SSI)
         return (
             BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
@@ -884,7 +885,7 @@ class SingleCycleData(NamedTuple):
         variant: Encoder of the frame.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Single Cycle Data SCD.
 
@@ -917,14 +918,14 @@ class SingleCycleData(NamedTuple):
 
     Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
         Printed: Error and warning: not used, always 1.
-        Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable with nE at 0.
-            It is usable with a warning with nW at 0.
+        Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0.
+            If nW is 0, it is usable with a warning.
 
     Bits of unused:
-        bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused, 1 in
-            the manual. Other values: the frame is still decoded, with the verdict ``usable_with_warning``.
-        bit 1, error: Error, nE: Not used, always 1. In the BiSS protocol, 0 here signals an error. Unused, 1 in the
-            manual. Other values: the frame is still decoded, with the verdict ``not_usable``.
+        bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,
+            documented as 1. Frames with other values are still decoded, with the verdict ``usable_with_warning``.
+        bit 1, error: Error, nE: Not used, always 1. In the BiSS protocol, 0 here signals an error. Unused, documented
+            as 1. Frames with other values are still decoded, with the verdict ``not_usable``.
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -1031,7 +1032,7 @@ class SingleCycleData(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
@@ -1063,7 +1064,7 @@ class SingleCycleData(NamedTuple):
         return encode_many(columns, shape_of_single_cycle_data(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant, with the CRC.
+        """Return the word, with the first bit most significant, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1086,7 +1087,7 @@ class SingleCycleData(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (
             BitField("multiturn", variant.used_singleturn_bits + 8, variant.used_multiturn_bits),
@@ -1098,7 +1099,7 @@ class SingleCycleData(NamedTuple):
 
 
 def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     if variant.ssi_gray:
         return careful
@@ -1123,7 +1124,7 @@ def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
 
 
 def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     if variant.biss_gray:
         return careful
@@ -1165,7 +1166,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, for longer ones that of the first byte. Two registers may share an address."""
+    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
 
     PROFILE_ID: Final = 0x42
     SERIAL_NUMBER: Final = 0x44
@@ -1247,7 +1248,7 @@ class ProfileId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("profile", 0, 16),)
 
 
@@ -1320,7 +1321,7 @@ class SerialNumber(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("year", 24, 8),
             BitField("week", 16, 8),
@@ -1333,12 +1334,12 @@ class Command(IntEnum):
 
     Saves the parameters, activates the preset, or restores the defaults.
 
-    Default: ``00``. Wait at least 30 ms after a write, before the next command. Returns to its default by itself after
-    a write.
+    Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
+    after a write.
 
-    After a command, the register returns to 00 by itself. If a new resolution and a new preset are set together, Save
-    parameters and activate Preset stores the resolution but sets the preset to zero. The preset must then be written
-    again.
+    After a command, the register automatically returns to 00. If a new resolution and a new preset are set together,
+    the command Save parameters and activate Preset stores the resolution but sets the preset to zero. The preset must
+    then be written again.
 
     Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
         Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
@@ -1393,9 +1394,9 @@ class Configuration(NamedTuple):
     """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
 
     Attributes:
-        counting_direction: Counting direction: Rotation with which the position counts up, seen from the shaft, while
-            the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction input reverses
-            the direction. After a change, a new preset must be set.
+        counting_direction: Counting direction: Direction of rotation in which the position counts up, seen from the
+            shaft, while the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction
+            input reverses the direction. After a change, a new preset must be set.
         output_code: Output code: Code of the position. Default: 1.
         enable_preset: Enable preset: Enables writing of the Preset registers and activation of the preset, by command
             or by the Zero setting/Preset input. Default: 0.
@@ -1404,8 +1405,8 @@ class Configuration(NamedTuple):
 
     Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
 
-    A new value takes effect immediately. Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are not used.
-    According to the list of defaults they are 0.
+    A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are not
+    used. According to the list of defaults they are 0.
 
     Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
     p.30]:
@@ -1427,16 +1428,16 @@ class Configuration(NamedTuple):
         Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
 
     In edition 1.1 [am36_1_1: p.24, am36_1_1: p.30]:
-        Replaces: the note on register configuration.
+        Instead of: the note on register configuration.
         Text: For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be 1
             before a preset can be entered. Edition 1.0 prints the same sentence, where it is an erratum. The meaning of
             the bits is that of edition 1.0. One of them sets the code of the position.
         Why: The page that describes it is not public.
 
     Checked by decode():
-        zero_above_counting_direction: always zero.
-        zero_below_output_code: always zero.
-        zero_below_enable_preset: always zero.
+        zero_above_counting_direction: Always zero.
+        zero_below_output_code: Always zero.
+        zero_below_enable_preset: Always zero.
     """
 
     counting_direction: CountingDirection
@@ -1489,7 +1490,7 @@ class Configuration(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("zero_above_counting_direction", 7, 1),
             BitField("counting_direction", 6, 1),
@@ -1513,8 +1514,9 @@ class InformationPerRevolution(NamedTuple):
     parameters after a write, or the encoder loses the value at power-off. The encoder replaces a value above the limit
     with the default. A write sets ``preset`` to zero.
 
-    A new value takes effect immediately, on the length of the frame as well, and sets the preset to zero. Save
-    parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the resulting number of bits.
+    A new value takes effect immediately, which can change the length of the frame, and sets the preset to zero. The
+    command Save parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the resulting number
+    of bits.
 
     Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
         Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
@@ -1572,7 +1574,7 @@ class InformationPerRevolution(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("steps", 0, 24),)
 
     @staticmethod
@@ -1594,9 +1596,10 @@ class NumberOfRevolutions(NamedTuple):
     parameters after a write, or the encoder loses the value at power-off. A write sets ``preset`` to zero.
 
     Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value takes effect
-    immediately, on the length of the frame as well, and sets the preset to zero. Save parameters on EEPROM saves it.
-    Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft must not turn by
-    more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute position is lost.
+    immediately, which can change the length of the frame, and sets the preset to zero. The command Save parameters on
+    EEPROM saves it. Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft
+    must not turn by more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute position is
+    lost.
 
     Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
         Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
@@ -1651,7 +1654,7 @@ class NumberOfRevolutions(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("revolutions", 0, 16),)
 
     @staticmethod
@@ -1674,11 +1677,12 @@ class Preset(NamedTuple):
     - 1`` for ``position``. Can be written only while ``configuration.enable_preset`` holds 0 (``enable``). Save the
     parameters after a write, or the encoder loses the value at power-off.
 
-    The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the bit Enable preset to 0 (enable)
-    before writing. Save parameters on EEPROM saves the value without activating it. Save parameters and activate Preset
-    saves and activates it. The Zero setting/Preset input activates it as well. The manual suggests activating it at a
-    standstill. Set the preset again after a change of the counting direction, of Information per revolution or of
-    Number of revolutions. The preset can be used, for instance, to align the zero points of encoder and application.
+    The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the Enable preset bit to 0 (enable)
+    before writing. The command Save parameters on EEPROM saves the value without activating it. The command Save
+    parameters and activate Preset saves and activates it. The Zero setting/Preset input activates it as well. The
+    manual suggests activating it at a standstill. Set the preset again after a change of the counting direction, of
+    Information per revolution or of Number of revolutions. The preset can be used, for instance, to align the zero
+    points of encoder and application.
 
     Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
         Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
@@ -1701,7 +1705,7 @@ class Preset(NamedTuple):
             Device type.
 
     Checked by decode():
-        zero_above_position: always zero.
+        zero_above_position: Always zero.
     """
 
     variant: BissEncoder
@@ -1750,7 +1754,7 @@ class Preset(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (
             BitField("zero_above_position", 36, 4),
@@ -1821,7 +1825,7 @@ class DeviceType(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("device_type", 0, 8),)
 
 
@@ -1881,7 +1885,7 @@ class SingleturnBitsUsed(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("bits", 0, 8),)
 
 
@@ -1943,7 +1947,7 @@ class MultiturnBitsUsed(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("bits", 0, 8),)
 
 
@@ -2028,7 +2032,7 @@ class DeviceId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("model", 32, 16),
             BitField("interface_code", 16, 16),
@@ -2093,7 +2097,7 @@ class ManufacturerId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("name", 0, 16),)
 
 
@@ -2159,15 +2163,15 @@ _HELD: Final = (
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that agree with the contents of an encoder's registers.
+    """Return the order codes that match the contents of an encoder's registers.
 
-    Registers that are not documented, or not complete in ``read``, exclude nothing.
+    Registers that are undocumented or incomplete in ``read`` are ignored.
 
     Args:
-        read: Bytes by address, or the bytes of whole registers by name.
+        read: Register contents: bytes keyed by address, or the bytes of whole registers keyed by name.
 
     Returns:
-        The order codes.
+        The matching order codes.
 
     Raises:
         ValueError: There is no such register, or it has another length.
@@ -2217,7 +2221,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
     Args:
         configuration: Value of the whole register, with its unused bits at 0. Written to ``configuration``.
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2249,7 +2253,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Before: The manual suggests setting the preset with the shaft at a standstill.
 
-    Result: The position at which the command arrived has the preset value. All other positions follow from it.
+    Result: The position at the moment of the command becomes the preset value. All other positions shift accordingly.
 
     Erratum preset_example_bit (settled, wrong data) [6.5]:
         Printed: Table of the preset example: address 49, bit 2, data 0.
@@ -2329,7 +2333,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: New register values are saved.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2349,13 +2353,13 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
 
-    Before: Bit Enable preset at 0 (enable), the factory default. The manual suggests activating the preset with the
+    Before: The Enable preset bit is 0 (enable), the factory default. The manual suggests activating the preset with the
     shaft at a standstill.
 
-    Result: The position at which the command arrived has the preset value.
+    Result: The position at the moment of the command becomes the preset value.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2392,7 +2396,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             57h.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2419,7 +2423,7 @@ def set_resolution(
 
     Before: The manual suggests doing this with the shaft at a standstill.
 
-    Result: The new resolution is saved. The position at which the last command arrived has the preset value. Frames
+    Result: The new resolution is saved. The position at the moment of the last command becomes the preset value. Frames
     have the widths read in the last two steps.
 
     The frame changes its length as soon as the resolution is written. The master must use the new length before it can
@@ -2501,7 +2505,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     contain the current settings, not the values of the order code.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.

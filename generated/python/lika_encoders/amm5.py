@@ -2,8 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """AMM5A and AMM5B absolute kit encoders, by Lika Electronic.
 
-Start with lookup(), which knows every order code. Names follow the manual. Names that are reserved in Python end in an
-underscore.
+Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in Python end in
+an underscore.
 
 Contents:
     Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS, FAMILY
@@ -29,8 +29,8 @@ A valid frame does not imply a usable position. Check the verdict before you use
         print(frame.multiturn, frame.singleturn, frame.position)
 
 Version 0.1.0, generated from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Sections and pages refer to
-this manual. A source that starts with a language code refers to the edition in that language, and one that starts with
-another key to an entry of DOCUMENTS.
+this manual. A source that starts with a language code refers to the edition in that language. A source that starts with
+any other key refers to that entry of DOCUMENTS.
 
 Differences from other editions of the manual are noted inline. Generate files for one with ``codewheel generate
 --edition amm5=1.0``.
@@ -120,7 +120,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Return a table of facts. The first access loads all of them."""
+        """Return a table of facts. The first access loads all tables."""
         return fact(__name__, name, _FACTS)
 
 
@@ -217,12 +217,12 @@ _RS485: Final = Interface.RS485
 
 
 class Variant(Encoder):
-    """Encoder as its order code describes it. Each interface has a subclass.
+    """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
         family: Family of the encoder.
         interface: Interface of the encoder.
-        code: Order code, without what may follow it on the label.
+        code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: mount, singleturn, turns, interface.
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
         multiturn_bits: Number of bits that count revolutions. 0 in singleturn models [Preliminary information p.7].
@@ -232,7 +232,7 @@ class Variant(Encoder):
         special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
-        written_as_in: Document that writes order codes like the label, if they are usually written differently.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
     """
 
     family: ClassVar[Family] = FAMILY
@@ -321,7 +321,7 @@ class Variant(Encoder):
         raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
 
     def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class of its interface documents the form."""
+        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def try_decode(self, frame: Any) -> Frame | FrameError:
@@ -330,7 +330,7 @@ class Variant(Encoder):
 
 
 class SsiEncoder(Variant):
-    """Encoder with SSI. ``Variant`` documents its attributes."""
+    """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
 
@@ -345,17 +345,17 @@ class SsiEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_ssi_word(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -391,7 +391,7 @@ class SsiEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SsiWord.decode_many(frames, self)
 
@@ -405,14 +405,14 @@ class SsiEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SsiWord.encode_many(columns, self)
 
 
 class BissEncoder(Variant):
-    """Encoder with BiSS C-mode. ``Variant`` documents its attributes."""
+    """Encoder with BiSS C-mode. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _BISS
 
@@ -427,17 +427,17 @@ class BissEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -473,7 +473,7 @@ class BissEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SingleCycleData.decode_many(frames, self)
 
@@ -487,14 +487,14 @@ class BissEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SingleCycleData.encode_many(columns, self)
 
 
 class Rs485Encoder(Variant):
-    """Encoder with RS-485. ``Variant`` documents its attributes."""
+    """Encoder with RS-485. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _RS485
 
@@ -503,24 +503,24 @@ class Rs485Encoder(Variant):
 
         Args:
             frame: Bytes of the frame, in the order of transmission.
-            eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485. Only frames that
-                depend on it need it.
+            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
+                frames that depend on it.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
-            TypeError: ``frame`` does not have the type of this encoder's frames, or needs an answer that is missing.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
+            TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
         decode: Callable[..., Reply] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _decode_reply_fast(self)
         return decode(frame, eeprom_address=eeprom_address)
 
     def _decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return decode_reply(frame, self, eeprom_address=eeprom_address)
         except FrameError as fault:
@@ -536,14 +536,14 @@ class Rs485Encoder(Variant):
 
         Args:
             frame: Bytes of the frame, in the order of transmission.
-            eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485. Only frames that
-                depend on it need it.
+            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
+                frames that depend on it.
 
         Returns:
             The frame, or the error.
 
         Raises:
-            TypeError: ``frame`` does not have the type of this encoder's frames, or needs an answer that is missing.
+            TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
         try:
             return self.decode(frame, eeprom_address=eeprom_address)
@@ -556,11 +556,11 @@ class Rs485Encoder(Variant):
         Args:
             frames: The frames, as rows of bytes.
             kind: Class of the frames.
-            eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485. Only frames that
-                depend on it need it.
+            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
+                frames that depend on it.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
         if kind is SingleturnReply:
@@ -590,14 +590,14 @@ class Rs485Encoder(Variant):
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
             kind: Class of the frames.
-            eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485. Only frames that
-                depend on it need it.
+            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
+                frames that depend on it.
 
         Returns:
             The frames, as rows of bytes.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
@@ -632,20 +632,20 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder with this label.
+    """Return the encoder that belongs to a label.
 
     A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
-    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` names these parts. Known spellings
-    of other editions are accepted. ``Variant.written_as_in`` names the edition.
+    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
+    of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
-        label: Order code on the label. Case and blanks do not matter.
+        label: Order code on the label. Case and spaces do not matter.
 
     Returns:
-        The encoder. Type checkers know its class for each listed order code.
+        The encoder. Type checkers infer its class for each listed order code.
 
     Raises:
-        OrderCodeError: There is no such order code. The error names the wrong part, its valid values and similar
+        OrderCodeError: There is no such order code. The message lists the wrong part, its valid values and similar
             order codes.
         TypeError: ``label`` is not a string.
     """
@@ -714,7 +714,7 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 
 def crc_rs485_8(data: bytes) -> int:
-    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.6 p.47].
+    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.6 p.47].
 
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value 0.
@@ -783,7 +783,7 @@ class DataId(IntEnum):
 
 
 class EepromAddress(Enum):
-    """Position of the address in the byte ADF of an EEPROM access over RS-485 [7.5 p.46].
+    """Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
@@ -859,7 +859,7 @@ class SsiWord(NamedTuple):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the position. Always unknown, because nothing in this frame decides it."""
+        """Verdict on the position. Always unknown, because nothing in this frame determines it."""
         return Verdict.UNKNOWN
 
     @property
@@ -933,7 +933,7 @@ class SsiWord(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
@@ -965,7 +965,7 @@ class SsiWord(NamedTuple):
         return encode_many(columns, shape_of_ssi_word(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant.
+        """Return the word, with the first bit most significant.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -979,7 +979,7 @@ class SsiWord(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _SSI)
         return (
             BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
@@ -1010,7 +1010,7 @@ class SingleCycleData(NamedTuple):
             True at 0: warning active in the system. False at 1: no active warning. While it is True, the position is
             not usable. This applies only to ``.../65K...``. For other order codes the manual does not explain the flag,
             and the position is usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error
-            in the multiturn system the manual names no remedy. Steps: ``battery_replacement_without_error``.
+            in the multiturn system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
@@ -1039,10 +1039,11 @@ class SingleCycleData(NamedTuple):
     p.44]:
         Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low battery (warning
             alone): the position is kept. The effect of the other errors on the position is not given.
-        Used: The position is not usable with an error, BUSY, PS error or ST error. Latched errors count until they are
-            reset. In multiturn models, the position is not usable with MT error or the warning bit, and it is usable
-            with a warning with the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes
-            the position not usable. If the frame also carries these four (data ID 3), they decide instead.
+        Used: The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors
+            count until they are reset. In multiturn models, the MT error or the warning bit also makes the position not
+            usable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, battery
+            alarm and MT error, makes the position not usable. If the frame also carries these four flags (data ID 3),
+            they decide instead.
 
     Erratum singleturn_without_battery (open, omission) [4.3 p.23, 3.4, 6.2.1 p.33, 7.4 p.43, 7.4.1 p.44, 9 p.51]:
         Printed: "Battery power supply is only available in multiturn encoder versions (.../65K... order code)". The
@@ -1162,7 +1163,7 @@ class SingleCycleData(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
@@ -1194,7 +1195,7 @@ class SingleCycleData(NamedTuple):
         return encode_many(columns, shape_of_single_cycle_data(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant, with the CRC.
+        """Return the word, with the first bit most significant, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1214,7 +1215,7 @@ class SingleCycleData(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (
             BitField("multiturn", variant.singleturn_bits + 8, variant.multiturn_bits),
@@ -1237,7 +1238,7 @@ class DataRequest(NamedTuple):
 
     In the manual: Master → Encoder: CF.
 
-    Carries ``data_id`` 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
+    Its ``data_id`` is 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
     (reset_singleturn_and_multiturn) or C (reset_multiturn_and_errors).
 
     One byte, without a CRC.
@@ -1286,7 +1287,7 @@ class DataRequest(NamedTuple):
             frames: The frames, as rows of bytes.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         from ._many import decode_many
         from ._shapes.amm5 import shape_of_data_request
@@ -1326,7 +1327,7 @@ class DataRequest(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1339,13 +1340,13 @@ class EepromWriteRequest(NamedTuple):
     """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
+        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address.
         data: EDF: Byte to write.
 
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
-    Carries ``data_id`` 6 (eeprom_write).
+    Its ``data_id`` is 6 (eeprom_write).
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
@@ -1383,7 +1384,7 @@ class EepromWriteRequest(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1421,10 +1422,10 @@ class EepromWriteRequest(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
         from ._many import decode_many
@@ -1438,7 +1439,7 @@ class EepromWriteRequest(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -1454,7 +1455,7 @@ class EepromWriteRequest(NamedTuple):
         return encode_many(columns, shape_of_eeprom_write_request(eeprom_address))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1468,7 +1469,7 @@ class EepromWriteRequest(NamedTuple):
 
     @staticmethod
     def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
@@ -1486,12 +1487,12 @@ class EepromReadRequest(NamedTuple):
     """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
+        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address.
 
     In the manual: Master → Encoder: CF ADF CRC.
 
-    Carries ``data_id`` D (eeprom_read).
+    Its ``data_id`` is D (eeprom_read).
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
@@ -1528,7 +1529,7 @@ class EepromReadRequest(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1565,10 +1566,10 @@ class EepromReadRequest(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
         from ._many import decode_many
@@ -1582,7 +1583,7 @@ class EepromReadRequest(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -1598,7 +1599,7 @@ class EepromReadRequest(NamedTuple):
         return encode_many(columns, shape_of_eeprom_read_request(eeprom_address))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1611,7 +1612,7 @@ class EepromReadRequest(NamedTuple):
 
     @staticmethod
     def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
@@ -1632,18 +1633,18 @@ class SingleturnReply(NamedTuple):
         data_id: Data ID: Type of the request, repeated in the reply.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are
+        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
-        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
-    Carries ``data_id`` 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
+    Its ``data_id`` is 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
     (reset_multiturn_and_errors).
 
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
@@ -1662,9 +1663,9 @@ class SingleturnReply(NamedTuple):
     power_on_twice, singleturn_without_battery.
 
     Bits of unused:
-        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. Other values: the frame is
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
             still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
     Checked by decode():
@@ -1759,7 +1760,7 @@ class SingleturnReply(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
@@ -1791,7 +1792,7 @@ class SingleturnReply(NamedTuple):
         return encode_many(columns, shape_of_singleturn_reply(variant))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1819,7 +1820,7 @@ class SingleturnReply(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
@@ -1843,18 +1844,18 @@ class MultiturnReply(NamedTuple):
         variant: Encoder of the frame.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are
+        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
-            Right-aligned in 24 bits, zeros above it.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+            Right-aligned in 24 bits, with zeros above it.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
-    Carries ``data_id`` 1 (multiturn).
+    Its ``data_id`` is 1 (multiturn).
 
     In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
 
@@ -1866,9 +1867,9 @@ class MultiturnReply(NamedTuple):
     power_on_twice, singleturn_without_battery.
 
     Bits of unused:
-        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. Other values: the frame is
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
             still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
     Checked by decode():
@@ -1966,7 +1967,7 @@ class MultiturnReply(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
@@ -1998,7 +1999,7 @@ class MultiturnReply(NamedTuple):
         return encode_many(columns, shape_of_multiturn_reply(variant))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -2021,7 +2022,7 @@ class MultiturnReply(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
@@ -2044,18 +2045,18 @@ class EncoderIdReply(NamedTuple):
     Attributes:
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are
+        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
             identifies the encoder. Decoding accepts other values too.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
-    Carries ``data_id`` 2 (encoder_id).
+    Its ``data_id`` is 2 (encoder_id).
 
     Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
     samples/drivers/sei/slave/tamagawa/README_en.rst]:
@@ -2069,9 +2070,9 @@ class EncoderIdReply(NamedTuple):
     busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery.
 
     Bits of unused:
-        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. Other values: the frame is
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
             still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
     Checked by decode():
@@ -2150,7 +2151,7 @@ class EncoderIdReply(NamedTuple):
             frames: The frames, as rows of bytes.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         from ._many import decode_many
         from ._shapes.amm5 import shape_of_encoder_id_reply
@@ -2177,7 +2178,7 @@ class EncoderIdReply(NamedTuple):
         return encode_many(columns, shape_of_encoder_id_reply())
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -2197,7 +2198,7 @@ class EncoderIdReply(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -2219,17 +2220,17 @@ class CompleteReply(NamedTuple):
         variant: Encoder of the frame.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are
+        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
-        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
             identifies the encoder. Decoding accepts other values too.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
-            Right-aligned in 24 bits, zeros above it.
+            Right-aligned in 24 bits, with zeros above it.
         busy: BUSY. True at 1: not ready after power-on or during a reset. All position data are 0. False at 0: ready.
             While it is True, the position is not usable.
         st_error: STERR. True at 1: counted and calculated data disagree. False at 0: no ST error. While it is True, the
@@ -2242,11 +2243,11 @@ class CompleteReply(NamedTuple):
         battery_alarm: BATT. True at 1: external battery below 3.15 V. False at 0: no battery alarm. While it is True,
             the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes the
             manual does not explain the flag, and the position is usable, with a warning.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
-    Carries ``data_id`` 3 (all_data).
+    Its ``data_id`` is 3 (all_data).
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
@@ -2262,14 +2263,14 @@ class CompleteReply(NamedTuple):
     busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery, battery_alarm_reset, busy_clear.
 
     Bits of unused:
-        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. Other values: the frame is
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
             still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
-        bit 8, alarm_zero_0: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bit 8, alarm_zero_0: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
-        bits 12:11, alarm_zero_3_4: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
-            ``usable_with_warning``.
+        bits 12:11, alarm_zero_3_4: Unused, documented as 0. Frames with other values are still decoded, with the
+            verdict ``usable_with_warning``.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2444,7 +2445,7 @@ class CompleteReply(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
@@ -2476,7 +2477,7 @@ class CompleteReply(NamedTuple):
         return encode_many(columns, shape_of_complete_reply(variant))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -2510,7 +2511,7 @@ class CompleteReply(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
@@ -2541,7 +2542,7 @@ class EepromWriteReply(NamedTuple):
     """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
+        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
         mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted. Remedy: Send the
             request again.
@@ -2549,7 +2550,7 @@ class EepromWriteReply(NamedTuple):
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
-    Carries ``data_id`` 6 (eeprom_write).
+    Its ``data_id`` is 6 (eeprom_write).
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
@@ -2597,7 +2598,7 @@ class EepromWriteReply(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2634,10 +2635,10 @@ class EepromWriteReply(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
         from ._many import decode_many
@@ -2651,7 +2652,7 @@ class EepromWriteReply(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -2667,7 +2668,7 @@ class EepromWriteReply(NamedTuple):
         return encode_many(columns, shape_of_eeprom_write_reply(eeprom_address))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -2686,7 +2687,7 @@ class EepromWriteReply(NamedTuple):
 
     @staticmethod
     def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
@@ -2704,7 +2705,7 @@ class EepromReadReply(NamedTuple):
     """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485.
+        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
         mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read. Remedy: Send the
             request again.
@@ -2712,7 +2713,7 @@ class EepromReadReply(NamedTuple):
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
-    Carries ``data_id`` D (eeprom_read).
+    Its ``data_id`` is D (eeprom_read).
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
@@ -2760,7 +2761,7 @@ class EepromReadReply(NamedTuple):
 
         Args:
             data: Its bytes, in the order in which they are sent.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2797,10 +2798,10 @@ class EepromReadReply(NamedTuple):
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
         from ._many import decode_many
@@ -2814,7 +2815,7 @@ class EepromReadReply(NamedTuple):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to an open question of the manual: a ``EepromAddress``.
+            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Returns:
             The frames, as rows of bytes.
@@ -2830,7 +2831,7 @@ class EepromReadReply(NamedTuple):
         return encode_many(columns, shape_of_eeprom_read_reply(eeprom_address))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -2849,7 +2850,7 @@ class EepromReadReply(NamedTuple):
 
     @staticmethod
     def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
@@ -2875,8 +2876,8 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
     Args:
         data: Bytes of the request, in the order of transmission.
         variant: The encoder.
-        eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485. Only frames that depend
-            on it need it.
+        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
+            that depend on it.
 
     Returns:
         The request, as an object of its class.
@@ -2922,8 +2923,8 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
     Args:
         data: Bytes of the reply, in the order of transmission.
         variant: The encoder.
-        eeprom_address: Position of the address in the byte ADF of an EEPROM access over RS-485. Only frames that depend
-            on it need it.
+        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
+            that depend on it.
 
     Returns:
         The reply, as an object of its class.
@@ -2960,7 +2961,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
 
 
 def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     size_0 = variant.singleturn_bits + variant.multiturn_bits
     size_1 = variant.singleturn_bits
@@ -2983,7 +2984,7 @@ def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
 
 
 def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     size_0 = variant.singleturn_bits + variant.multiturn_bits + 8
     size_1 = variant.singleturn_bits + 8
@@ -3014,7 +3015,7 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
 
 
 def _fast_singleturn_reply(variant: Rs485Encoder) -> Callable[[bytes], SingleturnReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], SingleturnReply], variant._decode)
     size_0 = variant.singleturn_bits
     heads = {
@@ -3046,7 +3047,7 @@ def _fast_singleturn_reply(variant: Rs485Encoder) -> Callable[[bytes], Singletur
 
 
 def _fast_multiturn_reply(variant: Rs485Encoder) -> Callable[[bytes], MultiturnReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], MultiturnReply], variant._decode)
     size_0 = variant.multiturn_bits
 
@@ -3071,7 +3072,7 @@ def _fast_multiturn_reply(variant: Rs485Encoder) -> Callable[[bytes], MultiturnR
 
 
 def _fast_encoder_id_reply(variant: Rs485Encoder) -> Callable[[bytes], EncoderIdReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], EncoderIdReply], variant._decode)
 
     def decode(data: bytes) -> EncoderIdReply:
@@ -3094,7 +3095,7 @@ def _fast_encoder_id_reply(variant: Rs485Encoder) -> Callable[[bytes], EncoderId
 
 
 def _fast_complete_reply(variant: Rs485Encoder) -> Callable[[bytes], CompleteReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], CompleteReply], variant._decode)
     size_0 = variant.singleturn_bits
     size_1 = variant.multiturn_bits
@@ -3131,7 +3132,7 @@ def _fast_complete_reply(variant: Rs485Encoder) -> Callable[[bytes], CompleteRep
 
 
 def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
-    """Return a fast decoder that chooses the kind of a frame by its first byte. Other frames are left to `_decode`."""
+    """Return a fast decoder that chooses the kind of a frame by its first byte. Other frames go to `_decode`."""
     careful = variant._decode
     kinds: dict[int, Callable[[bytes], Reply]] = {
         **dict.fromkeys([0x02, 0x62, 0xBA, 0xC2], _fast_singleturn_reply(variant)),
@@ -3167,7 +3168,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, for longer ones that of the first byte. Two registers may share an address."""
+    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
 
     PRESET: Final = 0x11
     PRESET_SETTING_ENABLE: Final = 0x40
@@ -3222,9 +3223,9 @@ class Preset(NamedTuple):
             the multiturn part, unchanged.
 
     Checked by decode():
-        zero_above_multiturn: always zero.
-        zero_below_multiturn: always zero.
-        zero_below_singleturn: always zero.
+        zero_above_multiturn: Always zero.
+        zero_below_multiturn: Always zero.
+        zero_below_singleturn: Always zero.
     """
 
     variant: BissEncoder
@@ -3304,7 +3305,7 @@ class Preset(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (
             BitField("zero_above_multiturn", 49, 7),
@@ -3371,7 +3372,7 @@ class SerialNumber(NamedTuple):
         week: Week of production.
         number: Serial number in ascending order.
 
-    Year and week of production and a serial number, as decimal digits of one binary number.
+    Year and week of production and a serial number, as the decimal digits of one binary number.
 
     Byte order: high byte first, at 44h.
 
@@ -3379,13 +3380,13 @@ class SerialNumber(NamedTuple):
         Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630.
         Used: The high byte comes first, as printed.
         Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and reverses
-            it. The AMM80 manual agrees with this one. Manual 1.7 updated the registers 44h to 47h, so an older AMM5 may
+            it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older AMM5 may
             answer in the other order. An impossible year or week shows the wrong order.
 
     Before edition 1.7 [Document release, amm36: p.38]:
         Not known: register serial_number.
-        Why: The registers 44h to 47h were updated. The table does not give their earlier content. The manual of the
-            AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be
+        Why: Registers 44h to 47h were updated. The table does not give their earlier content. The manual of the AMM36,
+            a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be
             reversed. An older AMM5 may do the same.
     """
 
@@ -3439,7 +3440,7 @@ class SerialNumber(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("serial", 0, 32),)
 
 
@@ -3448,10 +3449,10 @@ class Command(IntEnum):
 
     Saves the parameters or activates the preset.
 
-    Default: ``00``. Wait at least 30 ms after a write, before the next command. Returns to its default by itself after
-    a write.
+    Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
+    after a write.
 
-    After a command, the register returns to 00 by itself.
+    After a command, the register automatically returns to 00.
 
     Before edition 1.4 [Document release]:
         Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
@@ -3505,9 +3506,9 @@ class DeviceId(NamedTuple):
 
     Before edition 1.7 [Document release, amm36_device_id: p.39]:
         Not known: register device_id.
-        Why: The registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the
-            AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the software
-            release in 7Dh. An older AMM5 may do the same.
+        Why: Registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the AMM36,
+            a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the software release
+            in 7Dh. An older AMM5 may do the same.
     """
 
     name: str
@@ -3550,7 +3551,7 @@ class DeviceId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("name", 16, 32),
             BitField("release", 0, 16),
@@ -3606,20 +3607,20 @@ class ManufacturerId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("name", 0, 16),)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that agree with the contents of an encoder's registers.
+    """Return the order codes that match the contents of an encoder's registers.
 
-    Registers that are not documented, or not complete in ``read``, exclude nothing.
+    Registers that are undocumented or incomplete in ``read`` are ignored.
 
     Args:
-        read: Bytes by address, or the bytes of whole registers by name.
+        read: Register contents: bytes keyed by address, or the bytes of whole registers keyed by name.
 
     Returns:
-        The order codes.
+        The matching order codes.
 
     Raises:
         ValueError: There is no such register, or it has another length.
@@ -3654,7 +3655,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Before: The manual suggests setting the preset with the shaft at a standstill.
 
-    Result: The position at which the activation arrived has the preset value. All other positions follow from it.
+    Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
     Before edition 1.4 [Document release]:
         Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
@@ -3765,7 +3766,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             ends with this register, so no procedure is known to be correct there.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3787,7 +3788,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Before: The manual suggests activating the preset with the shaft at a standstill.
 
-    Result: The position at which the command arrived has the preset value.
+    Result: The position at the moment of the command becomes the preset value.
 
     Before edition 1.4 [Document release]:
         Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
@@ -3796,7 +3797,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             ends with this register, so no procedure is known to be correct there.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3840,7 +3841,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         Used: The condition is a standstill, that is 300 rpm or less, as printed.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3853,7 +3854,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xc2", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
-        Wait(18_000, "execution takes at most 18 ms, EEPROM writing included"),
+        Wait(18_000, "execution takes at most 18 ms, including the write to the EEPROM"),
     )
 
 
@@ -3863,7 +3864,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     Before: The shaft is at a standstill, that is 300 rpm or less.
 
     Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST error, MT error, and
-    by 7.4.1 also the battery alarm) are cleared.
+    according to 7.4.1 also the battery alarm) are cleared.
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
@@ -3881,7 +3882,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         Used: The condition is a standstill, that is 300 rpm or less, as printed.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3903,7 +3904,8 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Before: The shaft is at a standstill, that is 300 rpm or less.
 
-    Result: The latched errors (PS error, ST error, MT error, and by 7.4.1 also the battery alarm) are cleared.
+    Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery alarm) are
+    cleared.
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
@@ -3921,7 +3923,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         Used: The condition is a standstill, that is 300 rpm or less, as printed.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.

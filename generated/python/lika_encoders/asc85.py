@@ -2,8 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """ASC85 absolute encoders with a large thru-bore shaft, by Lika Electronic.
 
-Start with lookup(), which knows every order code. Names follow the manual. Names that are reserved in Python end in an
-underscore.
+Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in Python end in
+an underscore.
 
 Contents:
     Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, VARIANTS, FAMILY
@@ -28,8 +28,8 @@ A valid frame does not imply a usable position. Check the verdict before you use
         print(frame.position)
 
 Version 0.1.0, generated from the manual “ASC85”, revision 1.0 of 2017-05-19 (en). Sections and pages refer to this
-manual. A source that starts with a language code refers to the edition in that language, and one that starts with
-another key to an entry of DOCUMENTS.
+manual. A source that starts with a language code refers to the edition in that language. A source that starts with any
+other key refers to that entry of DOCUMENTS.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
 not affiliated with either company and claims no certification.
@@ -102,7 +102,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Return a table of facts. The first access loads all of them."""
+        """Return a table of facts. The first access loads all tables."""
         return fact(__name__, name, _FACTS)
 
 
@@ -192,12 +192,12 @@ _BISS: Final = Interface.BISS
 
 
 class Variant(Encoder):
-    """Encoder as its order code describes it. Each interface has a subclass.
+    """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
         family: Family of the encoder.
         interface: Interface of the encoder.
-        code: Order code, without what may follow it on the label.
+        code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: resolution, output, supply.
         position_bits: Singleturn resolution, 20 to 25 bits, which is also the width of the whole position. The manual
             calls it "encoder resolution" and "nbitres" [Preliminary information p.7, 5.2 p.16, 6.2.1 p.20]. Unit: bits.
@@ -207,7 +207,7 @@ class Variant(Encoder):
         special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
-        written_as_in: Document that writes order codes like the label, if they are usually written differently.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
     """
 
     family: ClassVar[Family] = FAMILY
@@ -280,7 +280,7 @@ class Variant(Encoder):
         raise ValueError(f"no frame bits over {self.interface.title}: the length depends on an answer")
 
     def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class of its interface documents the form."""
+        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def try_decode(self, frame: Any) -> Frame | FrameError:
@@ -289,7 +289,7 @@ class Variant(Encoder):
 
 
 class SsiEncoder(Variant):
-    """Encoder with SSI. ``Variant`` documents its attributes."""
+    """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
 
@@ -304,17 +304,17 @@ class SsiEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_ssi_word(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -350,7 +350,7 @@ class SsiEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SsiWord.decode_many(frames, self)
 
@@ -364,14 +364,14 @@ class SsiEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SsiWord.encode_many(columns, self)
 
 
 class BissEncoder(Variant):
-    """Encoder with BiSS C-mode. ``Variant`` documents its attributes."""
+    """Encoder with BiSS C-mode. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _BISS
 
@@ -381,15 +381,15 @@ class BissEncoder(Variant):
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
             bits: Number of bits received, if known. A number alone does not show whether bits are missing.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Only frames that depend on it need
-                it.
+            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
+                depend on it.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
-            TypeError: ``frame`` does not have the type of this encoder's frames, or needs an answer that is missing.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
+            TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
         try:
             return SingleCycleData.decode(frame, self, cast(ZeroBit, zero_bit), bits=bits)
@@ -413,14 +413,14 @@ class BissEncoder(Variant):
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
             bits: Number of bits received, if known. A number alone does not show whether bits are missing.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Only frames that depend on it need
-                it.
+            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
+                depend on it.
 
         Returns:
             The frame, or the error.
 
         Raises:
-            TypeError: ``frame`` does not have the type of this encoder's frames, or needs an answer that is missing.
+            TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
         try:
             return self.decode(frame, bits=bits, zero_bit=zero_bit)
@@ -432,11 +432,11 @@ class BissEncoder(Variant):
 
         Args:
             frames: The frames, as numbers.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Only frames that depend on it need
-                it.
+            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
+                depend on it.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SingleCycleData.decode_many(frames, self, cast(ZeroBit, zero_bit))
 
@@ -445,14 +445,14 @@ class BissEncoder(Variant):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Only frames that depend on it need
-                it.
+            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
+                depend on it.
 
         Returns:
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SingleCycleData.encode_many(columns, self, cast(ZeroBit, zero_bit))
@@ -471,20 +471,20 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder with this label.
+    """Return the encoder that belongs to a label.
 
     A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
-    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` names these parts. Known spellings
-    of other editions are accepted. ``Variant.written_as_in`` names the edition.
+    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
+    of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
-        label: Order code on the label. Case and blanks do not matter.
+        label: Order code on the label. Case and spaces do not matter.
 
     Returns:
-        The encoder. Type checkers know its class for each listed order code.
+        The encoder. Type checkers infer its class for each listed order code.
 
     Raises:
-        OrderCodeError: There is no such order code. The error names the wrong part, its valid values and similar
+        OrderCodeError: There is no such order code. The message lists the wrong part, its valid values and similar
             order codes.
         TypeError: ``label`` is not a string.
     """
@@ -651,7 +651,7 @@ class SsiWord(NamedTuple):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the position. Always unknown, because nothing in this frame decides it."""
+        """Verdict on the position. Always unknown, because nothing in this frame determines it."""
         return Verdict.UNKNOWN
 
     @property
@@ -707,7 +707,7 @@ class SsiWord(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
@@ -739,7 +739,7 @@ class SsiWord(NamedTuple):
         return encode_many(columns, shape_of_ssi_word(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant.
+        """Return the word, with the first bit most significant.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -755,7 +755,7 @@ class SsiWord(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _SSI)
         return (BitField("position", 0, variant.position_bits),)
 
@@ -802,10 +802,10 @@ class SingleCycleData(NamedTuple):
         Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
         Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero bit
             of the frame.
-        Why: It fits only the model of 25 bits. By 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual,
-            the same byte differs between models and is the data length. A different ID at a lower resolution is likely.
-            A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame might
-            differ instead.
+        Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21
+            manual, the same byte differs between models and is the data length. A different ID at a lower resolution is
+            likely. A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame
+            might differ instead.
 
     Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
         Printed: For the active warning refer to the Error register. Its six bits are all called errors.
@@ -865,7 +865,7 @@ class SingleCycleData(NamedTuple):
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            zero_bit: Answer to an open question of the manual: a ``ZeroBit``.
+            zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
             bits: Number of bits received, if known. A number alone does not show whether bits are missing.
 
         Raises:
@@ -902,10 +902,10 @@ class SingleCycleData(NamedTuple):
         Args:
             frames: The frames, as numbers.
             variant: The encoder.
-            zero_bit: Answer to an open question of the manual: a ``ZeroBit``.
+            zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
@@ -922,7 +922,7 @@ class SingleCycleData(NamedTuple):
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
             variant: The encoder.
-            zero_bit: Answer to an open question of the manual: a ``ZeroBit``.
+            zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
 
         Returns:
             The frames, as numbers of 64 bits.
@@ -940,7 +940,7 @@ class SingleCycleData(NamedTuple):
         return encode_many(columns, shape_of_single_cycle_data(variant, zero_bit))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant, with the CRC.
+        """Return the word, with the first bit most significant, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -959,7 +959,7 @@ class SingleCycleData(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         decided(ZeroBit, zero_bit)
         return (
@@ -972,7 +972,7 @@ class SingleCycleData(NamedTuple):
 
 
 def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     if variant.ssi_gray:
         return careful
@@ -1004,7 +1004,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, for longer ones that of the first byte. Two registers may share an address."""
+    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
 
     PROFILE_ID: Final = 0x42
     SERIAL_NUMBER: Final = 0x44
@@ -1053,10 +1053,10 @@ class ProfileId(NamedTuple):
         Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
         Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero bit
             of the frame.
-        Why: It fits only the model of 25 bits. By 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual,
-            the same byte differs between models and is the data length. A different ID at a lower resolution is likely.
-            A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame might
-            differ instead.
+        Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21
+            manual, the same byte differs between models and is the data length. A different ID at a lower resolution is
+            likely. A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame
+            might differ instead.
     """
 
     variant_: int
@@ -1100,7 +1100,7 @@ class ProfileId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("variant", 8, 8),
             BitField("data_length", 0, 8),
@@ -1155,7 +1155,7 @@ class SerialNumber(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("serial", 0, 32),)
 
 
@@ -1247,7 +1247,7 @@ class DiagnosticData(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("amplitude_control_maximum_current", 7, 1),
             BitField("signal_level_maximum_amplitude", 6, 1),
@@ -1279,9 +1279,9 @@ class Command(IntEnum):
     """
     SAVE_CONFIGURATION = 1
     """Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a new check sum to
-    the EEPROM. These registers are reserved to the manufacturer. During writing, the status Internal data bus busy
-    and the error Configuration error are 1. The error remains if the writing failed. Without an EEPROM connected at
-    power-on, the command has no effect.
+    the EEPROM. These registers are reserved for the manufacturer. During the write, the status Internal data bus
+    busy and the error Configuration error are 1. The error remains if the write failed. Without an EEPROM connected
+    at power-on, the command has no effect.
     """
     READ_ABSOLUTE_DATA = 2
     """Read new data via absolute data interface: Makes the absolute data interface read absolute data again. If this
@@ -1433,7 +1433,7 @@ class Status(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("configuration_completed", 7, 1),
             BitField("error_message", 6, 1),
@@ -1453,7 +1453,7 @@ class Position(NamedTuple):
     Attributes:
         variant: Encoder of the register.
         position: Position within one revolution. Unit: counts.
-        unused: Bits that the manual does not describe, at their places in the number that the bytes form.
+        unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
     Absolute position.
 
@@ -1543,7 +1543,7 @@ class Position(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (BitField("position", 32 - variant.position_bits, variant.position_bits),)
 
@@ -1553,8 +1553,8 @@ class ErrorRegister(NamedTuple):
     """Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
-        absolute_data_error: Absolute data error. True at 1: error of the absolute data interface. False at 0: no error
-            of the absolute data interface, or the interface is not configured.
+        absolute_data_error: Absolute data error. True at 1: error in the absolute data interface. False at 0: no error
+            in the absolute data interface, or the interface is not configured.
         interpolation_error: Interpolation error. True at 1: the conversion had not been carried out at the time of
             reading. False at 0: no interpolation error.
         configuration_error: Configuration error. True at 1: configuration error, or configuration being written or
@@ -1568,7 +1568,7 @@ class ErrorRegister(NamedTuple):
             ``diagnostic_data.signal_level_minimum_amplitude``, ``diagnostic_data.amplitude_control_minimum_current``,
             ``diagnostic_data.signal_level_maximum_amplitude`` and
             ``diagnostic_data.amplitude_control_maximum_current``.
-        unused: Bits that the manual does not describe, at their places in the number that the bytes form.
+        unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
     Currently active error and warning messages.
 
@@ -1642,7 +1642,7 @@ class ErrorRegister(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("absolute_data_error", 6, 1),
             BitField("interpolation_error", 5, 1),
@@ -1712,7 +1712,7 @@ class DeviceId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("name", 16, 32),
             BitField("release", 0, 16),
@@ -1768,20 +1768,20 @@ class ManufacturerId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("name", 0, 16),)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that agree with the contents of an encoder's registers.
+    """Return the order codes that match the contents of an encoder's registers.
 
-    Registers that are not documented, or not complete in ``read``, exclude nothing.
+    Registers that are undocumented or incomplete in ``read`` are ignored.
 
     Args:
-        read: Bytes by address, or the bytes of whole registers by name.
+        read: Register contents: bytes keyed by address, or the bytes of whole registers keyed by name.
 
     Returns:
-        The order codes.
+        The matching order codes.
 
     Raises:
         ValueError: There is no such register, or it has another length.
@@ -1831,7 +1831,7 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Used: Reading the position register resets the messages.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -1856,7 +1856,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The configuration registers and a new check sum are in the EEPROM.
 
-    The configuration registers, 00h to 2Dh, are reserved to the manufacturer.
+    The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
     Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
         Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
@@ -1865,7 +1865,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             public controller with the same commands lists its status byte in the same order.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -1879,17 +1879,17 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     return (
         *writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 while the configuration is being written"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "0 again unless the writing failed"),
+        Read(Address.ERROR_REGISTER, 1, "error_register", "0 again unless the write failed"),
     )
 
 
 def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Read absolute data again [6.4 p.26].
 
-    Result: The cycle counter is set from the absolute data. If the reading failed, it is 0.
+    Result: The cycle counter is set from the absolute data. If the read failed, it is 0.
 
-    The manual does not say how long the reading takes, or whether Absolute data valid goes to 0 first. After a failed
-    reading, the bit does not become 1. Stop after a while and read the error register.
+    The manual does not say how long the read takes, or whether Absolute data valid goes to 0 first. After a failed
+    read, the bit does not become 1. Stop after a while and read the error register.
 
     Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
         Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
@@ -1903,7 +1903,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             with the same commands lists its status byte in the same order.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -1931,7 +1931,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     no register access. Stop polling after a while.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -1949,7 +1949,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             Address.ERROR_REGISTER,
             1,
             "error_register",
-            "0. Also read it when the poll is stopped, if the encoder still answers",
+            "0. Also read it if polling was stopped and the encoder still answers",
         ),
     )
 
@@ -1966,7 +1966,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
             public controller with the same commands lists its status byte in the same order.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -1990,7 +1990,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The status Error message is forced to 1.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2013,7 +2013,7 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
     Result: The status Error message is forced to 0.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2040,7 +2040,7 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Used: Reading the position register resets the messages.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -2070,7 +2070,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Used: The device ID is used as printed.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.

@@ -12,7 +12,7 @@ step CDM                               CDS, the answers to these bits
 1    at least 14 zeros                 0
 2    S = 1, CTS = 1, ID2..0, ADR6..0,  IDL0..15: each slave takes the first bit that is still 0 as its ID
      CRC3..0                           (there are 8 IDs)
-3    R W: 10 reads, 01 writes          the same R W. An inverted W refuses the register
+3    R W: 10 to read, 01 to write      the same R W. An inverted W refuses the register
 4    S = 1                             S = 1, or 0 while the slave is busy. The master then sends S again
 5    DATA7..0, CRC3..0 to write, 12    DATA7..0, CRC3..0: the byte read, or the byte received
      zeros to read
@@ -84,7 +84,7 @@ class Outcome(Enum):
     IDLE = "no access was started"
     RUNNING = "the access is running"
     DONE = "the access succeeded"
-    REFUSED = "the register is not implemented or protected, or the write was not understood"
+    REFUSED = "the register is protected or not implemented, or the write was not understood"
     NO_ANSWER = "no slave has this ID, or CDS never changes"
     BUSY = "the slave was busy for more frames than allowed"
     BAD_CRC = "the byte read has a CRC error"
@@ -93,7 +93,7 @@ class Outcome(Enum):
 
 
 class Wants(Enum):
-    """Request of a slave to its owner. The slave is busy until it is met."""
+    """Request from a slave to the program that runs it. The slave is busy until the request is fulfilled."""
 
     NOTHING = "nothing"
     BYTE = "the byte of the register at the address: call give()"
@@ -256,7 +256,7 @@ class Answer:
 
     @classmethod
     def decode(cls, request: Request, cds: int) -> Answer:
-        """Decode the CDS bits that came in the 32 frames in which the word of a request was sent.
+        """Decode the CDS bits of the 32 frames in which the word of a request was sent.
 
         This is for masters that send a whole word before they look at the answer. They cannot wait for a busy slave.
 
@@ -269,7 +269,7 @@ class Answer:
 
         Raises:
             LengthError: There are more than 32 bits.
-            RangeError: A member of the request is out of range.
+            RangeError: An attribute of the request is out of range.
         """
         request.encode()
         cds = whole_number("cds", cds)
@@ -286,7 +286,7 @@ class Answer:
 
 
 def _slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, by IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
     return min(9, 16 - (~idl & 0xFFFF).bit_length())
 
 
@@ -375,7 +375,7 @@ class Master:
         self._sending = head >> 15
 
     def abort(self) -> None:
-        """Abort the access by sending zeros. An aborted write can store another value, as the module explains."""
+        """Abort the access by sending zeros. An aborted write can store another value, as described above."""
         if self.outcome is Outcome.RUNNING:
             self.outcome = Outcome.ABORTED
         self._phase = _Phase.WAIT
@@ -454,7 +454,7 @@ class Master:
         if value is not None:
             self.data += bytes([value])
         self.done += 1
-        # The answer to the last P does not matter: it is about a register that was not requested.
+        # The answer to the last P does not matter, because it concerns a register that was not requested.
         return self._ends(outcome) if self.done == len(self._requests) else 0
 
 
@@ -478,7 +478,7 @@ class RegisterBus:
     """Registers of one slave, for ``run`` and for programs that read and write bytes.
 
     Args:
-        exchange: Function that carries out one BiSS frame. It takes the CDM bit of the frame before, whose inverse MA
+        exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
             carries during the time-out, and returns the CDS bit of this frame.
         slave_id: ID of the slave, 0 to 7.
         busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
@@ -582,9 +582,9 @@ class Slave:
         """Advance by one BiSS frame.
 
         Args:
-            cdm: The CDM bit of the frame before.
-            upstream: The CDS bit that arrives at SLI in this frame, from the next slave further from the master. 0
-                without one.
+            cdm: The CDM bit of the previous frame.
+            upstream: The CDS bit that arrives at SLI in this frame, from the next slave further from the master. 0 if
+                there is none.
 
         Returns:
             The CDS bit of this frame.
@@ -608,7 +608,7 @@ class Slave:
         return self._lock(upstream)
 
     def _may(self) -> bool:
-        """Return whether the master may access the current register as it does."""
+        """Return whether the master may make this kind of access to the current register."""
         return self._current in (self.writable if self._writes else self.readable)
 
     def _fetch(self) -> None:
@@ -618,7 +618,7 @@ class Slave:
             self.address = self._current
 
     def _leaves(self, cds: int) -> int:
-        """Leave the control frame: the rest of it is not for this slave."""
+        """Leave the control frame, because the rest of it is not for this slave."""
         self._phase = _Phase.WAIT
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
@@ -656,7 +656,7 @@ class Slave:
             return cdm
         self._writes = bool(cdm)
         if self._received >> 1 & 1 == cdm:
-            # Neither 10 nor 01: echoed as received, to inform the master.
+            # R W is neither 10 nor 01. It is echoed as received, to inform the master.
             return self._leaves(cdm)
         if not self._may():
             return self._leaves(1 - cdm)
@@ -664,7 +664,7 @@ class Slave:
         return cdm
 
     def _start(self, cdm: int, upstream: int) -> int:
-        """Return the answer of step 4: S once every request is met."""
+        """Return the answer of step 4: S once every request is fulfilled."""
         if not cdm:
             return self._leaves(upstream)
         self._fetch()

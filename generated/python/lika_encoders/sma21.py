@@ -2,8 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """SMA21 absolute linear encoder, by Lika Electronic.
 
-Start with lookup(), which knows every order code. Names follow the manual. Names that are reserved in Python end in an
-underscore.
+Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in Python end in
+an underscore.
 
 Contents:
     Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS, FAMILY
@@ -30,8 +30,8 @@ A valid frame does not imply a usable position. Check the verdict before you use
         print(frame.position)
 
 Version 0.1.0, generated from the manual “SMA21 + MTA-A154”, revision 1.2 of 2024-05-10 (it). Sections and pages refer
-to this manual. A source that starts with a language code refers to the edition in that language, and one that starts
-with another key to an entry of DOCUMENTS.
+to this manual. A source that starts with a language code refers to the edition in that language. A source that starts
+with any other key refers to that entry of DOCUMENTS.
 
 Differences from other editions of the manual are noted inline. Generate files for one with ``codewheel generate
 --edition sma21=1.0``.
@@ -119,7 +119,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Return a table of facts. The first access loads all of them."""
+        """Return a table of facts. The first access loads all tables."""
         return fact(__name__, name, _FACTS)
 
 
@@ -226,26 +226,26 @@ _Same = TypeVar("_Same", bound="Variant")
 
 
 class Variant(Encoder):
-    """Encoder as its order code describes it. Each interface has a subclass.
+    """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
         family: Family of the encoder.
         interface: Interface of the encoder.
-        code: Order code, without what may follow it on the label.
+        code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: output, supply, resolution.
         resolution_um: Resolution, the length of one count [4.10 p.18, 5.2 p.20]. Unit: µm.
         position_bits: Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
         ssi_gray: Code of the position in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20].
         scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. They
             are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
-        offset_selected: Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset contains an
+        offset_selected: Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
             offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Held at run time in register 49h
-            (``configuration.select_preset_offset``), 0 to 1. Over BiSS C-mode only. The factory default, unless set by
-            with_registers().
+            (``configuration.select_preset_offset``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
+            default unless set by with_registers().
         profile_id: Profile ID in the BiSS registers 42h and 43h [6.4 p.28].
-        output_code: Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary [6.4 p.31]. Held at run time in
-            register 49h (``configuration.output_code``), 0 to 1. Over BiSS C-mode only. The factory default, unless set
-            by with_registers().
+        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Held at run time in
+            register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
+            default unless set by with_registers().
         rs485_position_bits: Width of the position in the 24-bit replies over RS-485. At 1 µm it is one bit less than
             over SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
         unlisted: Names of the parts whose values the manual does not list.
@@ -253,7 +253,7 @@ class Variant(Encoder):
         special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
-        written_as_in: Document that writes order codes like the label, if they are usually written differently.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
     """
 
     family: ClassVar[Family] = FAMILY
@@ -299,12 +299,12 @@ class Variant(Encoder):
         return 1 - self.output_code
 
     def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
-        """Return the encoder for other contents of its registers.
+        """Return the encoder with other register contents.
 
-        These registers affect how frames are decoded, or a limit: configuration at 49h.
+        The following registers affect the decoding of frames or a limit: configuration at 49h.
 
         Args:
-            held: Bytes by address. Other registers keep their contents, at first the factory default.
+            held: Bytes keyed by address. Other registers keep their contents, initially the factory default.
 
         Returns:
             The encoder.
@@ -340,7 +340,7 @@ class Variant(Encoder):
 
     @property
     def highest(self) -> int:
-        """Highest ``position``. It is not below ``modulus`` if an offset moves all positions up."""
+        """Highest ``position``. It can reach ``modulus`` or more if an offset shifts all positions up."""
         if self.interface is _BISS:
             return (1 << self.scd_value_bits) - 1
         return self.modulus - 1
@@ -377,7 +377,7 @@ class Variant(Encoder):
         raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
 
     def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class of its interface documents the form."""
+        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def try_decode(self, frame: Any) -> Frame | FrameError:
@@ -389,7 +389,7 @@ class Variant(Encoder):
 
 
 class SsiEncoder(Variant):
-    """Encoder with SSI. ``Variant`` documents its attributes."""
+    """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
 
@@ -404,17 +404,17 @@ class SsiEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_ssi_word(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -450,7 +450,7 @@ class SsiEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SsiWord.decode_many(frames, self)
 
@@ -464,14 +464,14 @@ class SsiEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SsiWord.encode_many(columns, self)
 
 
 class BissEncoder(Variant):
-    """Encoder with BiSS C-mode. ``Variant`` documents its attributes."""
+    """Encoder with BiSS C-mode. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _BISS
 
@@ -486,17 +486,17 @@ class BissEncoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -532,7 +532,7 @@ class BissEncoder(Variant):
             frames: The frames, as numbers.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         return SingleCycleData.decode_many(frames, self)
 
@@ -546,14 +546,14 @@ class BissEncoder(Variant):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         return SingleCycleData.encode_many(columns, self)
 
 
 class Rs485Encoder(Variant):
-    """Encoder with RS-485. ``Variant`` documents its attributes."""
+    """Encoder with RS-485. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _RS485
 
@@ -567,17 +567,17 @@ class Rs485Encoder(Variant):
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
-            FrameError: The frame is damaged, or not one of this encoder. The subclass says how.
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
         decode: Callable[..., Reply] | None = self.__dict__.get("decode")
         if decode is None:
-            # The instance attribute replaces this method from now on.
+            # From now on, the instance attribute replaces this method.
             self.__dict__["decode"] = decode = _decode_reply_fast(self)
         return decode(frame)
 
     def _decode(self, frame: Data) -> Reply:
-        """Decode a frame with all checks, to find the error."""
+        """Decode a frame with all checks, to find the error in it."""
         try:
             return decode_reply(frame, self)
         except FrameError as fault:
@@ -613,7 +613,7 @@ class Rs485Encoder(Variant):
             kind: Class of the frames.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
         if kind is PositionReply:
@@ -636,7 +636,7 @@ class Rs485Encoder(Variant):
             The frames, as rows of bytes.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
@@ -665,20 +665,20 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder with this label.
+    """Return the encoder that belongs to a label.
 
     A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
-    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` names these parts. Known spellings
-    of other editions are accepted. ``Variant.written_as_in`` names the edition.
+    Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
+    of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
-        label: Order code on the label. Case and blanks do not matter.
+        label: Order code on the label. Case and spaces do not matter.
 
     Returns:
-        The encoder. Type checkers know its class for each listed order code.
+        The encoder. Type checkers infer its class for each listed order code.
 
     Raises:
-        OrderCodeError: There is no such order code. The error names the wrong part, its valid values and similar
+        OrderCodeError: There is no such order code. The message lists the wrong part, its valid values and similar
             order codes.
         TypeError: ``label`` is not a string.
     """
@@ -747,11 +747,12 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 
 def crc_rs485_8(data: bytes) -> int:
-    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.3.4
+    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.3.4
     p.42].
 
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
-    the XOR of the bytes, so it does not detect swapped bytes. Both printed frames fit start value 0.
+    the XOR of the bytes, so it does not detect swapped bytes. Both printed frames are consistent with a start value of
+    0.
 
     Args:
         data: Bytes that the CRC covers.
@@ -792,9 +793,9 @@ class DataId(IntEnum):
     IDENTIFICATION = 0xA
     """Data ID A: 24-bit position, encoder ID and error code."""
     RESET_ERRORS = 0xB
-    """Data ID B: Reset all errors. The reply carries 24-bit position and error code."""
+    """Data ID B: Reset all errors. The reply carries the 24-bit position and the error code."""
     RESET_POSITION = 0xF
-    """Data ID F: Reset the position to 0. The reply carries 24-bit position and error code."""
+    """Data ID F: Reset the position to 0. The reply carries the 24-bit position and the error code."""
 
 
 class CountingDirection(IntEnum):
@@ -825,14 +826,14 @@ class EnablePresetOffset(IntEnum):
 
 
 class SelectPresetOffset(IntEnum):
-    """Seleziona preset / offset: Content of the register Preset / Offset. The bit is available only while the
+    """Seleziona preset / offset: Content of the Preset / Offset register. The bit is available only while the
     function is enabled (bit 2).
     """
 
     PRESET = 0
-    """Preset: The register Preset / Offset contains a preset."""
+    """Preset: The Preset / Offset register contains a preset."""
     OFFSET = 1
-    """Offset: The register Preset / Offset contains an offset."""
+    """Offset: The Preset / Offset register contains an offset."""
 
 
 # SSI
@@ -845,8 +846,8 @@ class SsiWord(NamedTuple):
     Attributes:
         variant: Encoder of the frame.
         position: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
-        error: Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance turned round
-            or upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the
+        error: Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
+            upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the
             tape). True at 0: an error is present and the LED is red. False at 1: normal state without an active error.
             The LED is off. While it is True, the position is not usable.
 
@@ -869,9 +870,9 @@ class SsiWord(NamedTuple):
         Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
             has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
             and of nW on the position is not given.
-        Used: The position is not usable with nE, ea1 or an alarm that is part of ea1. Stored errors count until they
-            are reset. The position is usable with a warning with ea0, an alarm that is part of ea0, or nW. It is usable
-            while none is active (9.1).
+        Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
+            errors count until they are reset. The position is usable with a warning if any of these is active: ea0, an
+            alarm that is part of ea0, or nW. It is usable while none is active (9.1).
     """
 
     variant: SsiEncoder
@@ -944,7 +945,7 @@ class SsiWord(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
@@ -976,7 +977,7 @@ class SsiWord(NamedTuple):
         return encode_many(columns, shape_of_ssi_word(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant.
+        """Return the word, with the first bit most significant.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -992,7 +993,7 @@ class SsiWord(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _SSI)
         return (
             BitField("position", 1, variant.position_bits),
@@ -1011,11 +1012,11 @@ class SingleCycleData(NamedTuple):
     Attributes:
         variant: Encoder of the frame.
         position: Posizione: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
-        error: nE: Reading error (the tape is not read properly: mounted wrongly, for instance turned round or upside
-            down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape). True at
-            0: an error is present and the LED is red. False at 1: normal state without an active error. The LED is off.
+        error: nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside down,
+            surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the tape). True at 0:
+            an error is present and the LED is red. False at 1: normal state without an active error. The LED is off.
             While it is True, the position is not usable.
-        warning: Warning, nW: Used with the register Position check for an automatic check of the position. It is only
+        warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is only
             for Lika's technicians. True at 0: warning active. False at 1: no warning active. While it is True, the
             position is usable, with a warning. Reserved for the manufacturer.
 
@@ -1024,9 +1025,9 @@ class SingleCycleData(NamedTuple):
     ``position`` is in Gray code while ``biss_gray`` is 1, and in binary while it is 0.
 
     The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm. The position is right-aligned in a field of 24 or 25
-    bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the register
-    Configuration), the position takes the whole field. With the output code Gray, zeros above a number remain zeros, so
-    it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
+    bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the Configuration
+    register), the position takes the whole field. With the output code Gray, zeros above a number remain zeros, so it
+    does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
         Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
@@ -1041,20 +1042,19 @@ class SingleCycleData(NamedTuple):
     Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
         Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
             of 20 bits.
-        Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field
+        Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field
             of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
             there is rejected.
-        Why: The limit of the offset is the whole field less the positions of the resolution, with a reference to that
-            field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the position carry
-            data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm
-            this.
+        Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
+            reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above
+            the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset
+            could confirm this.
 
     Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
         Printed: Positions before the preset get a value according to it. The values sent below zero or above the
             maximum are not given.
-        Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over
-            RS-485, it starts again after the number of counts that their bits can represent. The 48-bit position goes
-            below zero.
+        Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
+            RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
 
     Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
         Printed: Warning, nW, without the level that means a warning.
@@ -1065,9 +1065,9 @@ class SingleCycleData(NamedTuple):
         Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
             has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
             and of nW on the position is not given.
-        Used: The position is not usable with nE, ea1 or an alarm that is part of ea1. Stored errors count until they
-            are reset. The position is usable with a warning with ea0, an alarm that is part of ea0, or nW. It is usable
-            while none is active (9.1).
+        Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
+            errors count until they are reset. The position is usable with a warning if any of these is active: ea0, an
+            alarm that is part of ea0, or nW. It is usable while none is active (9.1).
 
     Checked by decode():
         padding: Zeros above the position, part of the manual's Posizione. There are none while an offset is selected.
@@ -1156,7 +1156,7 @@ class SingleCycleData(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
@@ -1188,7 +1188,7 @@ class SingleCycleData(NamedTuple):
         return encode_many(columns, shape_of_single_cycle_data(variant))
 
     def encode(self) -> int:
-        """Return the word, its first bit most significant, with the CRC.
+        """Return the word, with the first bit most significant, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1204,7 +1204,7 @@ class SingleCycleData(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field. A missing field has the width 0."""
+        """Return the bit position of each field. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (
             BitField(
@@ -1231,7 +1231,7 @@ class DataRequest(NamedTuple):
 
     In the manual: Master → Encoder: CF.
 
-    Carries ``data_id`` 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F (reset_position).
+    Its ``data_id`` is 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F (reset_position).
 
     One byte, without a CRC.
 
@@ -1279,7 +1279,7 @@ class DataRequest(NamedTuple):
             frames: The frames, as rows of bytes.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         from ._many import decode_many
         from ._shapes.sma21 import shape_of_data_request
@@ -1319,7 +1319,7 @@ class DataRequest(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1335,16 +1335,16 @@ class PositionReply(NamedTuple):
         variant: Encoder of the frame.
         data_id: cc0 ... cc3: Type of the request, repeated in the reply.
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
-            the sum of ALMC bits 6 and 7: danger of a fault, but the position is correct. False at 0: no encoder alarm.
-            Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with
-            a warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
-            bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. False at 0: no encoder error.
+            the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
+            alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
+            usable, with a warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the logical OR of
+            ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False at 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
-            Right-aligned in 24 bits, zeros above it.
+            Right-aligned in 24 bits, with zeros above it.
         overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
             usable.
         initialization_error: Initialization error. True at 1: error during the initialization, or absolute position not
@@ -1358,11 +1358,11 @@ class PositionReply(NamedTuple):
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 DF3 CRC.
 
-    Carries ``data_id`` 4 (position), B (reset_errors) or F (reset_position).
+    Its ``data_id`` is 4 (position), B (reset_errors) or F (reset_position).
 
     position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0: bit 23, bits 23:22 or
     bits 23:20.
@@ -1370,9 +1370,8 @@ class PositionReply(NamedTuple):
     Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
         Printed: Positions before the preset get a value according to it. The values sent below zero or above the
             maximum are not given.
-        Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over
-            RS-485, it starts again after the number of counts that their bits can represent. The 48-bit position goes
-            below zero.
+        Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
+            RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
 
     Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
         Printed: 24-bit position from 000000h to FFFFFFFh.
@@ -1394,9 +1393,9 @@ class PositionReply(NamedTuple):
     edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
 
     Bits of unused:
-        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. Other
-            values: the frame is still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
+            other values are still decoded, with the verdict ``usable_with_warning``.
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
     Checked by decode():
@@ -1528,7 +1527,7 @@ class PositionReply(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
@@ -1560,7 +1559,7 @@ class PositionReply(NamedTuple):
         return encode_many(columns, shape_of_position_reply(variant))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1596,7 +1595,7 @@ class PositionReply(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
@@ -1626,36 +1625,35 @@ class WidePositionReply(NamedTuple):
 
     Attributes:
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
-            the sum of ALMC bits 6 and 7: danger of a fault, but the position is correct. False at 0: no encoder alarm.
-            Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with
-            a warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
-            bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. False at 0: no encoder error.
+            the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
+            alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
+            usable, with a warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the logical OR of
+            ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False at 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. Remedy: Reset the errors with data ID B.
         position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it is a length. Unit: counts. Signed,
             in two's complement.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
-    Carries ``data_id`` 5 (wide_position).
+    Its ``data_id`` is 5 (wide_position).
 
-    The position is always binary, with negative values as two's complement. There is no error code. Only the status
+    The position is always binary, with negative values in two's complement. There is no error code. Only the status
     field reports errors.
 
     Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
         Printed: Positions before the preset get a value according to it. The values sent below zero or above the
             maximum are not given.
-        Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over
-            RS-485, it starts again after the number of counts that their bits can represent. The 48-bit position goes
-            below zero.
+        Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
+            RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
 
     Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
         Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
         Used: The highest value is 7FFFFFFFFFFFh.
-        Why: Two digits are missing. The highest number of 48 bits as two's complement has twelve.
+        Why: Two digits are missing. The highest 48-bit number in two's complement has twelve.
 
     Erratum wide_position_sign (open, omission) [7.3.3]:
         Printed: Unused high bits are 0. The 48-bit position is signed.
@@ -1678,9 +1676,9 @@ class WidePositionReply(NamedTuple):
     See also in ERRATA: control_field_structure, position_under_error, error_bit_level.
 
     Bits of unused:
-        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. Other
-            values: the frame is still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
+            other values are still decoded, with the verdict ``usable_with_warning``.
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
     Checked by decode():
@@ -1773,7 +1771,7 @@ class WidePositionReply(NamedTuple):
             frames: The frames, as rows of bytes.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         from ._many import decode_many
         from ._shapes.sma21 import shape_of_wide_position_reply
@@ -1800,7 +1798,7 @@ class WidePositionReply(NamedTuple):
         return encode_many(columns, shape_of_wide_position_reply())
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -1820,7 +1818,7 @@ class WidePositionReply(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1841,16 +1839,16 @@ class IdentificationReply(NamedTuple):
     Attributes:
         variant: Encoder of the frame.
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
-            the sum of ALMC bits 6 and 7: danger of a fault, but the position is correct. False at 0: no encoder alarm.
-            Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with
-            a warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
-            bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. False at 0: no encoder error.
+            the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
+            alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
+            usable, with a warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the logical OR of
+            ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False at 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
-            Right-aligned in 24 bits, zeros above it.
+            Right-aligned in 24 bits, with zeros above it.
         overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
             usable.
         initialization_error: Initialization error. True at 1: error during the initialization, or absolute position not
@@ -1864,11 +1862,11 @@ class IdentificationReply(NamedTuple):
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
-        unused: Unused bits that differ from the manual, as 1. 0 if none differs.
+        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
-    Carries ``data_id`` A (identification).
+    Its ``data_id`` is A (identification).
 
     Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
         Printed: 24-bit position from 000000h to FFFFFFFh.
@@ -1890,9 +1888,9 @@ class IdentificationReply(NamedTuple):
     edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
 
     Bits of unused:
-        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. Other
-            values: the frame is still decoded, with the verdict ``usable_with_warning``.
-        bits 7:6, status_zero: Unused, 0 in the manual. Other values: the frame is still decoded, with the verdict
+        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
+            other values are still decoded, with the verdict ``usable_with_warning``.
+        bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
     Checked by decode():
@@ -2033,7 +2031,7 @@ class IdentificationReply(NamedTuple):
             variant: The encoder.
 
         Returns:
-            The columns. Frames with an error do not raise it, but have it in the column ``fault``.
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
@@ -2065,7 +2063,7 @@ class IdentificationReply(NamedTuple):
         return encode_many(columns, shape_of_identification_reply(variant))
 
     def encode(self) -> bytes:
-        """Return the bytes, with the CRC.
+        """Return the bytes, including the CRC.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -2096,7 +2094,7 @@ class IdentificationReply(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
@@ -2197,7 +2195,7 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
 
 
 def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     if variant.ssi_gray:
         return careful
@@ -2220,7 +2218,7 @@ def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
 
 
 def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """Return a fast decoder for valid frames. Values that follow from the order code are computed once."""
+    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
     careful = variant._decode
     if variant.biss_gray:
         return careful
@@ -2252,7 +2250,7 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
 
 
 def _fast_position_reply(variant: Rs485Encoder) -> Callable[[bytes], PositionReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], PositionReply], variant._decode)
     size_0 = variant.rs485_position_bits
     heads = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
@@ -2287,7 +2285,7 @@ def _fast_position_reply(variant: Rs485Encoder) -> Callable[[bytes], PositionRep
 
 
 def _fast_wide_position_reply(variant: Rs485Encoder) -> Callable[[bytes], WidePositionReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], WidePositionReply], variant._decode)
 
     def decode(data: bytes) -> WidePositionReply:
@@ -2310,7 +2308,7 @@ def _fast_wide_position_reply(variant: Rs485Encoder) -> Callable[[bytes], WidePo
 
 
 def _fast_identification_reply(variant: Rs485Encoder) -> Callable[[bytes], IdentificationReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Values of the order code are computed once."""
+    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
     careful = cast(Callable[[bytes], IdentificationReply], variant._decode)
     size_0 = variant.rs485_position_bits
 
@@ -2348,7 +2346,7 @@ def _fast_identification_reply(variant: Rs485Encoder) -> Callable[[bytes], Ident
 
 
 def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
-    """Return a fast decoder that chooses the kind of a frame by its first byte. Other frames are left to `_decode`."""
+    """Return a fast decoder that chooses the kind of a frame by its first byte. Other frames go to `_decode`."""
     careful = variant._decode
     kinds: dict[int, Callable[[bytes], Reply]] = {
         **dict.fromkeys([0x7A, 0xA2, 0xDA], _fast_position_reply(variant)),
@@ -2380,7 +2378,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, for longer ones that of the first byte. Two registers may share an address."""
+    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
 
     PROFILE_ID: Final = 0x42
     SERIAL_NUMBER: Final = 0x44
@@ -2415,9 +2413,9 @@ class ProfileId(NamedTuple):
         Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a
             field of 24 bits.
         Used: Each is used as printed.
-        Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte counts the whole field
-            and not the position, and one more bit has one plus less. A master that takes the length of the data from
-            the profile ID would miss 4, 2 or 1 bits here.
+        Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the
+            whole field, not of the position, and one more bit goes with one plus sign fewer. A master that takes the
+            length of the data from the profile ID would miss 4, 2 or 1 bits here.
     """
 
     variant: BissEncoder
@@ -2464,7 +2462,7 @@ class ProfileId(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (BitField("profile_id", 0, 16),)
 
@@ -2526,7 +2524,7 @@ class SerialNumber(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("year", 24, 8),
             BitField("week", 16, 8),
@@ -2539,10 +2537,10 @@ class Command(IntEnum):
 
     Saves the parameters, activates preset or offset, or restores the defaults.
 
-    Default: ``00``. Wait at least 30 ms after a write, before the next command. Returns to its default by itself after
-    a write.
+    Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
+    after a write.
 
-    After a command, the register returns to 00 by itself.
+    After a command, the register automatically returns to 00.
     """
 
     NORMAL = 0
@@ -2552,8 +2550,8 @@ class Command(IntEnum):
     ACTIVATE_PRESET_OFFSET = 2
     """Salva e attiva Preset / Offset: Saves the preset or offset and activates it at the same time."""
     RESTORE_DEFAULTS = 4
-    """Carica e salva tutti i parametri di default: Loads the factory parameters, for standard and safe operation,
-    immediately and overwrites all parameters set before, which are lost.
+    """Carica e salva tutti i parametri di default: Immediately loads the factory parameters, which are for standard
+    and safe operation. All parameters set before are overwritten and lost.
     """
 
     @classmethod
@@ -2586,7 +2584,7 @@ class Configuration(NamedTuple):
             keep their own. Default: 0.
         output_code: Codice d'uscita: Code of the absolute position. Default: 1.
         enable_preset_offset: Abilita preset / offset: Enables preset and offset. 0 enables. Default: 0.
-        select_preset_offset: Seleziona preset / offset: Content of the register Preset / Offset. The bit is available
+        select_preset_offset: Seleziona preset / offset: Content of the Preset / Offset register. The bit is available
             only while the function is enabled (bit 2). Default: 0.
 
     Preset or offset, output code and counting direction.
@@ -2666,7 +2664,7 @@ class Configuration(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("unused_7", 7, 1),
             BitField("counting_direction", 6, 1),
@@ -2737,7 +2735,7 @@ class AbsoluteResolution(NamedTuple):
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         check_encoder(variant, Variant, _BISS)
         return (BitField("absolute_resolution", 0, 8),)
 
@@ -2749,34 +2747,34 @@ class PresetOffset(NamedTuple):
     Attributes:
         preset_offset: Preset offset.
 
-    Preset or offset, according to the bit Select preset / offset of the Configuration register.
+    Preset or offset, according to the Select preset / offset bit of the Configuration register.
 
     Byte order: high byte first, at 50h. Default: ``00 00 00 00``. Can be written only while
     ``configuration.enable_preset_offset`` holds 0 (``enable``). Save the parameters after a write, or the encoder loses
-    the value at power-off. While ``configuration.select_preset_offset`` holds 0 (``preset``), it holds ``preset``, 0 to
-    ``2^position_bits - 1``: Value that the encoder reports at the current sensor position once the preset is activated.
-    All positions before and after follow from it. The preset can be used, for instance, to align the zero points of
-    sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` holds 1 (``offset``), it holds
-    ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``: Value by which the transmitted positions are shifted.
-    Their number stays the same, and they start at the offset. The offset is applied to the position of the sensor at
-    the activation. [6.4 p.32]
+    the value at power-off. While ``configuration.select_preset_offset`` holds 0 (``preset``), the register holds
+    ``preset``, 0 to ``2^position_bits - 1``: Value that the encoder reports at the current sensor position once the
+    preset is activated. All positions before and after it shift accordingly. The preset can be used, for instance, to
+    align the zero points of sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` holds 1
+    (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``: Value by which the
+    transmitted positions are shifted. Their number stays the same, and they start at the offset. The offset is applied
+    to the position of the sensor at the activation. [6.4 p.32]
 
-    The register is available only while the bit Enable preset / offset of the Configuration register is 0 (enable).
-    Activate it only with the device at rest, by the command Save and activate Preset / Offset. The highest preset is 00
-    0F FF FFh at 50 µm, 00 3F FF FFh at 10 µm, 00 7F FF FFh at 5 µm, 00 FF FF FFh at 2 µm and 01 FF FF FFh at 1 µm. The
-    highest offset is the number of positions of the 24-bit or 25-bit field less the number of positions of the
+    The register is available only while the Enable preset / offset bit of the Configuration register is 0 (enable).
+    Activate it only with the device at rest, with the command Save and activate Preset / Offset. The highest preset is
+    00 0F FF FFh at 50 µm, 00 3F FF FFh at 10 µm, 00 7F FF FFh at 5 µm, 00 FF FF FFh at 2 µm and 01 FF FF FFh at 1 µm.
+    The highest offset is the number of positions of the 24-bit or 25-bit field minus the number of positions at that
     resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
     Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
         Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
             of 20 bits.
-        Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field
+        Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field
             of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
             there is rejected.
-        Why: The limit of the offset is the whole field less the positions of the resolution, with a reference to that
-            field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the position carry
-            data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm
-            this.
+        Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
+            reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above
+            the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset
+            could confirm this.
 
     Erratum offset_meaning (open, wrong data) [6.4 p.32]:
         Printed: An offset gives a position a wanted value, is applied to the position at its activation, and shifts all
@@ -2823,7 +2821,7 @@ class PresetOffset(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("preset_offset", 0, 32),)
 
     @staticmethod
@@ -2894,7 +2892,7 @@ class DeviceType(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("type", 0, 8),)
 
 
@@ -2948,7 +2946,7 @@ class SineCosineResolution(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("period", 0, 8),)
 
 
@@ -3002,7 +3000,7 @@ class PositionCheck(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("position_check", 0, 8),)
 
 
@@ -3064,7 +3062,7 @@ class DeviceId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (
             BitField("name", 16, 32),
             BitField("release", 0, 16),
@@ -3120,7 +3118,7 @@ class ManufacturerId(NamedTuple):
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
-        """Return the place of each field in the number that the bytes form. A missing field has the width 0."""
+        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
         return (BitField("name", 0, 16),)
 
 
@@ -3152,15 +3150,15 @@ _HELD: Final = (
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that agree with the contents of an encoder's registers.
+    """Return the order codes that match the contents of an encoder's registers.
 
-    Registers that are not documented, or not complete in ``read``, exclude nothing.
+    Registers that are undocumented or incomplete in ``read`` are ignored.
 
     Args:
-        read: Bytes by address, or the bytes of whole registers by name.
+        read: Register contents: bytes keyed by address, or the bytes of whole registers keyed by name.
 
     Returns:
-        The order codes.
+        The matching order codes.
 
     Raises:
         ValueError: There is no such register, or it has another length.
@@ -3219,7 +3217,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
     Args:
         configuration: Value of the whole register. Written to ``configuration``.
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3249,10 +3247,10 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.4 p.32, 6.6.2 p.35].
 
-    Before: The sensor is at rest at the wanted position. In the Configuration register, preset and offset are enabled
+    Before: The sensor is at rest at the desired position. In the Configuration register, preset and offset are enabled
     and preset is selected, which is the factory default. Otherwise run select_preset first.
 
-    Result: The position at which the activation arrived has the preset value. All other positions follow from it.
+    Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
     Args:
         variant: The encoder.
@@ -3284,10 +3282,10 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Enable the function and select preset [6.4 p.30].
 
-    Result: The register Preset / Offset contains a preset.
+    Result: The Preset / Offset register contains a preset.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3311,21 +3309,21 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     """Select, set, save and activate an offset [6.4 p.30, 6.4 p.32].
 
-    Before: The sensor is at rest at the wanted position. At 2 µm and 1 µm, only 0 is within the limits.
+    Before: The sensor is at rest at the desired position. At 2 µm and 1 µm, only 0 is within the limits.
 
-    Result: The transmitted positions are shifted by the offset. From the selection on, the position takes the whole
-    field of the single cycle data, so a decoder must know the content of the register Configuration.
+    Result: The transmitted positions are shifted by the offset. Once the offset is selected, the position takes up the
+    whole field of the single cycle data, so a decoder must know the content of the Configuration register.
 
     Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
         Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
             of 20 bits.
-        Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field
+        Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field
             of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
             there is rejected.
-        Why: The limit of the offset is the whole field less the positions of the resolution, with a reference to that
-            field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the position carry
-            data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm
-            this.
+        Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
+            reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above
+            the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset
+            could confirm this.
 
     Erratum offset_meaning (open, wrong data) [6.4 p.32]:
         Printed: An offset gives a position a wanted value, is applied to the position at its activation, and shifts all
@@ -3373,7 +3371,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: New register values are saved.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3398,7 +3396,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The default parameters are active and saved.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3425,7 +3423,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Used: The device ID is used as printed.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3463,7 +3461,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         Used: The outputs give no waiting time.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.
@@ -3505,7 +3503,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         Used: The outputs give no waiting time.
 
     Args:
-        variant: The encoder, which is only checked. The steps are the same for the whole family.
+        variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
         The steps, for ``run``.

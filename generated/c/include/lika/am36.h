@@ -18,7 +18,7 @@
  *
  * Version 0.1.0 of these headers.
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
- * Brackets give its sections and pages.
+ * Its sections and pages are cited in brackets.
  *
  * Differences from other editions of the manual are noted inline. Generate files for one with
  * codewheel generate --edition am36=1.0.
@@ -41,13 +41,14 @@
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual's
- * own evidence decides, and open if only hardware or the manufacturer could. Each erratum is named
- * where it matters and explained at the end of this header. Errata of wording alone are left out.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
+ * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
+ * erratum is mentioned where it matters and explained at the end of this header. Errata that
+ * concern only wording are omitted.
  *
  * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
  * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The functions _set_ keep them consistent. A flag is true while it is active, whether it is sent
+ * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
  * as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
@@ -57,7 +58,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/am36.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -88,7 +89,7 @@ extern "C" {
  * for the singleturn resolution. The listed values are those of the SSI table. Over BiSS, other
  * values are accepted as unlisted. They have no effect on the frame, because its widths are read
  * from registers 56h and 57h. Edition 1.1 writes the codes without the hyphen, with SCx for BiSS.
- * Such labels are also accepted. The order code and the serial number are on the label of the body
+ * Such labels are also accepted. The order code and the serial number are on the label on the body
  * and in the delivery document. Lika asks for both in every enquiry. Technical data are in the
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
@@ -115,7 +116,7 @@ typedef struct lika_am36_variant {
     /** Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2]. */
     uint8_t ssi_gray;
     /**
-     * Width of the singleturn part of the BiSS position, as currently set: the base 2 logarithm of
+     * Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm of
      * Information per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h (Bits of
      * No. of bits used for singleturn resolution), 0 to 20. lika_am36_take_singleturn_bits_used()
      * updates it.
@@ -128,7 +129,7 @@ typedef struct lika_am36_variant {
      */
     uint8_t used_multiturn_bits;
     /**
-     * Number of revolutions after which the BiSS position starts again, as currently set [6.5
+     * Number of revolutions after which the BiSS position wraps around, as currently set [6.5
      * p.28]. Unit: revolutions. Held at run time in registers 4Eh to 4Fh (Revolutions of Number of
      * revolutions), 1 to 65,536. lika_am36_take_number_of_revolutions() updates it.
      */
@@ -192,7 +193,7 @@ typedef struct lika_am36_order_code {
     lika_am36_variant variant; /**< its variant */
 } lika_am36_order_code;
 
-/** Return the list of all order codes, and their number in count. */
+/** Return the list of all order codes, and store their number in count. */
 static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
 {
     static const lika_am36_order_code codes[] = {
@@ -221,7 +222,7 @@ static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
 /**
  * Find the order code on a label, to choose one at run time.
  * A part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code that agrees in the other parts.
+ * first order code whose other parts match.
  * The other spellings above are accepted too.
  *
  * @param label  text of the label
@@ -325,7 +326,7 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the entry of the table of CRC biss_6: the remainder of a byte. */
+/** Return the remainder of a byte from the table of CRC biss_6. */
 static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -357,7 +358,7 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -387,7 +388,7 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
@@ -417,14 +418,14 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 
 /* -- reports ----------------------------------------------------------------------------------- */
 
-/** Reports of the encoder. The functions _reports() of frames return a mask of these bits. */
+/** Reports of the encoder. The _reports() functions of the frames return a mask of these bits. */
 typedef enum lika_am36_report {
     LIKA_AM36_REPORT_ERROR = 0x1, /**< Error, nE, unused [6.3.1 p.21]. */
     LIKA_AM36_REPORT_WARNING = 0x2 /**< Warning, nW, unused [6.3.1 p.21]. */
 } lika_am36_report;
 
 /**
- * Return the texts on a report.
+ * Return the texts about a report.
  *
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
@@ -435,16 +436,16 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
         {
             "error",
             "Error, nE",
-            "unused bits differ from the manual, which has 1 there. Not used, always 1. In the "
-            "BiSS protocol, 0 here signals an error.",
+            "unused bits differ from the documented value 1. Not used, always 1. In the BiSS "
+            "protocol, 0 here signals an error.",
             "",
             "6.3.1 p.21"
         },
         {
             "warning",
             "Warning, nW",
-            "unused bits differ from the manual, which has 1 there. Not used, always 1. In the "
-            "BiSS protocol, 0 here signals a warning.",
+            "unused bits differ from the documented value 1. Not used, always 1. In the BiSS "
+            "protocol, 0 here signals a warning.",
             "",
             "6.3.1 p.21"
         },
@@ -466,7 +467,7 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * up to n + 1 rising edges (13 bits: 14 edges). The time Tm may follow the word immediately.
  * Signals: EIA RS-422, clock and data have a logic level of typically 5 V [5].
- * Alignment: left: the most significant bit comes with the first clock, zeros follow the word
+ * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2].
  * Code: binary or Gray, by order code [5.2].
  * Erratum ssi_cable_400_m (open, wrong limit).
@@ -483,12 +484,12 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
 #define LIKA_AM36_SSI_MONOFLOP_TYPICAL_US 12U
 /**
  * Tp: at least 12 us: Pause between two clock sequences. The manual prints Tp > 12 us, so exactly
- * 12 us leave no margin [5.3].
+ * 12 us leaves no margin [5.3].
  */
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * For lika/receive.h, by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_AM36_AM3616_4096_BG_SSI_BITS 28U
 #define LIKA_AM36_AM3616_4096_BG_SSI_RX_BYTES 4U
@@ -637,7 +638,7 @@ static inline lika_result lika_am36_ssi_word_encode(
 }
 
 /**
- * Return the verdict on the position in a frame. The frame has no bit for it.
+ * Return the verdict on the position in a frame. The frame has no status bit.
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
@@ -657,15 +658,16 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 /**
  * With the factory defaults, the shaft must not turn by more than 2,047 revolutions either way
  * while the encoder is off. Otherwise the absolute position is lost. The reason is that the default
- * of 65,536 revolutions is more than 4,096. The encoder is always a slave, alone with one master.
- * It must never be installed in a network of several slaves. For everything that the manual leaves
- * out, it refers to www.biss-interface.com.
+ * of 65,536 revolutions is more than 4,096. The encoder is always a slave, and the only one of its
+ * master. It must never be installed in a network with several slaves. For everything else, the
+ * manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6].
  * Profile: Standard encoder profile [6].
  * Description file: idbiss4C69.xml [6].
  * Network: point to point, one slave only [6].
- * Control data: Each frame carries one bit, for reading and writing the registers. The manual
- * describes the main fields and refers to the BiSS C protocol description for the whole structure.
+ * Control data: Each frame carries one bit of control data, for reading and writing the registers.
+ * The manual describes the main fields and refers to the BiSS C protocol description for the whole
+ * structure.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum biss_timeout_length (open, omission).
  * In edition 1.1: differs, see the end of this file.
@@ -692,15 +694,15 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 /** CRC: 4 bits: CRC of the transmission, sent inverted [6.4 p.22]. */
 #define LIKA_AM36_BISS_CONTROL_CRC_BITS 4U
 /**
- * eeprom_write: at least 30 ms: Time from a write to the Command register to the next function. The
- * EEPROM is written during this time [6.5 p.24].
+ * eeprom_write: at least 30 ms: Time between a write to the Command register and the next function.
+ * The EEPROM is written during this time [6.5 p.24].
  */
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * For lika/receive.h, by order code: bits of single_cycle_data, and bytes of its buffer.
- * The bits are the factory default, since registers change them. The bytes are enough for any
- * content of the registers.
+ * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * The number of bits is the factory default, since registers can change it. The number of bytes is
+ * enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -715,11 +717,11 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 #define LIKA_AM36_AMC3619_4096_I7_BISS_RX_BYTES 12U
 
 /**
- * For registers by lika/biss.h: the bit of lika_biss_master_next must be on MA before the last
- * clock of the same frame, with factory defaults 44 clock periods after its CDS: 4.4 us at 10 MHz
- * and 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before
- * the next frame begins, since the SPI mode sends it. MA shows the inverse of the bit for the whole
- * time-out (follows the clock, at most 10 us).
+ * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
+ * last clock of the same frame, with factory defaults 44 clock periods after its CDS: 4.4 us at 10
+ * MHz and 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed
+ * before the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for
+ * the whole time-out (follows the clock, at most 10 us).
  */
 
 /**
@@ -737,12 +739,12 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
  *   from bit used_singleturn_bits + 8 up  multiturn   used_multiturn_bits bits.
  *   from bit 8 up                         singleturn  used_singleturn_bits bits.
  *   bit 7                                 error       Error, nE: Not used, always 1. In the BiSS
- *                                                     protocol, 0 here signals an error. Unused, 1
- *                                                     in the manual. Other values: the frame is
+ *                                                     protocol, 0 here signals an error. Unused,
+ *                                                     documented as 1. Frames with other values are
  *                                                     still decoded, with the verdict not_usable.
  *   bit 6                                 warning     Warning, nW: Not used, always 1. In the BiSS
- *                                                     protocol, 0 here signals a warning. Unused, 1
- *                                                     in the manual. Other values: the frame is
+ *                                                     protocol, 0 here signals a warning. Unused,
+ *                                                     documented as 1. Frames with other values are
  *                                                     still decoded, with the verdict
  *                                                     usable_with_warning.
  *   bits 5:0                              crc         CRC: CRC of the transmission, sent inverted.
@@ -891,7 +893,7 @@ static inline lika_result lika_am36_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_am36_single_cycle_data_is_expected(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in)
@@ -905,7 +907,7 @@ static inline bool lika_am36_single_cycle_data_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_UNKNOWN
+ * @return the verdict of the most severe active report, otherwise LIKA_UNKNOWN
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_am36_single_cycle_data_verdict(
@@ -935,15 +937,15 @@ static inline uint32_t lika_am36_single_cycle_data_reports(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/** Return the number of counts in one revolution over SSI [5.2]. */
+/** Return the number of counts in one revolution of a position received over SSI [5.2]. */
 static inline uint64_t lika_am36_ssi_counts_per_turn(const lika_am36_variant *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
 }
 
 /**
- * Return the number of counts after which the position over SSI starts again at 0: those of all
- * revolutions.
+ * Return the number of counts after which the position received over SSI wraps around to 0, which
+ * is all revolutions.
  */
 static inline uint64_t lika_am36_ssi_modulus(const lika_am36_variant *variant)
 {
@@ -951,7 +953,7 @@ static inline uint64_t lika_am36_ssi_modulus(const lika_am36_variant *variant)
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_am36_ssi_position_difference(
@@ -960,14 +962,14 @@ static inline int64_t lika_am36_ssi_position_difference(
     return lika_difference(now, before, lika_am36_ssi_modulus(variant));
 }
 
-/** Convert a position over SSI to revolutions. */
+/** Convert a position received over SSI to revolutions. */
 static inline double lika_am36_ssi_turns(const lika_am36_variant *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_ssi_counts_per_turn(variant);
     return (double)position / (double)counts;
 }
 
-/** Convert a position over SSI to degrees within its revolution, 0 to below 360. */
+/** Convert a position received over SSI to degrees within its revolution, 0 to below 360. */
 static inline double lika_am36_ssi_degrees(const lika_am36_variant *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_ssi_counts_per_turn(variant);
@@ -975,15 +977,18 @@ static inline double lika_am36_ssi_degrees(const lika_am36_variant *variant, uin
     return ((double)angle * 360.0) / (double)counts;
 }
 
-/** Return the number of counts in one revolution over BiSS C-mode [6.5 p.27, 6.5 p.28]. */
+/**
+ * Return the number of counts in one revolution of a position received over BiSS C-mode [6.5 p.27,
+ * 6.5 p.28].
+ */
 static inline uint64_t lika_am36_biss_counts_per_turn(const lika_am36_variant *variant)
 {
     return (uint64_t)1U << variant->used_singleturn_bits;
 }
 
 /**
- * Return the number of counts after which the position over BiSS C-mode starts again at 0: those of
- * all revolutions.
+ * Return the number of counts after which the position received over BiSS C-mode wraps around to 0,
+ * which is all revolutions.
  */
 static inline uint64_t lika_am36_biss_modulus(const lika_am36_variant *variant)
 {
@@ -991,7 +996,7 @@ static inline uint64_t lika_am36_biss_modulus(const lika_am36_variant *variant)
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_am36_biss_position_difference(
@@ -1000,14 +1005,16 @@ static inline int64_t lika_am36_biss_position_difference(
     return lika_difference(now, before, lika_am36_biss_modulus(variant));
 }
 
-/** Convert a position over BiSS C-mode to revolutions. */
+/** Convert a position received over BiSS C-mode to revolutions. */
 static inline double lika_am36_biss_turns(const lika_am36_variant *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
     return (double)position / (double)counts;
 }
 
-/** Convert a position over BiSS C-mode to degrees within its revolution, 0 to below 360. */
+/**
+ * Convert a position received over BiSS C-mode to degrees within its revolution, 0 to below 360.
+ */
 static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
@@ -1019,8 +1026,9 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
 
 /**
  * Shifts and masks refer to a register as one number. Decoders and encoders use its bytes in
- * ascending order of address. The functions _read_ and _write_ transfer all bytes of a register by
- * one call of your transport. A register reserved to the manufacturer has no function _write_.
+ * ascending order of address. The _read_ and _write_ functions transfer all bytes of a register in
+ * a single call to your transport. A register reserved for the manufacturer has no _write_
+ * function.
  */
 
 /**
@@ -1102,7 +1110,7 @@ static inline lika_result lika_am36_reg_profile_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_am36_reg_profile_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in)
@@ -1112,12 +1120,12 @@ static inline bool lika_am36_reg_profile_id_is_expected(
 }
 
 /**
- * Read Profile ID, 42h to 43h.
+ * Read the register Profile ID, 42h to 43h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1212,12 +1220,12 @@ static inline lika_result lika_am36_reg_serial_number_encode(
 }
 
 /**
- * Read Serial number, 44h to 47h.
+ * Read the register Serial number, 44h to 47h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1238,11 +1246,11 @@ static inline lika_result lika_am36_read_serial_number(
 /**
  * Command, register 48h, write only, over BiSS C-mode [6.5 p.24, 7 p.33].
  * Saves the parameters, activates the preset, or restores the defaults.
- * Wait at least 30 ms after a write, before the next command.
- * Returns to its default by itself after a write.
- * After a command, the register returns to 00 by itself. If a new resolution and a new preset are
- * set together, Save parameters and activate Preset stores the resolution but sets the preset to
- * zero. The preset must then be written again.
+ * Wait at least 30 ms between a write and the next command.
+ * Automatically returns to its default after a write.
+ * After a command, the register automatically returns to 00. If a new resolution and a new preset
+ * are set together, the command Save parameters and activate Preset stores the resolution but sets
+ * the preset to zero. The preset must then be written again.
  * Erratum preset_cleared_when (open, omission).
  * In edition 1.1: may differ, see the end of this file.
  */
@@ -1274,12 +1282,12 @@ typedef enum lika_am36_command {
 } lika_am36_command;
 
 /**
- * Write Command, 48h, then wait 30 ms.
+ * Write the register Command, 48h, then wait 30 ms.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param value  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -1306,18 +1314,18 @@ static inline lika_result lika_am36_write_command(
  * Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
  * Preset function, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * A new value takes effect immediately. Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7
- * are not used. According to the list of defaults they are 0.
+ * A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1,
+ * 3, 4 and 7 are not used. According to the list of defaults they are 0.
  * Erratum enable_preset_polarity (settled, wrong data).
  * Erratum example_bit_8 (settled, wrong data).
  * Erratum preset_example_bit (settled, wrong data).
  * In edition 1.1: differs, see the end of this file.
- *   bit 7     -                   always zero.
+ *   bit 7     -                   Always zero.
  *   bit 6     counting_direction
  *   bit 5     output_code
- *   bits 4:3  -                   always zero.
+ *   bits 4:3  -                   Always zero.
  *   bit 2     enable_preset
- *   bits 1:0  -                   always zero.
+ *   bits 1:0  -                   Always zero.
  */
 #define LIKA_AM36_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_AM36_REG_CONFIGURATION_LENGTH 1U /**< byte */
@@ -1325,8 +1333,8 @@ static inline lika_result lika_am36_write_command(
 #define LIKA_AM36_REG_CONFIGURATION_DEFAULT 0x20U /**< factory default */
 
 /**
- * Counting direction: Rotation with which the position counts up, seen from the shaft, while the
- * Counting direction input is at 0VDC.
+ * Counting direction: Direction of rotation in which the position counts up, seen from the shaft,
+ * while the Counting direction input is at 0VDC.
  */
 typedef enum lika_am36_counting_direction {
     LIKA_AM36_COUNTING_DIRECTION_CW = 0x0, /**< Counts up with clockwise rotation. */
@@ -1431,12 +1439,12 @@ static inline lika_result lika_am36_reg_configuration_encode(
 }
 
 /**
- * Read Configuration, 49h.
+ * Read the register Configuration, 49h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1455,13 +1463,14 @@ static inline lika_result lika_am36_read_configuration(
 }
 
 /**
- * Write Configuration, 49h.
- * The frames depend on it: call lika_am36_read_state() afterwards to update the variant.
+ * Write the register Configuration, 49h.
+ * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -1487,9 +1496,9 @@ static inline lika_result lika_am36_write_configuration(
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * The encoder replaces a value above the limit with the default.
  * A write sets Preset to zero.
- * A new value takes effect immediately, on the length of the frame as well, and sets the preset to
- * zero. Save parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the
- * resulting number of bits.
+ * A new value takes effect immediately, which can change the length of the frame, and sets the
+ * preset to zero. The command Save parameters on EEPROM saves it. Only powers of two are accepted.
+ * Register 56h shows the resulting number of bits.
  * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
  * and 57h, with their printed defaults, regardless of the order code.
  * Erratum scd_length_at_run_time (open, omission).
@@ -1567,12 +1576,12 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
 }
 
 /**
- * Read Information per revolution, 4Bh to 4Dh.
+ * Read the register Information per revolution, 4Bh to 4Dh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1591,13 +1600,14 @@ static inline lika_result lika_am36_read_information_per_revolution(
 }
 
 /**
- * Write Information per revolution, 4Bh to 4Dh.
- * The frames depend on it: call lika_am36_read_state() afterwards to update the variant.
+ * Write the register Information per revolution, 4Bh to 4Dh.
+ * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -1622,10 +1632,10 @@ static inline lika_result lika_am36_write_information_per_revolution(
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A write sets Preset to zero.
  * Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value
- * takes effect immediately, on the length of the frame as well, and sets the preset to zero. Save
- * parameters on EEPROM saves it. Register 57h shows the resulting number of bits. With more than
- * 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions either way while
- * the encoder is off. Otherwise the absolute position is lost.
+ * takes effect immediately, which can change the length of the frame, and sets the preset to zero.
+ * The command Save parameters on EEPROM saves it. Register 57h shows the resulting number of bits.
+ * With more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions
+ * either way while the encoder is off. Otherwise the absolute position is lost.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum resolution_byte_order (open, omission).
@@ -1698,12 +1708,12 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
 }
 
 /**
- * Read Number of revolutions, 4Eh to 4Fh.
+ * Read the register Number of revolutions, 4Eh to 4Fh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1722,13 +1732,14 @@ static inline lika_result lika_am36_read_number_of_revolutions(
 }
 
 /**
- * Write Number of revolutions, 4Eh to 4Fh.
- * The frames depend on it: call lika_am36_read_state() afterwards to update the variant.
+ * Write the register Number of revolutions, 4Eh to 4Fh.
+ * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -1752,17 +1763,17 @@ static inline lika_result lika_am36_write_number_of_revolutions(
  * Byte order: high byte first, at 50h.
  * Can be written only while Enable preset of Configuration holds 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the bit Enable preset
- * to 0 (enable) before writing. Save parameters on EEPROM saves the value without activating it.
- * Save parameters and activate Preset saves and activates it. The Zero setting/Preset input
- * activates it as well. The manual suggests activating it at a standstill. Set the preset again
- * after a change of the counting direction, of Information per revolution or of Number of
- * revolutions. The preset can be used, for instance, to align the zero points of encoder and
- * application.
+ * The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the Enable preset bit
+ * to 0 (enable) before writing. The command Save parameters on EEPROM saves the value without
+ * activating it. The command Save parameters and activate Preset saves and activates it. The Zero
+ * setting/Preset input activates it as well. The manual suggests activating it at a standstill. Set
+ * the preset again after a change of the counting direction, of Information per revolution or of
+ * Number of revolutions. The preset can be used, for instance, to align the zero points of encoder
+ * and application.
  * Erratum preset_cleared_when (open, omission).
  * Erratum enable_preset_polarity (settled, wrong data).
  * Erratum preset_default_length (settled, wrong data).
- *   bits 39:36  -         always zero.
+ *   bits 39:36  -         Always zero.
  *   bits 35:0   position
  */
 #define LIKA_AM36_REG_PRESET_ADDRESS 0x50U
@@ -1844,12 +1855,12 @@ static inline lika_result lika_am36_reg_preset_encode(
 }
 
 /**
- * Read Preset, 50h to 54h.
+ * Read the register Preset, 50h to 54h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1867,12 +1878,12 @@ static inline lika_result lika_am36_read_preset(
 }
 
 /**
- * Write Preset, 50h to 54h.
+ * Write the register Preset, 50h to 54h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -1903,12 +1914,12 @@ static inline lika_result lika_am36_write_preset(
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /**< value stated by the manual */
 
 /**
- * Read Device type, 55h.
+ * Read the register Device type, 55h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -1941,12 +1952,12 @@ static inline lika_result lika_am36_read_device_type(
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /**< factory default */
 
 /**
- * Read No. of bits used for singleturn resolution, 56h.
+ * Read the register No. of bits used for singleturn resolution, 56h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -1979,12 +1990,12 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /**< factory default */
 
 /**
- * Read No. of bits used for multiturn resolution, 57h.
+ * Read the register No. of bits used for multiturn resolution, 57h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -2105,7 +2116,7 @@ static inline lika_result lika_am36_reg_device_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_am36_reg_device_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in)
@@ -2119,12 +2130,12 @@ static inline bool lika_am36_reg_device_id_is_expected(
 }
 
 /**
- * Read Device ID, 78h to 7Dh.
+ * Read the register Device ID, 78h to 7Dh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2214,7 +2225,7 @@ static inline lika_result lika_am36_reg_manufacturer_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_am36_reg_manufacturer_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in)
@@ -2225,12 +2236,12 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
 }
 
 /**
- * Read Manufacturer ID, 7Eh to 7Fh.
+ * Read the register Manufacturer ID, 7Eh to 7Fh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2252,8 +2263,8 @@ static inline lika_result lika_am36_read_manufacturer_id(
 
 /**
  * Some registers of the encoder change its frames. The initialisers of the variants have the
- * factory defaults. The functions here update a variant from the contents of these registers, as
- * read from the encoder or as you wrote them.
+ * factory defaults. These functions update a variant from the contents of these registers, either
+ * as read from the encoder or as you wrote them.
  */
 
 /**
@@ -2372,13 +2383,13 @@ static inline lika_result lika_am36_take_configuration(
 }
 
 /**
- * Read these registers and update the variant from all of them. Call it after power-on, after a
- * write or a procedure that changes them or values that they depend on, and after the defaults were
- * restored.
+ * Read these registers and update the variant from all of them. Call it after power-on, after the
+ * defaults were restored, and after any write or procedure that changes these registers or values
+ * that they depend on.
  *
  * @param transport  your bus access functions
  * @param variant  the variant to update, unchanged on error
- * @param failure  what failed, or NULL. Its step counts the functions above, from 0
+ * @param failure  details of the failure, or NULL. Its step is the index of a function above
  * @return OK, or the error of the first access or function that failed
  */
 LIKA_NODISCARD
@@ -2461,7 +2472,7 @@ typedef struct lika_am36_identity {
  *
  * @param transport  your bus access functions
  * @param out  the contents of the registers
- * @param failure  what failed, or NULL. Its step counts the members of the struct, from 0
+ * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
 LIKA_NODISCARD
@@ -2494,7 +2505,7 @@ static inline lika_result lika_am36_read_identity(
     return LIKA_OK;
 }
 
-/** Return true if an encoder of this order code can have these contents. */
+/** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_am36_could_be(
     const lika_am36_variant *variant, const lika_am36_identity *read)
 {
@@ -2521,10 +2532,10 @@ static inline bool lika_am36_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one with each call.
+ * Find the order codes that an encoder can have, one per call.
  *
  * @param read  the contents of its registers
- * @param next  place in the list of order codes. Set it to 0 before the first call
+ * @param next  index in the list of order codes. Set it to 0 before the first call
  * @return the next order code, or NULL if there are no more
  */
 static inline const lika_am36_order_code *lika_am36_next_candidate(
@@ -2579,7 +2590,7 @@ static inline lika_result lika_am36_set_configuration_steps(
         return LIKA_FAULT_RANGE;
     }
     steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* takes effect immediately */
-    /* Configuration: read back, which the manual does not ask for */
+    /* Configuration: read back, which the manual does not require */
     steps[1] = lika_step_verify(0x49U, 0xFFU, configuration);
     steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save it */
     steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
@@ -2590,14 +2601,14 @@ static inline lika_result lika_am36_set_configuration_steps(
 /**
  * Set and save the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on the bytes that it writes: call lika_am36_read_state() afterwards to update
- * the variant.
+ * The frames depend on the bytes written, so call lika_am36_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param configuration  Value of the whole register, with its unused bits at 0. Written to
  *                       Configuration.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2620,8 +2631,8 @@ static inline lika_result lika_am36_set_configuration(
 /**
  * Set, save and activate a preset [6.5 p.29].
  * Before: The manual suggests setting the preset with the shaft at a standstill.
- * Result: The position at which the command arrived has the preset value. All other positions
- * follow from it.
+ * Result: The position at the moment of the command becomes the preset value. All other positions
+ * shift accordingly.
  * Erratum preset_example_bit (settled, wrong data).
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 14U
@@ -2661,9 +2672,9 @@ static inline lika_result lika_am36_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset of Configuration: read back, which the manual does not ask for */
+    /* Enable preset of Configuration: read back, which the manual does not require */
     steps[6] = lika_step_verify(0x49U, 0x04U, 0x00U);
-    /* Preset: read back, which the manual does not ask for */
+    /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[7U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
@@ -2681,7 +2692,7 @@ static inline lika_result lika_am36_set_preset_steps(
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param position  New value for the present position. Written to Preset.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2744,9 +2755,9 @@ static inline lika_result lika_am36_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset of Configuration: read back, which the manual does not ask for */
+    /* Enable preset of Configuration: read back, which the manual does not require */
     steps[6] = lika_step_verify(0x49U, 0x04U, 0x00U);
-    /* Preset: read back, which the manual does not ask for */
+    /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[7U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
@@ -2764,7 +2775,7 @@ static inline lika_result lika_am36_store_preset_steps(
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param position  Value to save for later activation. Written to Preset.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2790,7 +2801,7 @@ static inline lika_result lika_am36_store_preset(
  */
 #define LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT 2U
 
-/** Return the steps of lika_am36_save_parameters(), and their number in count. */
+/** Return the steps of lika_am36_save_parameters(), and store their number in count. */
 static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT] = {
@@ -2806,7 +2817,7 @@ static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2822,13 +2833,13 @@ static inline lika_result lika_am36_save_parameters(
 
 /**
  * Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
- * Before: Bit Enable preset at 0 (enable), the factory default. The manual suggests activating the
- * preset with the shaft at a standstill.
- * Result: The position at which the command arrived has the preset value.
+ * Before: The Enable preset bit is 0 (enable), the factory default. The manual suggests activating
+ * the preset with the shaft at a standstill.
+ * Result: The position at the moment of the command becomes the preset value.
  */
 #define LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT 2U
 
-/** Return the steps of lika_am36_activate_preset(), and their number in count. */
+/** Return the steps of lika_am36_activate_preset(), and store their number in count. */
 static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT] = {
@@ -2845,7 +2856,7 @@ static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2871,7 +2882,7 @@ static inline lika_result lika_am36_activate_preset(
  */
 #define LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
-/** Return the steps of lika_am36_restore_defaults(), and their number in count. */
+/** Return the steps of lika_am36_restore_defaults(), and store their number in count. */
 static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT] = {
@@ -2888,7 +2899,7 @@ static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2905,7 +2916,7 @@ static inline lika_result lika_am36_restore_defaults(
 /**
  * Change the resolution, then set and activate the preset again [6.5 p.24, 6.5 p.29].
  * Before: The manual suggests doing this with the shaft at a standstill.
- * Result: The new resolution is saved. The position at which the last command arrived has the
+ * Result: The new resolution is saved. The position at the moment of the last command becomes the
  * preset value. Frames have the widths read in the last two steps.
  * The frame changes its length as soon as the resolution is written. The master must use the new
  * length before it can read a position again. The order of the steps follows from the warnings of
@@ -2988,14 +2999,14 @@ static inline lika_result lika_am36_set_resolution_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[3U + index] = lika_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
-    /* Information per revolution: read back, which the manual does not ask for */
+    /* Information per revolution: read back, which the manual does not require */
     for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
         steps[5U + index] =
             lika_step_verify(address, 0xFFU, information_per_revolution_bytes[index]);
     }
-    /* Number of revolutions: read back, which the manual does not ask for */
+    /* Number of revolutions: read back, which the manual does not require */
     for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[8U + index] = lika_step_verify(address, 0xFFU, number_of_revolutions_bytes[index]);
@@ -3009,9 +3020,9 @@ static inline lika_result lika_am36_set_resolution_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[13U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset of Configuration: read back, which the manual does not ask for */
+    /* Enable preset of Configuration: read back, which the manual does not require */
     steps[18] = lika_step_verify(0x49U, 0x04U, 0x00U);
-    /* Preset: read back, which the manual does not ask for */
+    /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[19U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
@@ -3027,7 +3038,7 @@ static inline lika_result lika_am36_set_resolution_steps(
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_am36_set_resolution_read {
     /** No. of bits used for singleturn resolution: singleturn bits of all following frames */
@@ -3039,8 +3050,8 @@ typedef struct lika_am36_set_resolution_read {
 /**
  * Change the resolution, then set and activate the preset again, over BiSS C-mode. The transport
  * needs read_registers, write_registers and wait_us.
- * The frames depend on the bytes that it writes: call lika_am36_read_state() afterwards to update
- * the variant.
+ * The frames depend on the bytes written, so call lika_am36_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
@@ -3051,7 +3062,7 @@ typedef struct lika_am36_set_resolution_read {
  * @param position  New value for the present position, below the product of the other two. Written
  *                  to Preset.
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3087,7 +3098,7 @@ static inline lika_result lika_am36_set_resolution(
  */
 #define LIKA_AM36_IDENTIFY_STEPS_COUNT 17U
 
-/** Return the steps of lika_am36_identify(), and their number in count. */
+/** Return the steps of lika_am36_identify(), and store their number in count. */
 static inline const lika_step *lika_am36_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_IDENTIFY_STEPS_COUNT] = {
@@ -3118,7 +3129,7 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_am36_identify_read {
     uint8_t manufacturer_id[2]; /**< Manufacturer ID: Li means Lika Electronic */
@@ -3139,7 +3150,7 @@ typedef struct lika_am36_identify_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3184,11 +3195,11 @@ static inline lika_result lika_am36_identify(
  * Low level: 0VDC: normal level, nothing happens.
  * High level: +VDC: zero setting or preset is activated.
  * Pulse: at least 100 us.
- * Acts only while Enable preset of Configuration enables it.
+ * Has an effect only while Enable preset of Configuration enables it.
  * Connect it to 0VDC when it is not used.
- * Connect the input to +VDC for at least 100 us, then disconnect it. Over BiSS, the bit Enable
- * preset must be 0 (enable), or the input has no effect. Activate it after the counting direction
- * is set, preferably with the shaft at a standstill. Over BiSS, the Command register does the same.
+ * Connect the input to +VDC for at least 100 us, then disconnect it. Over BiSS, the Enable preset
+ * bit must be 0 (enable), or the input has no effect. Activate it after the counting direction is
+ * set, preferably with the shaft at a standstill. Over BiSS, the Command register does the same.
  * Erratum input_levels (open, omission).
  * Erratum enable_preset_polarity (settled, wrong data).
  */
@@ -3197,10 +3208,10 @@ static inline lika_result lika_am36_identify(
  * Counting direction (Complementary input): Sets whether the position counts up with clockwise (CW)
  * or counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15, Electrical safety p.8,
  * 6.5 p.26].
- * Low level: 0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the bit
- * Counting direction.
+ * Low level: 0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the
+ * Counting direction bit.
  * High level: +VDC: counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of
- * the one set by the bit Counting direction.
+ * the one set by the Counting direction bit.
  * A high level inverts Counting direction of Configuration.
  * Connect it to 0VDC when it is not used.
  * Low is 0VDC, high is +VDC. Over BiSS, the position counts up clockwise with bit 0 (CW) and a low
@@ -3217,14 +3228,14 @@ static inline lika_result lika_am36_identify(
  *   Printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
  *   Used: 0VDC is the low level. +VDC is the high level.
  *   Why: The table of connections lists +10VDC +30VDC but not +VDC. The supply is probably meant.
- *   The manual does not give the threshold voltages and the input current. It does not say whether
+ *   The manual does not give the threshold voltages or the input current. It does not say whether
  *   an input may be left open.
  * Erratum order_code_17 (settled, wrong limit) [6, 6.5 p.31]:
  *   Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-...
  *   Used: I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
  *   Why: Registers 7Ah and 7Bh of the Device ID, which the manual relates to the order code,
- *   contain 49h 37h. The words next to them are "I7 = BiSS C interface". The text was read
- *   optically and confuses I and 1 in other places too.
+ *   contain 49h 37h. The words next to them are "I7 = BiSS C interface". The text comes from
+ *   optical character recognition, which confuses I and 1 in other places too.
  * Erratum order_code_edition_1_1 (open, wrong limit) [5, 6, am36_1_1_biss: p.21, am36_1_1: p.22]:
  *   Printed: Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1:
  *   AMx36xx/4096SCx-..., in a table AMM3616/4096SCx...
@@ -3255,7 +3266,7 @@ static inline lika_result lika_am36_identify(
  *   Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off.
  *   Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
  *   Why: An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is
- *   half of 4,096 less one. Perhaps the encoder distinguishes only the 4,096 revolutions of the
+ *   half of 4,096 minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the
  *   order code without power and counts the others. The manual does not say so.
  * Erratum ssi_positions_28_bits (settled, wrong limit) [5.2]:
  *   Printed: AMx3616/4096: 28 bits, 268,425,456.
@@ -3281,12 +3292,12 @@ static inline lika_result lika_am36_identify(
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
  *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 3 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: From 200 m on, the table allows no clock within the range.
+ *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
  *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 3 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 3
- *   MHz.
+ *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
+ *   kHz to 3 MHz.
  * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
  *   Printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us (Tp > 12 us).
  *   Used: The minimum is 12 us. Use a longer pause.
@@ -3298,9 +3309,9 @@ static inline lika_result lika_am36_identify(
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
  *   Used: The start value is 0.
- *   Why: Public BiSS documents start with 0 unless something else is stated. BiSS devices may have
- *   another start value. With another start value, the CRC of every frame fails, with or without
- *   errors on the line.
+ *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
+ *   devices may have another start value. With another start value, the CRC of every frame fails,
+ *   with or without errors on the line.
  * Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
  *   Printed: Position has a variable length according to the resolution of the encoder, 36 bits at
  *   the most.
@@ -3338,8 +3349,8 @@ static inline lika_result lika_am36_identify(
  *   resolution but zeroes the preset.
  *   Used: set_resolution saves the resolution first, and only then writes and activates the preset.
  *   Why: According to 4Bh and 4Eh, a preset written after the resolution would remain. According to
- *   48h and 50h, the command clears it. The manual does not say what Save parameters on EEPROM does
- *   to such a preset.
+ *   48h and 50h, the command clears it. The manual does not say what the command Save parameters on
+ *   EEPROM does to such a preset.
  * Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33,
  * sma21: 6.4, am36_1_1: p.30]:
  *   Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if
@@ -3374,13 +3385,13 @@ static inline lika_result lika_am36_identify(
  * Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
  *   Printed: Error and warning: not used, always 1.
  *   Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not
- *   usable with nE at 0. It is usable with a warning with nW at 0.
+ *   usable if nE is 0. If nW is 0, it is usable with a warning.
  *   Why: The manual does not say what 0 means in these bits. Over BiSS, both are active at 0.
  *   Another encoder or a later firmware may use them.
  * Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
  *   Printed: One device ID, AM I7 2 with the software version, for all models.
  *   Used: The device ID is used as printed.
- *   Why: BiSS requires another device ID where the data length differs. Here the length follows the
+ *   Why: BiSS requires a different device ID for each data length. Here the length follows the
  *   current resolution, while the device ID remains the same. A master must read 56h and 57h to
  *   know the length.
  * Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
@@ -3400,21 +3411,20 @@ static inline lika_result lika_am36_identify(
  *   code.
  *   Why: The table of the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other resolutions.
  * In edition 1.1 [am36_1_1_biss: p.21]:
- *   Not known: value BG of part output of the order code, value GG of part output of the order
- *   code, SSI and parameter modulus.
+ *   Not known: order codes with output BG, order codes with output GG, SSI and parameter modulus.
  *   Why: No page on SSI is public. Only the name of the series shows that SSI models with BG exist.
  * In edition 1.1 [am36_1_1: p.24, am36_1_1: p.30]:
- *   Replaces: the note on register configuration.
+ *   Instead of: the note on register configuration.
  *   Text: For edition 1.1, only two facts are known: the address of the register, and that one of
  *   its bits must be 1 before a preset can be entered. Edition 1.0 prints the same sentence, where
  *   it is an erratum. The meaning of the bits is that of edition 1.0. One of them sets the code of
  *   the position.
  *   Why: The page that describes it is not public.
  * In edition 1.1 [am36_1_1_biss: p.21]:
- *   Replaces: the note on BiSS C-mode.
+ *   Instead of: the note on BiSS C-mode.
  *   Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is
- *   always a slave, alone with one master. It must never be installed in a network of several
- *   slaves.
+ *   always a slave, and the only one of its master. It must never be installed in a network with
+ *   several slaves.
  *   Why: Section 6.6, which gives the clock, is not on a public page.
  * In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
  *   Not known: register profile_id, register serial_number, register command, register device_type,

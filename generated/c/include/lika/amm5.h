@@ -18,7 +18,7 @@
  *
  * Version 0.1.0 of these headers.
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; compared with: it 1.9)
- * Brackets give its sections and pages.
+ * Its sections and pages are cited in brackets.
  *
  * Differences from other editions of the manual are noted inline. Generate files for one with
  * codewheel generate --edition amm5=1.0.
@@ -43,13 +43,14 @@
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual's
- * own evidence decides, and open if only hardware or the manufacturer could. Each erratum is named
- * where it matters and explained at the end of this header. Errata of wording alone are left out.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
+ * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
+ * erratum is mentioned where it matters and explained at the end of this header. Errata that
+ * concern only wording are omitted.
  *
  * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
  * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The functions _set_ keep them consistent. A flag is true while it is active, whether it is sent
+ * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
  * as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
@@ -59,7 +60,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -80,7 +81,7 @@ extern "C" {
  * interface: Interface and additional signals: BG1 = SSI with 1 Vpp sine and cosine; SC1 = BiSS
  * C-mode with 1 Vpp sine and cosine; JP1 = RS-485 serial interface.
  * On the label, a hyphen and further characters follow the interface. The manual does not explain
- * them. The order code and the serial number are on the label of the body and in the delivery
+ * them. The order code and the serial number are on the label on the body and in the delivery
  * document. Lika asks for both in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
@@ -167,7 +168,7 @@ typedef struct lika_amm5_order_code {
     lika_amm5_variant variant; /**< its variant */
 } lika_amm5_order_code;
 
-/** Return the list of all order codes, and their number in count. */
+/** Return the list of all order codes, and store their number in count. */
 static inline const lika_amm5_order_code *lika_amm5_order_codes(size_t *count)
 {
     static const lika_amm5_order_code codes[] = {
@@ -241,7 +242,7 @@ static inline const lika_amm5_order_code *lika_amm5_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the entry of the table of CRC biss_6: the remainder of a byte. */
+/** Return the remainder of a byte from the table of CRC biss_6. */
 static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -273,7 +274,7 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -303,7 +304,7 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -333,14 +334,14 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 }
 
 /**
- * Compute the CRC of bytes.
- * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.6
+ * Compute the CRC of the given bytes.
+ * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.6
  * p.47].
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. The printed code sets
  * the start value 0.
  * Erratum crc_code_bit_order (settled, wrong data).
- * With this polynomial the CRC of whole bytes is their XOR.
+ * With this polynomial, the CRC of whole bytes is their XOR.
  *
  * @param bytes  the bytes that the CRC covers, in the order sent
  * @param length  number of bytes
@@ -359,7 +360,7 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 /* -- choices that the manual leaves open ------------------------------------------------------- */
 
 /**
- * Position of the address in the byte ADF of an EEPROM access over RS-485 [7.5 p.46].
+ * Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
  * Choose the answer for your encoder. No known source settles it, and there is no default.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. The wrong choice accesses twice the address or half of it, and a
@@ -390,7 +391,7 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 
 /* -- reports ----------------------------------------------------------------------------------- */
 
-/** Reports of the encoder. The functions _reports() of frames return a mask of these bits. */
+/** Reports of the encoder. The _reports() functions of the frames return a mask of these bits. */
 #define LIKA_AMM5_REPORT_ERROR 0x01U /**< Error, nE [6.2.1 p.32, 3.4]. */
 #define LIKA_AMM5_REPORT_WARNING 0x02U /**< Warning, nW [6.2.1 p.33, 4.3.1 p.23]. */
 /** EI_3 ... EI_0, unused [7.3.2 p.42, it: 7.3.2 p.43]. */
@@ -412,7 +413,7 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 #define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x20000U /**< BATT [7.4 p.43]. */
 
 /**
- * Return the texts on a report.
+ * Return the texts about a report.
  *
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
@@ -438,15 +439,15 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "warning active in the system. Reports an error in the magnetic multiturn system, "
             "which may make the number of revolutions wrong, or a low battery. The bit does not "
             "distinguish the two (erratum position_under_error).",
-            "Replace a low battery as soon as possible. For an error in the multiturn system the "
-            "manual names no remedy. Steps on the hardware page: Battery replacement without "
+            "Replace a low battery as soon as possible. For an error in the multiturn system, the "
+            "manual gives no remedy. Steps on the hardware page: Battery replacement without "
             "error",
             "6.2.1 p.33, 4.3.1 p.23"
         },
         {
             "status_info",
             "EI_3 ... EI_0",
-            "unused bits differ from the manual, which has 0 there. Encoder information.",
+            "unused bits differ from the documented value 0. Encoder information.",
             "",
             "7.3.2 p.42, it: 7.3.2 p.43"
         },
@@ -461,22 +462,22 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "status_other_error",
             "EE_1",
             "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position "
-            "data are 0. One bit for BUSY, which clears itself, and for errors that remain until "
-            "they are reset.",
+            "data are 0. A single bit covers BUSY, which clears itself, and errors that remain "
+            "until they are reset.",
             "Request data ID 3. Its ALMC shows the active error",
             "7.3.2 p.42, it: 7.3.2 p.43"
         },
         {
             "status_zero",
             "",
-            "unused bits differ from the manual, which has 0 there",
+            "unused bits differ from the documented value 0",
             "",
             "7.3.2 p.42, it: 7.3.2 p.43"
         },
         {
             "alarm_zero_0",
             "",
-            "unused bits differ from the manual, which has 0 there",
+            "unused bits differ from the documented value 0",
             "",
             "7.4 p.43"
         },
@@ -497,7 +498,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
         {
             "alarm_zero_3_4",
             "",
-            "unused bits differ from the manual, which has 0 there",
+            "unused bits differ from the documented value 0",
             "",
             "7.4 p.43"
         },
@@ -577,8 +578,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * up to n + 1 rising edges (13 bits: 14 edges). The time Tm may follow the word immediately.
  * Signals: EIA RS-422, clock and data have a logic level of typically 5 V [5 p.27].
- * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
- * p.28].
+ * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
+ * [5.2 p.28].
  * Code: binary [5.2 p.28].
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
@@ -594,12 +595,12 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
 #define LIKA_AMM5_SSI_MONOFLOP_TYPICAL_US 12U
 /**
  * Tp: at least 20 us: Pause between two clock sequences. The manual prints Tp > 20 us, so exactly
- * 20 us leave no margin [5.3].
+ * 20 us leaves no margin [5.3].
  */
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /**
- * For lika/receive.h, by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_AMM5_A17_1BG1_SSI_BITS 17U
 #define LIKA_AMM5_A17_1BG1_SSI_RX_BYTES 3U
@@ -750,7 +751,7 @@ static inline lika_result lika_amm5_ssi_word_encode(
 }
 
 /**
- * Return the verdict on the position in a frame. The frame has no bit for it.
+ * Return the verdict on the position in a frame. The frame has no status bit.
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
@@ -768,14 +769,15 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * The encoder is always a slave, alone with one master. It must never be installed in a network of
- * several slaves. For everything that the manual leaves out, it refers to www.biss-interface.com.
+ * The encoder is always a slave, and the only one of its master. It must never be installed in a
+ * network with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6 p.31].
  * Profile: Standard encoder profile [6 p.31].
  * Network: point to point, one slave only [6 p.31].
  * Time-out: 1.5 clock periods (30 us at 50 kHz, 7.5 us at 200 kHz, 150 ns at 10 MHz) [6.5 p.40].
- * Control data: Each frame carries one bit, for reading and writing the registers. The manual
- * describes the main fields and refers to the BiSS C protocol description for the whole structure.
+ * Control data: Each frame carries one bit of control data, for reading and writing the registers.
+ * The manual describes the main fields and refers to the BiSS C protocol description for the whole
+ * structure.
  * Erratum profile_id_missing (open, omission).
  * Erratum biss_min_clock (open, wrong limit).
  * Before edition 1.4: may differ, see the end of this file.
@@ -799,13 +801,13 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(
 /** CRC: 4 bits: CRC of the transmission, sent inverted [6.3 p.34]. */
 #define LIKA_AMM5_BISS_CONTROL_CRC_BITS 4U
 /**
- * eeprom_write: at least 30 ms: Time from a write to the Command register to the next function. The
- * EEPROM is written during this time [6.4 p.39].
+ * eeprom_write: at least 30 ms: Time between a write to the Command register and the next function.
+ * The EEPROM is written during this time [6.4 p.39].
  */
 #define LIKA_AMM5_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * For lika/receive.h, by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -836,11 +838,11 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(
 #define LIKA_AMM5_B23_65KSC1_BISS_RX_BYTES 12U
 
 /**
- * For registers by lika/biss.h: the bit of lika_biss_master_next must be on MA before the last
- * clock of the same frame, at least 25 clock periods after its CDS: 2.5 us at 10 MHz and 500 us at
- * 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next frame
- * begins, since the SPI mode sends it. MA shows the inverse of the bit for the whole time-out (1.5
- * clock periods).
+ * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
+ * last clock of the same frame, at least 25 clock periods after its CDS: 2.5 us at 10 MHz and 500
+ * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
+ * time-out (1.5 clock periods).
  */
 
 /** Return the time-out after a frame in nanoseconds, rounded up, or 0 if clock_hz is 0. */
@@ -891,7 +893,7 @@ typedef struct lika_amm5_single_cycle_data {
      * warning. While it is active, the position is not usable. This applies only to .../65K.... For
      * other order codes the manual does not explain the flag, and the position is usable, with a
      * warning. Remedy: Replace a low battery as soon as possible. For an error in the multiturn
-     * system the manual names no remedy. Steps: Battery replacement without error.
+     * system, the manual gives no remedy. Steps: Battery replacement without error.
      */
     bool warning;
     /** position consists of multiturn and singleturn, most significant first. */
@@ -1021,7 +1023,7 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_single_cycle_data_verdict(
@@ -1063,9 +1065,8 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(
  * progress.
  * Memory read, busy 0: The byte was read. Address: that of the request. Data: the EEPROM's data
  * [7.5 p.46].
- * Memory read, busy 1: The memory is busy: with reading according to the table, with writing
- * according to the sentence below it. The request is invalid. Address: that of the request. Data:
- * 00h [7.5 p.46].
+ * Memory read, busy 1: The memory is busy: reading according to the table, writing according to the
+ * sentence below it. The request is invalid. Address: that of the request. Data: 00h [7.5 p.46].
  * Memory write, busy 0: The request was accepted. Address: that of the request. Data: that of the
  * request [7.5 p.46].
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
@@ -1097,8 +1098,8 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(
  */
 #define LIKA_AMM5_RS485_BUSY_AFTER_RESET_AT_MOST_US 2000U
 /**
- * data_reset: at most 18 ms: Execution time after the tenth request with data ID 8, EEPROM writing
- * included [7.4.2].
+ * data_reset: at most 18 ms: Execution time after the tenth request with data ID 8, including the
+ * write to the EEPROM [7.4.2].
  */
 #define LIKA_AMM5_RS485_DATA_RESET_AT_MOST_US 18000U
 
@@ -1163,7 +1164,7 @@ typedef enum lika_amm5_data_id {
 /**
  * data_request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
  * In the manual: Master -> Encoder: CF.
- * Carries data_id 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
+ * Its data_id is 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
  * (reset_singleturn_and_multiturn) or C (reset_multiturn_and_errors).
  * One byte, without a CRC.
  *   byte 0, bits 2:0  sync     Start of a frame, binary 010. Always 2.
@@ -1252,7 +1253,7 @@ static inline lika_result lika_amm5_data_request_encode(
  * eeprom_write_request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5
  * p.46].
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
- * Carries data_id 6 (eeprom_write).
+ * Its data_id is 6 (eeprom_write).
  * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
@@ -1360,7 +1361,7 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  * eeprom_read_request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5
  * p.46].
  * In the manual: Master -> Encoder: CF ADF CRC.
- * Carries data_id D (eeprom_read).
+ * Its data_id is D (eeprom_read).
  * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
@@ -1462,20 +1463,20 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  * singleturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4
  * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
- * Carries data_id 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
+ * Its data_id is 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
  * (reset_multiturn_and_errors).
  * position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits
  * 23:21 or bits 23:17.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity              Even parity of data_id.
- *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
- *                                         manual. Other values: the frame is still decoded, with
- *                                         the verdict usable_with_warning.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, documented as
+ *                                         0. Frames with other values are still decoded, with the
+ *                                         verdict usable_with_warning.
  *   byte 1, bit 4     status_st_error
  *   byte 1, bit 5     status_other_error
- *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. Other values: the frame is still
- *                                         decoded, with the verdict usable_with_warning.
+ *   byte 1, bits 7:6  status_zero         Unused, documented as 0. Frames with other values are
+ *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      singleturn          singleturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
  * Erratum busy_and_errors_in_one_bit (open, omission).
@@ -1493,8 +1494,8 @@ typedef struct lika_amm5_singleturn_reply {
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are reset.
-     * Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
+     * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
+     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
      * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
@@ -1502,7 +1503,7 @@ typedef struct lika_amm5_singleturn_reply {
     bool status_other_error;
     /**
      * ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits,
-     * zeros above it.
+     * with zeros above it.
      */
     uint32_t singleturn;
     /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
@@ -1602,7 +1603,7 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_amm5_singleturn_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in)
@@ -1616,7 +1617,7 @@ static inline bool lika_amm5_singleturn_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_singleturn_reply_verdict(
@@ -1652,18 +1653,18 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(
 /**
  * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
- * Carries data_id 1 (multiturn).
+ * Its data_id is 1 (multiturn).
  * In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: Type of the request, repeated in the reply.
  *   byte 0, bit 7     parity              Even parity of data_id.
- *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
- *                                         manual. Other values: the frame is still decoded, with
- *                                         the verdict usable_with_warning.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, documented as
+ *                                         0. Frames with other values are still decoded, with the
+ *                                         verdict usable_with_warning.
  *   byte 1, bit 4     status_st_error
  *   byte 1, bit 5     status_other_error
- *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. Other values: the frame is still
- *                                         decoded, with the verdict usable_with_warning.
+ *   byte 1, bits 7:6  status_zero         Unused, documented as 0. Frames with other values are
+ *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      multiturn           multiturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
  * Erratum busy_and_errors_in_one_bit (open, omission).
@@ -1679,16 +1680,16 @@ typedef struct lika_amm5_multiturn_reply {
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are reset.
-     * Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
+     * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
+     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
      * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
-     * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, zeros
-     * above it.
+     * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, with
+     * zeros above it.
      */
     uint16_t multiturn;
     /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
@@ -1776,7 +1777,7 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_amm5_multiturn_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in)
@@ -1790,7 +1791,7 @@ static inline bool lika_amm5_multiturn_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_multiturn_reply_verdict(
@@ -1827,17 +1828,17 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(
  * encoder_id_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4
  * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 CRC.
- * Carries data_id 2 (encoder_id).
+ * Its data_id is 2 (encoder_id).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: Type of the request, repeated in the reply.
  *   byte 0, bit 7     parity              Even parity of data_id.
- *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
- *                                         manual. Other values: the frame is still decoded, with
- *                                         the verdict usable_with_warning.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, documented as
+ *                                         0. Frames with other values are still decoded, with the
+ *                                         verdict usable_with_warning.
  *   byte 1, bit 4     status_st_error
  *   byte 1, bit 5     status_other_error
- *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. Other values: the frame is still
- *                                         decoded, with the verdict usable_with_warning.
+ *   byte 1, bits 7:6  status_zero         Unused, documented as 0. Frames with other values are
+ *                                         still decoded, with the verdict usable_with_warning.
  *   byte 2            encoder_id
  *   byte 3            crc                 CRC. CRC rs485_8 over everything before it.
  * Erratum encoder_id_23h (open, wrong data): Used: 23h is the expected encoder ID. A frame with
@@ -1854,8 +1855,8 @@ typedef struct lika_amm5_encoder_id_reply {
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are reset.
-     * Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
+     * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
+     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
      * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
@@ -1945,7 +1946,7 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_amm5_encoder_id_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in)
@@ -1974,26 +1975,26 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(
 /**
  * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF7 CRC.
- * Carries data_id 3 (all_data).
+ * Its data_id is 3 (all_data).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: Type of the request, repeated in the reply.
  *   byte 0, bit 7     parity              Even parity of data_id.
- *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
- *                                         manual. Other values: the frame is still decoded, with
- *                                         the verdict usable_with_warning.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, documented as
+ *                                         0. Frames with other values are still decoded, with the
+ *                                         verdict usable_with_warning.
  *   byte 1, bit 4     status_st_error
  *   byte 1, bit 5     status_other_error
- *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. Other values: the frame is still
- *                                         decoded, with the verdict usable_with_warning.
+ *   byte 1, bits 7:6  status_zero         Unused, documented as 0. Frames with other values are
+ *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      singleturn          singleturn_bits bits.
  *   byte 5            encoder_id
  *   bytes 6 to 8      multiturn           multiturn_bits bits.
- *   byte 9, bit 0     alarm_zero_0        Unused, 0 in the manual. Other values: the frame is still
- *                                         decoded, with the verdict usable_with_warning.
+ *   byte 9, bit 0     alarm_zero_0        Unused, documented as 0. Frames with other values are
+ *                                         still decoded, with the verdict usable_with_warning.
  *   byte 9, bit 1     busy
  *   byte 9, bit 2     st_error
- *   byte 9, bits 4:3  alarm_zero_3_4      Unused, 0 in the manual. Other values: the frame is still
- *                                         decoded, with the verdict usable_with_warning.
+ *   byte 9, bits 4:3  alarm_zero_3_4      Unused, documented as 0. Frames with other values are
+ *                                         still decoded, with the verdict usable_with_warning.
  *   byte 9, bit 5     ps_error
  *   byte 9, bit 6     mt_error
  *   byte 9, bit 7     battery_alarm
@@ -2012,8 +2013,8 @@ typedef struct lika_amm5_complete_reply {
      */
     bool status_st_error;
     /**
-     * EE_1: One bit for BUSY, which clears itself, and for errors that remain until they are reset.
-     * Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
+     * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
+     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
      * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
@@ -2021,7 +2022,7 @@ typedef struct lika_amm5_complete_reply {
     bool status_other_error;
     /**
      * ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits,
-     * zeros above it.
+     * with zeros above it.
      */
     uint32_t singleturn;
     /**
@@ -2030,8 +2031,8 @@ typedef struct lika_amm5_complete_reply {
      */
     uint8_t encoder_id;
     /**
-     * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, zeros
-     * above it.
+     * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, with
+     * zeros above it.
      */
     uint16_t multiturn;
     /**
@@ -2207,7 +2208,7 @@ static inline lika_result lika_amm5_complete_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_amm5_complete_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in)
@@ -2221,7 +2222,7 @@ static inline bool lika_amm5_complete_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_amm5_complete_reply_verdict(
@@ -2271,7 +2272,7 @@ static inline uint32_t lika_amm5_complete_reply_reports(
  * eeprom_write_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5
  * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
- * Carries data_id 6 (eeprom_write).
+ * Its data_id is 6 (eeprom_write).
  * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
@@ -2397,7 +2398,7 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  * eeprom_read_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5
  * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
- * Carries data_id D (eeprom_read).
+ * Its data_id is D (eeprom_read).
  * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
@@ -2675,7 +2676,7 @@ static inline uint64_t lika_amm5_counts_per_turn(const lika_amm5_variant *varian
 }
 
 /**
- * Return the number of counts after which the position starts again at 0: those of all revolutions.
+ * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
 static inline uint64_t lika_amm5_modulus(const lika_amm5_variant *variant)
 {
@@ -2683,7 +2684,7 @@ static inline uint64_t lika_amm5_modulus(const lika_amm5_variant *variant)
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_amm5_position_difference(
@@ -2711,8 +2712,9 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
 
 /**
  * Shifts and masks refer to a register as one number. Decoders and encoders use its bytes in
- * ascending order of address. The functions _read_ and _write_ transfer all bytes of a register by
- * one call of your transport. A register reserved to the manufacturer has no function _write_.
+ * ascending order of address. The _read_ and _write_ functions transfer all bytes of a register in
+ * a single call to your transport. A register reserved for the manufacturer has no _write_
+ * function.
  */
 
 /**
@@ -2730,11 +2732,11 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  * Erratum preset_bits_below_lsb (open, omission).
  * Erratum biss_bank_select (open, omission).
  * Erratum preset_default_length (settled, wrong data).
- *   bits 55:49                        -           always zero.
+ *   bits 55:49                        -           Always zero.
  *   from bit 49 - multiturn_bits up   multiturn   multiturn_bits bits.
- *   from bit 33 up                    -           16 - multiturn_bits bits. always zero.
+ *   from bit 33 up                    -           16 - multiturn_bits bits. Always zero.
  *   from bit 33 - singleturn_bits up  singleturn  singleturn_bits bits.
- *   from bit 0 up                     -           33 - singleturn_bits bits. always zero.
+ *   from bit 0 up                     -           33 - singleturn_bits bits. Always zero.
  */
 #define LIKA_AMM5_REG_PRESET_ADDRESS 0x11U
 #define LIKA_AMM5_REG_PRESET_LENGTH 7U /**< bytes, 11h to 17h */
@@ -2884,12 +2886,12 @@ static inline lika_result lika_amm5_reg_preset_encode(
 }
 
 /**
- * Read Preset, 11h to 17h.
+ * Read the register Preset, 11h to 17h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2907,12 +2909,12 @@ static inline lika_result lika_amm5_read_preset(
 }
 
 /**
- * Write Preset, 11h to 17h.
+ * Write the register Preset, 11h to 17h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -2949,12 +2951,12 @@ typedef enum lika_amm5_preset_setting_enable {
 } lika_amm5_preset_setting_enable;
 
 /**
- * Write Preset setting enable, 40h.
+ * Write the register Preset setting enable, 40h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param value  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -2974,7 +2976,7 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
 /**
  * Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38,
  * it: 6.4 p.39].
- * Year and week of production and a serial number, as decimal digits of one binary number.
+ * Year and week of production and a serial number, as the decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_order (open, wrong data): Used: The high byte comes first, as printed.
  * Before edition 1.7: may differ, see the end of this file.
@@ -3089,12 +3091,12 @@ static inline lika_result lika_amm5_reg_serial_number_encode(
 }
 
 /**
- * Read Serial number, 44h to 47h.
+ * Read the register Serial number, 44h to 47h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -3115,9 +3117,9 @@ static inline lika_result lika_amm5_read_serial_number(
 /**
  * Command (it: Comando), register 77h, write only, over BiSS C-mode [6.4 p.39].
  * Saves the parameters or activates the preset.
- * Wait at least 30 ms after a write, before the next command.
- * Returns to its default by itself after a write.
- * After a command, the register returns to 00 by itself.
+ * Wait at least 30 ms between a write and the next command.
+ * Automatically returns to its default after a write.
+ * After a command, the register automatically returns to 00.
  * Before edition 1.4: may differ, see the end of this file.
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
@@ -3135,12 +3137,12 @@ typedef enum lika_amm5_command {
 } lika_amm5_command;
 
 /**
- * Write Command, 77h, then wait 30 ms.
+ * Write the register Command, 77h, then wait 30 ms.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param value  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -3247,7 +3249,7 @@ static inline lika_result lika_amm5_reg_device_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_amm5_reg_device_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in)
@@ -3260,12 +3262,12 @@ static inline bool lika_amm5_reg_device_id_is_expected(
 }
 
 /**
- * Read Device ID, 78h to 7Dh.
+ * Read the register Device ID, 78h to 7Dh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -3355,7 +3357,7 @@ static inline lika_result lika_amm5_reg_manufacturer_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_amm5_reg_manufacturer_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in)
@@ -3366,12 +3368,12 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
 }
 
 /**
- * Read Manufacturer ID, 7Eh to 7Fh.
+ * Read the register Manufacturer ID, 7Eh to 7Fh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -3402,7 +3404,7 @@ typedef struct lika_amm5_identity {
  *
  * @param transport  your bus access functions
  * @param out  the contents of the registers
- * @param failure  what failed, or NULL. Its step counts the members of the struct, from 0
+ * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
 LIKA_NODISCARD
@@ -3425,7 +3427,7 @@ static inline lika_result lika_amm5_read_identity(
     return LIKA_OK;
 }
 
-/** Return true if an encoder of this order code can have these contents. */
+/** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_amm5_could_be(
     const lika_amm5_variant *variant, const lika_amm5_identity *read)
 {
@@ -3444,10 +3446,10 @@ static inline bool lika_amm5_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one with each call.
+ * Find the order codes that an encoder can have, one per call.
  *
  * @param read  the contents of its registers
- * @param next  place in the list of order codes. Set it to 0 before the first call
+ * @param next  index in the list of order codes. Set it to 0 before the first call
  * @return the next order code, or NULL if there are no more
  */
 static inline const lika_amm5_order_code *lika_amm5_next_candidate(
@@ -3470,8 +3472,8 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
 /**
  * Set, save and activate a preset [6.4 p.35].
  * Before: The manual suggests setting the preset with the shaft at a standstill.
- * Result: The position at which the activation arrived has the preset value. All other positions
- * follow from it.
+ * Result: The position at the moment of activation becomes the preset value. All other positions
+ * shift accordingly.
  * Before edition 1.4: may differ, see the end of this file.
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 20U
@@ -3513,7 +3515,7 @@ static inline lika_result lika_amm5_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which the manual does not ask for */
+    /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
@@ -3535,7 +3537,7 @@ static inline lika_result lika_amm5_set_preset_steps(
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param position  New value for the present position. Written to Preset.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3599,7 +3601,7 @@ static inline lika_result lika_amm5_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which the manual does not ask for */
+    /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
@@ -3619,7 +3621,7 @@ static inline lika_result lika_amm5_store_preset_steps(
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param position  Value to save for later activation. Written to Preset.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3646,7 +3648,7 @@ static inline lika_result lika_amm5_store_preset(
  */
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
-/** Return the steps of lika_amm5_save_parameters(), and their number in count. */
+/** Return the steps of lika_amm5_save_parameters(), and store their number in count. */
 static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT] = {
@@ -3662,7 +3664,7 @@ static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3679,12 +3681,12 @@ static inline lika_result lika_amm5_save_parameters(
 /**
  * Activate the saved preset [6.4 p.39].
  * Before: The manual suggests activating the preset with the shaft at a standstill.
- * Result: The position at which the command arrived has the preset value.
+ * Result: The position at the moment of the command becomes the preset value.
  * Before edition 1.4: may differ, see the end of this file.
  */
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 
-/** Return the steps of lika_amm5_activate_preset(), and their number in count. */
+/** Return the steps of lika_amm5_activate_preset(), and store their number in count. */
 static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT] = {
@@ -3700,7 +3702,7 @@ static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3727,13 +3729,15 @@ static inline lika_result lika_amm5_activate_preset(
  */
 #define LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT 2U
 
-/** Return the steps of lika_amm5_reset_singleturn_and_multiturn(), and their number in count. */
+/**
+ * Return the steps of lika_amm5_reset_singleturn_and_multiturn(), and store their number in count.
+ */
 static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
         /* reset_singleturn_and_multiturn; in succession, with no other request in between */
         { LIKA_STEP_SEND, 6U, 0xFFU, 0xC2U, 10U, 40U },
-        /* execution takes at most 18 ms, EEPROM writing included */
+        /* execution takes at most 18 ms, including the write to the EEPROM */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
     };
     *count = LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT;
@@ -3745,7 +3749,7 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3763,7 +3767,7 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  * Reset multiturn data and all errors [7.4.2 p.45].
  * Before: The shaft is at a standstill, that is 300 rpm or less.
  * Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST
- * error, MT error, and by 7.4.1 also the battery alarm) are cleared.
+ * error, MT error, and according to 7.4.1 also the battery alarm) are cleared.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
  * Erratum battery_alarm_reset (open, omission).
  * Erratum reset_interval (open, omission).
@@ -3771,7 +3775,7 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  */
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
-/** Return the steps of lika_amm5_reset_multiturn_and_errors(), and their number in count. */
+/** Return the steps of lika_amm5_reset_multiturn_and_errors(), and store their number in count. */
 static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
@@ -3788,7 +3792,7 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3805,8 +3809,8 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
 /**
  * Reset all errors [7.4.2 p.45].
  * Before: The shaft is at a standstill, that is 300 rpm or less.
- * Result: The latched errors (PS error, ST error, MT error, and by 7.4.1 also the battery alarm)
- * are cleared.
+ * Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery
+ * alarm) are cleared.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
  * Erratum battery_alarm_reset (open, omission).
  * Erratum reset_interval (open, omission).
@@ -3814,7 +3818,7 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
  */
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
-/** Return the steps of lika_amm5_reset_errors(), and their number in count. */
+/** Return the steps of lika_amm5_reset_errors(), and store their number in count. */
 static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
@@ -3831,7 +3835,7 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3916,8 +3920,9 @@ static inline lika_result lika_amm5_reset_errors(
 /* -- times of the device ----------------------------------------------------------------------- */
 
 /**
- * battery_replacement: at most 60 s: Time from removing the depleted battery to connecting the new
- * one, with the 5 V supply on, so that the position is kept (only with .../65K...) [4.3.1 p.23].
+ * battery_replacement: at most 60 s: Time allowed between removing the depleted battery and
+ * connecting the new one, with the 5 V supply on, without losing the position (only with
+ * .../65K...) [4.3.1 p.23].
  */
 #define LIKA_AMM5_BATTERY_REPLACEMENT_AT_MOST_US 60000000U
 
@@ -3959,12 +3964,12 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
  *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: From 200 m on, the table allows no clock within the range.
+ *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
  *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4
- *   MHz.
+ *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
+ *   kHz to 4 MHz.
  * Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
  *   Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is
  *   listed.
@@ -3981,9 +3986,9 @@ static inline lika_result lika_amm5_reset_errors(
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
  *   Used: The start value is 0.
- *   Why: Public BiSS documents start with 0 unless something else is stated. BiSS devices may have
- *   another start value. With another start value, the CRC of every frame fails, with or without
- *   errors on the line.
+ *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
+ *   devices may have another start value. With another start value, the CRC of every frame fails,
+ *   with or without errors on the line.
  * Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44,
  * 9 p.51]:
  *   Printed: nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2:
@@ -4005,11 +4010,11 @@ static inline lika_result lika_amm5_reset_errors(
  *   Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low
  *   battery (warning alone): the position is kept. The effect of the other errors on the position
  *   is not given.
- *   Used: The position is not usable with an error, BUSY, PS error or ST error. Latched errors
- *   count until they are reset. In multiturn models, the position is not usable with MT error or
- *   the warning bit, and it is usable with a warning with the battery alarm. EE_1, the sum of BUSY,
- *   PS error, battery alarm and MT error, makes the position not usable. If the frame also carries
- *   these four (data ID 3), they decide instead.
+ *   Used: The position is not usable if any of these is active: error, BUSY, PS error or ST error.
+ *   Latched errors count until they are reset. In multiturn models, the MT error or the warning bit
+ *   also makes the position not usable. With the battery alarm, it is usable with a warning. EE_1,
+ *   which combines BUSY, PS error, battery alarm and MT error, makes the position not usable. If
+ *   the frame also carries these four flags (data ID 3), they decide instead.
  *   Why: PS error and ST error are faults of the counting itself. The position may have been
  *   counted wrongly before the error was detected. Where EE_1 is the only information, the position
  *   may be the 0 of BUSY. The warning bit means a low battery, with which the position is kept
@@ -4043,16 +4048,16 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
  *   Printed: One device ID, AMM5 with the release, for all models.
  *   Used: The device ID is used as printed.
- *   Why: BiSS requires another device ID where the data length differs. The SC1 models have six
- *   lengths. Unless the release bytes, printed as xx, differ with them, a master cannot distinguish
- *   the models.
+ *   Why: BiSS requires a different device ID for each data length. The SC1 models have six lengths.
+ *   Unless the release bytes, printed as xx, differ with them, a master cannot distinguish the
+ *   models.
  * Erratum serial_number_order (open, wrong data) [6.4 p.38, amm36: p.38, amm80: 6.4 p.41]:
  *   Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630.
  *   Used: The high byte comes first, as printed.
  *   Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to
- *   47h and reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated the registers
- *   44h to 47h, so an older AMM5 may answer in the other order. An impossible year or week shows
- *   the wrong order.
+ *   47h and reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to
+ *   47h, so an older AMM5 may answer in the other order. An impossible year or week shows the wrong
+ *   order.
  * Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
  *   Printed: The clock is 50 kHz at least. The time-out is worked out for 50 kHz as well.
  *   Used: The lowest clock is 50 kHz.
@@ -4099,8 +4104,8 @@ static inline lika_result lika_amm5_reset_errors(
  *   Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch
  *   errors (PS error, ST error, MT error).
  *   Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
- *   Why: 7.4.1 says so for this alarm by name. The lists in 7.4.2 are meant to contain all latched
- *   errors but omit it.
+ *   Why: 7.4.1 says so explicitly for this alarm. The lists in 7.4.2 are meant to contain all
+ *   latched errors but omit it.
  * Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
  * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
  *   Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting
@@ -4152,7 +4157,7 @@ static inline lika_result lika_amm5_reset_errors(
  *   less).
  *   Used: The condition is a standstill, that is 300 rpm or less, as printed.
  *   Why: A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition
- *   at all. The description of data ID 8 asks for a stop without a speed.
+ *   at all. The description of data ID 8 requires a stop but gives no speed.
  * Erratum busy_clear (open, omission) [7.4.1 p.44, it: 7.4.1 p.44]:
  *   Printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed
  *   decreased to 300 rpm or less).
@@ -4170,21 +4175,20 @@ static inline lika_result lika_amm5_reset_errors(
  *   the reply. Without a shortest time, the master must release the line immediately after the stop
  *   bit of its request. Otherwise the first byte of the reply is lost.
  * Before edition 1.8 [Document release]:
- *   Not present: value B of part mount of the order code.
+ *   Not present: order codes with mount B.
  *   Why: AMM5B was introduced with this revision.
  * Before edition 1.7 [Document release, amm36: p.38]:
  *   Not known: register serial_number.
- *   Why: The registers 44h to 47h were updated. The table does not give their earlier content. The
+ *   Why: Registers 44h to 47h were updated. The table does not give their earlier content. The
  *   manual of the AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here
  *   and says that it must be reversed. An older AMM5 may do the same.
  * Before edition 1.7 [Document release, amm36_device_id: p.39]:
  *   Not known: register device_id.
- *   Why: The registers 78h to 7Dh were updated. The table does not give their earlier content. The
+ *   Why: Registers 78h to 7Dh were updated. The table does not give their earlier content. The
  *   manual of the AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out
  *   in 7Ch and the software release in 7Dh. An older AMM5 may do the same.
  * Before edition 1.6 [Document release]:
- *   Not present: value BG1 of part interface of the order code and value JP1 of part interface of
- *   the order code.
+ *   Not present: order codes with interface BG1 and order codes with interface JP1.
  *   Why: The versions with SSI and with RS-485 came with this revision. All earlier encoders had
  *   BiSS.
  * Before edition 1.6 [Document release]:

@@ -19,7 +19,7 @@
  *
  * Version 0.1.0 of these headers.
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
- * Brackets give its sections and pages.
+ * Its sections and pages are cited in brackets.
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
@@ -35,13 +35,14 @@
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual's
- * own evidence decides, and open if only hardware or the manufacturer could. Each erratum is named
- * where it matters and explained at the end of this header. Errata of wording alone are left out.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
+ * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
+ * erratum is mentioned where it matters and explained at the end of this header. Errata that
+ * concern only wording are omitted.
  *
  * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
  * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The functions _set_ keep them consistent. A flag is true while it is active, whether it is sent
+ * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
  * as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
@@ -51,7 +52,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/asc85.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -71,7 +72,7 @@ extern "C" {
  * DC +/-5 %; 2 = +10 V DC to +30 V DC.
  * Other values that match [0-9] are accepted and shown as unlisted.
  * On the label, a hyphen and further characters follow the supply. The manual does not explain
- * them. The order code and the serial number are on the label of the body and in the delivery
+ * them. The order code and the serial number are on the label on the body and in the delivery
  * document. Lika asks for both in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
@@ -138,7 +139,7 @@ typedef struct lika_asc85_order_code {
     lika_asc85_variant variant; /**< its variant */
 } lika_asc85_order_code;
 
-/** Return the list of all order codes, and their number in count. */
+/** Return the list of all order codes, and store their number in count. */
 static inline const lika_asc85_order_code *lika_asc85_order_codes(size_t *count)
 {
     static const lika_asc85_order_code codes[] = {
@@ -189,7 +190,7 @@ static inline const lika_asc85_order_code *lika_asc85_order_codes(size_t *count)
 /**
  * Find the order code on a label, to choose one at run time.
  * A part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code that agrees in the other parts.
+ * first order code whose other parts match.
  *
  * @param label  text of the label
  * @param unlisted  the parts whose values are not listed, as bits
@@ -248,7 +249,7 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the entry of the table of CRC biss_6: the remainder of a byte. */
+/** Return the remainder of a byte from the table of CRC biss_6. */
 static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -280,7 +281,7 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -310,7 +311,7 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -369,14 +370,14 @@ static inline uint32_t lika_asc85_zero_bits(lika_asc85_zero_bit zero_bit)
 
 /* -- reports ----------------------------------------------------------------------------------- */
 
-/** Reports of the encoder. The functions _reports() of frames return a mask of these bits. */
+/** Reports of the encoder. The _reports() functions of the frames return a mask of these bits. */
 typedef enum lika_asc85_report {
     LIKA_ASC85_REPORT_ERROR = 0x1, /**< Error, nE [6.2.1 p.20]. */
     LIKA_ASC85_REPORT_WARNING = 0x2 /**< Warning, nW [6.2.1 p.20]. */
 } lika_asc85_report;
 
 /**
- * Return the texts on a report.
+ * Return the texts about a report.
  *
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
@@ -418,8 +419,8 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
  * outputs one bit, down to the LSB. The last rising edge ends the cycle, so a word of n bits takes
  * up to n + 1 rising edges (13 bits: 14 edges). The time Tm may follow the word immediately.
  * Signals: EIA RS-422, clock and data have a logic level of typically 5 V [5 p.15].
- * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
- * p.16].
+ * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
+ * [5.2 p.16].
  * Code: binary or Gray, by order code [5.2 p.16].
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
@@ -434,12 +435,12 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
 #define LIKA_ASC85_SSI_MONOFLOP_TYPICAL_US 12U
 /**
  * Tp: at least 12 us: Pause between two clock sequences. The manual prints Tp > 12 us, so exactly
- * 12 us leave no margin [5.3 p.17].
+ * 12 us leaves no margin [5.3 p.17].
  */
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * For lika/receive.h, by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_ASC85_20_BG1_SSI_BITS 20U
 #define LIKA_ASC85_20_BG1_SSI_RX_BYTES 3U
@@ -580,7 +581,7 @@ static inline lika_result lika_asc85_ssi_word_encode(
 }
 
 /**
- * Return the verdict on the position in a frame. The frame has no bit for it.
+ * Return the verdict on the position in a frame. The frame has no status bit.
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
@@ -598,13 +599,14 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * The encoder is always a slave, alone with one master. It must never be installed in a network of
- * several slaves. For everything that the manual leaves out, it refers to www.biss-interface.com.
+ * The encoder is always a slave, and the only one of its master. It must never be installed in a
+ * network with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for CLOCK IN (MA) and DATA OUT (SLO) [6 p.19].
  * Profile: BP1: Standard Encoder Profile [6 p.19].
  * Network: point to point, one slave only [6 p.19].
- * Control data: Each frame carries one bit, for reading and writing the registers. The manual
- * describes the main fields and refers to the BiSS C protocol description for the whole structure.
+ * Control data: Each frame carries one bit of control data, for reading and writing the registers.
+ * The manual describes the main fields and refers to the BiSS C protocol description for the whole
+ * structure.
  * Erratum biss_timeout (open, omission).
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 10 MHz [6.5 p.32]. */
@@ -629,7 +631,7 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /**
- * For lika/receive.h, by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * The length depends on your choice, which is part of the name: as_printed or left_out.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
@@ -685,11 +687,11 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(
 #define LIKA_ASC85_25_SC2_BISS_LEFT_OUT_RX_BYTES 10U
 
 /**
- * For registers by lika/biss.h: the bit of lika_biss_master_next must be on MA before the last
- * clock of the same frame, at least 28 clock periods after its CDS: 2.8 us at 10 MHz and 280 us at
- * 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next frame
- * begins, since the SPI mode sends it. MA shows the inverse of the bit for the whole time-out
- * (follows the clock, 350 ns at 10 MHz).
+ * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
+ * last clock of the same frame, at least 28 clock periods after its CDS: 2.8 us at 10 MHz and 280
+ * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
+ * time-out (follows the clock, 350 ns at 10 MHz).
  */
 
 /**
@@ -827,7 +829,7 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_asc85_single_cycle_data_verdict(
@@ -867,7 +869,7 @@ static inline uint64_t lika_asc85_counts_per_turn(const lika_asc85_variant *vari
 }
 
 /**
- * Return the number of counts after which the position starts again at 0: those of one revolution.
+ * Return the number of counts after which the position wraps around to 0, which is one revolution.
  */
 static inline uint64_t lika_asc85_modulus(const lika_asc85_variant *variant)
 {
@@ -875,7 +877,7 @@ static inline uint64_t lika_asc85_modulus(const lika_asc85_variant *variant)
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_asc85_position_difference(
@@ -903,8 +905,9 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
 
 /**
  * Shifts and masks refer to a register as one number. Decoders and encoders use its bytes in
- * ascending order of address. The functions _read_ and _write_ transfer all bytes of a register by
- * one call of your transport. A register reserved to the manufacturer has no function _write_.
+ * ascending order of address. The _read_ and _write_ functions transfer all bytes of a register in
+ * a single call to your transport. A register reserved for the manufacturer has no _write_
+ * function.
  */
 
 /**
@@ -996,7 +999,7 @@ static inline lika_result lika_asc85_reg_profile_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_asc85_reg_profile_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in)
@@ -1006,12 +1009,12 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
 }
 
 /**
- * Read Profile ID, 42h to 43h.
+ * Read the register Profile ID, 42h to 43h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1094,12 +1097,12 @@ static inline lika_result lika_asc85_reg_serial_number_encode(
 }
 
 /**
- * Read Serial number, 44h to 47h.
+ * Read the register Serial number, 44h to 47h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1243,12 +1246,12 @@ static inline lika_result lika_asc85_reg_diagnostic_data_encode(
 }
 
 /**
- * Read Diagnostic data, 5Ah.
+ * Read the register Diagnostic data, 5Ah.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1285,9 +1288,9 @@ typedef enum lika_asc85_command {
     LIKA_ASC85_COMMAND_REQUEST_POSITION = 0x00,
     /**
      * Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a
-     * new check sum to the EEPROM. These registers are reserved to the manufacturer. During
-     * writing, the status Internal data bus busy and the error Configuration error are 1. The error
-     * remains if the writing failed. Without an EEPROM connected at power-on, the command has no
+     * new check sum to the EEPROM. These registers are reserved for the manufacturer. During the
+     * write, the status Internal data bus busy and the error Configuration error are 1. The error
+     * remains if the write failed. Without an EEPROM connected at power-on, the command has no
      * effect. [6.4 p.26]
      */
     LIKA_ASC85_COMMAND_SAVE_CONFIGURATION = 0x01,
@@ -1324,12 +1327,12 @@ typedef enum lika_asc85_command {
 } lika_asc85_command;
 
 /**
- * Write Command & status, Command mode, 60h.
+ * Write the register Command & status, Command mode, 60h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param value  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -1479,12 +1482,12 @@ static inline lika_result lika_asc85_reg_status_encode(
 }
 
 /**
- * Read Command & status, Status mode, 60h.
+ * Read the register Command & status, Status mode, 60h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1584,12 +1587,12 @@ static inline lika_result lika_asc85_reg_position_encode(
 }
 
 /**
- * Read Position, 61h to 64h.
+ * Read the register Position, 61h to 64h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1633,8 +1636,8 @@ static inline lika_result lika_asc85_read_position(
 /** Values of the register error register. */
 typedef struct lika_asc85_reg_error_register {
     /**
-     * Absolute data error. Active at 1: error of the absolute data interface. Inactive at 0: no
-     * error of the absolute data interface, or the interface is not configured.
+     * Absolute data error. Active at 1: error in the absolute data interface. Inactive at 0: no
+     * error in the absolute data interface, or the interface is not configured.
      */
     bool absolute_data_error;
     /**
@@ -1721,12 +1724,12 @@ static inline lika_result lika_asc85_reg_error_register_encode(
 }
 
 /**
- * Read Error register, 69h.
+ * Read the register Error register, 69h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1829,7 +1832,7 @@ static inline lika_result lika_asc85_reg_device_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_asc85_reg_device_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in)
@@ -1842,12 +1845,12 @@ static inline bool lika_asc85_reg_device_id_is_expected(
 }
 
 /**
- * Read Device ID, 78h to 7Dh.
+ * Read the register Device ID, 78h to 7Dh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1936,7 +1939,7 @@ static inline lika_result lika_asc85_reg_manufacturer_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_asc85_reg_manufacturer_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in)
@@ -1947,12 +1950,12 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
 }
 
 /**
- * Read Manufacturer ID, 7Eh to 7Fh.
+ * Read the register Manufacturer ID, 7Eh to 7Fh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -1984,7 +1987,7 @@ typedef struct lika_asc85_identity {
  *
  * @param transport  your bus access functions
  * @param out  the contents of the registers
- * @param failure  what failed, or NULL. Its step counts the members of the struct, from 0
+ * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
 LIKA_NODISCARD
@@ -2012,7 +2015,7 @@ static inline lika_result lika_asc85_read_identity(
     return LIKA_OK;
 }
 
-/** Return true if an encoder of this order code can have these contents. */
+/** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_asc85_could_be(
     const lika_asc85_variant *variant, const lika_asc85_identity *read)
 {
@@ -2036,10 +2039,10 @@ static inline bool lika_asc85_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one with each call.
+ * Find the order codes that an encoder can have, one per call.
  *
  * @param read  the contents of its registers
- * @param next  place in the list of order codes. Set it to 0 before the first call
+ * @param next  index in the list of order codes. Set it to 0 before the first call
  * @return the next order code, or NULL if there are no more
  */
 static inline const lika_asc85_order_code *lika_asc85_next_candidate(
@@ -2067,7 +2070,7 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
  */
 #define LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT 6U
 
-/** Return the steps of lika_asc85_request_position(), and their number in count. */
+/** Return the steps of lika_asc85_request_position(), and store their number in count. */
 static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT] = {
@@ -2085,7 +2088,7 @@ static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_request_position_read {
     uint8_t position[4]; /**< Position */
@@ -2098,7 +2101,7 @@ typedef struct lika_asc85_request_position_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2126,12 +2129,12 @@ static inline lika_result lika_asc85_request_position(
  * Save the configuration [6.4 p.26].
  * Before: An EEPROM was connected at power-on. Without it, the command has no effect.
  * Result: The configuration registers and a new check sum are in the EEPROM.
- * The configuration registers, 00h to 2Dh, are reserved to the manufacturer.
+ * The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
  * Erratum internal_data_bus_busy_bit (settled, wrong data).
  */
 #define LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT 3U
 
-/** Return the steps of lika_asc85_save_configuration(), and their number in count. */
+/** Return the steps of lika_asc85_save_configuration(), and store their number in count. */
 static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT] = {
@@ -2139,7 +2142,7 @@ static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
         /* Internal data bus busy: 1 while the configuration is being written */
         { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
-        /* Configuration error: 0 again unless the writing failed */
+        /* Configuration error: 0 again unless the write failed */
         { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT;
@@ -2147,10 +2150,10 @@ static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_save_configuration_read {
-    /** Configuration error of Error register: 0 again unless the writing failed */
+    /** Configuration error of Error register: 0 again unless the write failed */
     uint8_t error_register[1];
 } lika_asc85_save_configuration_read;
 
@@ -2161,7 +2164,7 @@ typedef struct lika_asc85_save_configuration_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2184,16 +2187,15 @@ static inline lika_result lika_asc85_save_configuration(
 
 /**
  * Read absolute data again [6.4 p.26].
- * Result: The cycle counter is set from the absolute data. If the reading failed, it is 0.
- * The manual does not say how long the reading takes, or whether Absolute data valid goes to 0
- * first. After a failed reading, the bit does not become 1. Stop after a while and read the error
- * register.
+ * Result: The cycle counter is set from the absolute data. If the read failed, it is 0.
+ * The manual does not say how long the read takes, or whether Absolute data valid goes to 0 first.
+ * After a failed read, the bit does not become 1. Stop after a while and read the error register.
  * Erratum cycle_counter (open, omission).
  * Erratum absolute_data_valid_bit (settled, wrong data).
  */
 #define LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT 3U
 
-/** Return the steps of lika_asc85_read_absolute_data(), and their number in count. */
+/** Return the steps of lika_asc85_read_absolute_data(), and store their number in count. */
 static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT] = {
@@ -2209,7 +2211,7 @@ static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_read_absolute_data_read {
     /** Absolute data error of Error register: 1 if the data were rejected */
@@ -2223,7 +2225,7 @@ typedef struct lika_asc85_read_absolute_data_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2253,7 +2255,7 @@ static inline lika_result lika_asc85_read_absolute_data(
  */
 #define LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT 3U
 
-/** Return the steps of lika_asc85_software_reset(), and their number in count. */
+/** Return the steps of lika_asc85_software_reset(), and store their number in count. */
 static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT] = {
@@ -2262,8 +2264,7 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
         /* Configuration completed: configuration verified, absolute data read */
         { LIKA_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
         /*
-         * Configuration error: 0. Also read it when the poll is stopped, if the encoder still
-         * answers
+         * Configuration error: 0. Also read it if polling was stopped and the encoder still answers
          */
         { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
@@ -2272,12 +2273,12 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_software_reset_read {
     /**
-     * Configuration error of Error register: 0. Also read it when the poll is stopped, if the
-     * encoder still answers
+     * Configuration error of Error register: 0. Also read it if polling was stopped and the encoder
+     * still answers
      */
     uint8_t error_register[1];
 } lika_asc85_software_reset_read;
@@ -2289,7 +2290,7 @@ typedef struct lika_asc85_software_reset_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2317,7 +2318,7 @@ static inline lika_result lika_asc85_software_reset(
  */
 #define LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT 3U
 
-/** Return the steps of lika_asc85_verify_configuration(), and their number in count. */
+/** Return the steps of lika_asc85_verify_configuration(), and store their number in count. */
 static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT] = {
@@ -2333,7 +2334,7 @@ static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *cou
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_verify_configuration_read {
     /** Configuration error of Error register: 0 again unless the verification failed */
@@ -2347,7 +2348,7 @@ typedef struct lika_asc85_verify_configuration_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2374,7 +2375,7 @@ static inline lika_result lika_asc85_verify_configuration(
  */
 #define LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT 2U
 
-/** Return the steps of lika_asc85_simulate_error(), and their number in count. */
+/** Return the steps of lika_asc85_simulate_error(), and store their number in count. */
 static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT] = {
@@ -2388,7 +2389,7 @@ static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_simulate_error_read {
     /** Error message of Command & status, Status mode: 1 while the error is simulated */
@@ -2401,7 +2402,7 @@ typedef struct lika_asc85_simulate_error_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2428,7 +2429,7 @@ static inline lika_result lika_asc85_simulate_error(
  */
 #define LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT 2U
 
-/** Return the steps of lika_asc85_clear_simulated_error(), and their number in count. */
+/** Return the steps of lika_asc85_clear_simulated_error(), and store their number in count. */
 static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT] = {
@@ -2441,7 +2442,7 @@ static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *co
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_clear_simulated_error_read {
     /** Error message of Command & status, Status mode: 0 after the simulation */
@@ -2455,7 +2456,7 @@ typedef struct lika_asc85_clear_simulated_error_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2483,7 +2484,7 @@ static inline lika_result lika_asc85_clear_simulated_error(
  */
 #define LIKA_ASC85_RESET_ERRORS_STEPS_COUNT 7U
 
-/** Return the steps of lika_asc85_reset_errors(), and their number in count. */
+/** Return the steps of lika_asc85_reset_errors(), and store their number in count. */
 static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_RESET_ERRORS_STEPS_COUNT] = {
@@ -2504,7 +2505,7 @@ static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_reset_errors_read {
     uint8_t error_register[1]; /**< Error register: shows the active messages */
@@ -2521,7 +2522,7 @@ typedef struct lika_asc85_reset_errors_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2556,7 +2557,7 @@ static inline lika_result lika_asc85_reset_errors(
  */
 #define LIKA_ASC85_IDENTIFY_STEPS_COUNT 14U
 
-/** Return the steps of lika_asc85_identify(), and their number in count. */
+/** Return the steps of lika_asc85_identify(), and store their number in count. */
 static inline const lika_step *lika_asc85_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_IDENTIFY_STEPS_COUNT] = {
@@ -2582,7 +2583,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_identify_read {
     uint8_t manufacturer_id[2]; /**< Manufacturer ID: Li means an encoder of Lika Electronic */
@@ -2597,7 +2598,7 @@ typedef struct lika_asc85_identify_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -2666,15 +2667,15 @@ static inline lika_result lika_asc85_identify(
 
 /**
  * Configuration error: The cause is one of: power-on without EEPROM, CRC error at power-on with
- * EEPROM, error while writing the EEPROM by command 01, CRC error after a software reset by command
- * 03, CRC error after a verification by command 04, failure of the EEPROM. The bit is also set
- * temporarily, without an error, during the writing by command 01 and the verification by command
- * 04. [6.4 p.30]
+ * EEPROM, error while writing the EEPROM with command 01, CRC error after a software reset with
+ * command 03, CRC error after a verification with command 04, failure of the EEPROM. The bit is
+ * also set temporarily, without an error, during the write with command 01 and the verification
+ * with command 04. [6.4 p.30]
  * Flag: Configuration error of Error register.
  * Detected: At power-on, after a software reset, when the configuration is written to the EEPROM or
  * verified.
- * Remedy: The message clears itself at the end of a successful writing or verification, but not of
- * a failed one. For all messages, reading out position data resets the message. It appears again
+ * Remedy: The message clears itself at the end of a successful write or verification, but not of a
+ * failed one. For all messages, reading out position data resets the message. It appears again
  * while its cause persists.
  * Cleared by: reset_errors.
  */
@@ -2734,12 +2735,12 @@ static inline lika_result lika_asc85_identify(
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
  *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: From 200 m on, the table allows no clock within the range.
+ *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
  *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4
- *   MHz.
+ *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
+ *   kHz to 4 MHz.
  * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
  *   Printed: Pause of at least 12 us (Tp > 12 us). Tm has a typical duration of 12 us.
  *   Used: The minimum is 12 us. Use a longer pause.
@@ -2752,10 +2753,10 @@ static inline lika_result lika_asc85_identify(
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
  *   Used: The start value is 0.
- *   Why: Public BiSS documents start with 0 unless something else is stated. The one public driver
- *   for this encoder does so too. However, a public controller with the same registers lets its
- *   manufacturer set any start value. With another start value, the CRC of every frame fails, with
- *   or without errors on the line.
+ *   Why: In public BiSS documents, the start value is 0 unless something else is stated. The one
+ *   public driver for this encoder does so too. However, a public controller with the same
+ *   registers lets its manufacturer set any start value. With another start value, the CRC of every
+ *   frame fails, with or without errors on the line.
  * Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
  *   Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter
  *   and the interpolator.
@@ -2783,10 +2784,10 @@ static inline lika_result lika_asc85_identify(
  *   Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
  *   Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution
  *   nor the zero bit of the frame.
- *   Why: It fits only the model of 25 bits. By 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the
- *   SMA21 manual, the same byte differs between models and is the data length. A different ID at a
- *   lower resolution is likely. A public controller with the same registers supports only 24 or 26
- *   singleturn bits, so the frame might differ instead.
+ *   Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1
+ *   bits. In the SMA21 manual, the same byte differs between models and is the data length. A
+ *   different ID at a lower resolution is likely. A public controller with the same registers
+ *   supports only 24 or 26 singleturn bits, so the frame might differ instead.
  * Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]:
  *   Printed: Serial number in ascending order, with the example 171256846.
  *   Used: The serial number is one number.
@@ -2831,13 +2832,13 @@ static inline lika_result lika_asc85_identify(
  *   Printed: The reset is performed upon reading out position data.
  *   Used: Reading the position register resets the messages.
  *   Why: Each BiSS frame carries the position, and a register is read bit by bit over many frames.
- *   If a frame counted as reading out, a message would be reset before the register could show it.
- *   The manual does not say which reading is meant.
+ *   If each frame counted as reading out position data, a message would be reset before the
+ *   register could show it. The manual does not say which reading is meant.
  * Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
  *   Printed: One device ID, AS85 with the release 01, for all models.
  *   Used: The device ID is used as printed.
- *   Why: BiSS requires another device ID where the data length differs. The SC models have six
- *   lengths. Since the profile ID is also the same, a master cannot distinguish the models.
+ *   Why: BiSS requires a different device ID for each data length. The SC models have six lengths.
+ *   Since the profile ID is also the same, a master cannot distinguish the models.
  * Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
  *   Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
  *   Used: Only this value is used. There is no rule for other clocks.

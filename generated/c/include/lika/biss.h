@@ -7,8 +7,8 @@
  * The encoders described here are products of Lika Electronic s.r.l. This project is not affiliated
  * with either company and claims no certification.
  *
- * You do not need it with a ready-made BiSS master, or to read positions: the headers of the
- * families decode those.
+ * You do not need this header if you have a ready-made BiSS master, or if you only read positions,
+ * which the family headers decode.
  *
  * A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the
  * level of MA during the time-out, and CDS from the slave, after the start bit. The bits of
@@ -17,44 +17,45 @@
  *     step  CDM                          CDS, the response to these bits
  *     1     at least 14 zeros            0
  *     2     S = 1, CTS = 1, ID2..0,      IDL0..15: each slave takes the first bit that is still 0
- *           ADR6..0, CRC3..0             as its ID; there are 8 IDs
- *     3     R W: 10 reads, 01 writes     the same R W; with W inverted, the register is refused
- *     4     S = 1                        S = 1; 0 while the slave is busy: the master sends S again
+ *           ADR6..0, CRC3..0             as its ID, and there are 8 IDs
+ *     3     R W: 10 to read, 01 to write the same R W, or W inverted if the register is refused
+ *     4     S = 1                        S = 1, or 0 while the slave is busy: the master repeats S
  *     5     writing: DATA7..0, CRC3..0   DATA7..0, CRC3..0: the value read, or the bits received
  *           reading: 12 zeros
- *     6     P = 0                        P = 0; 1 refuses the next register
+ *     6     P = 0                        P = 0, or 1 to refuse the next register
  *     7     S = 1 as in 4 for the next register, or 0: the end
  *
  * CDS is sent early in a frame and CDM at its end, so the response to a bit comes in the next
- * frame. The CRC is x^4 + x + 1, initial value 0, inverted, over CTS, ID and ADR, or over a data
- * byte. No CRC covers S, R, W, P and IDL. Therefore:
+ * frame. The CRC is x^4 + x + 1 with initial value 0, and it is sent inverted. It covers CTS, ID
+ * and ADR, or a data byte. No CRC covers S, R, W, P and IDL. Therefore:
  *  - A write that no slave understood looks like a refused one: R W comes back as 00.
  *  - If the S of a slave is lost on its way to the master, the two continue one bit apart. A value
- *    read then fails its CRC. A value written is not stored, but if its CRC ends in 0, which is
- *    true of half of all values, it comes back as if it were. With CDM one frame late, this needs a
- *    busy slave and a disturbed CDS at the same time. So read back what was written before a
- *    command acts on it, as the VERIFY steps of procedures do.
- *  - Zeros can complete a byte: if a write is aborted within one, the slave can store the bits sent
- *    so far, followed by zeros, if their CRC is 0 (one of 68 places and values). Write such a
- *    register again, and take special care if any value in it starts an action.
+ *    that is read then has a wrong CRC. A value that is written is not stored, but if its CRC ends
+ *    in 0, which is true of half of all values, it comes back as if it had been stored. With CDM
+ *    one frame late, this happens only if the slave is busy and CDS is disturbed at the same time.
+ *    Therefore, read written values back before a command uses them, as the VERIFY steps of
+ *    procedures do.
+ *  - Zeros can complete a byte. If a write is aborted within a byte, the slave can store the bits
+ *    sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of place and value).
+ *    Write such a register again, and take special care if any value in it starts an action.
  *
  * Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18.
- * Three details follow two published masters: CTS is covered by the CRC, the frame in which each
- * response comes, and P before a further S. The masters are lenzencoders/BISS-C
+ * Three details are taken from two published masters: that the CRC covers CTS, in which frame each
+ * response comes, and that P comes before a further S. The masters are lenzencoders/BISS-C
  * (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
- * (source/position_sense/bissc). Inferred: which end of a chain has ID 0, and how a slave reacts to
- * a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not
- * supported: the slave ignores them.
+ * (source/position_sense/bissc). It is inferred which end of a chain has ID 0, and how a slave
+ * reacts to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0)
+ * are not supported: the slave ignores them.
  *
- * C99 or C++11. No library, no allocation. You own the struct with the state of a master or slave.
- * Pointers must not be null.
+ * Compiles as C99 and C++11. Needs no library and no allocation. You provide the struct that holds
+ * the state of a master or slave. Pointers must not be null.
  */
 #ifndef LIKA_BISS_H
 #define LIKA_BISS_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/biss.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -64,17 +65,17 @@ extern "C" {
 
 /* -- words ------------------------------------------------------------------------------------- */
 
-/** Number of zeros that come before a control frame, and end one at any time. */
+/** Number of zeros that precede a control frame, and that end one at any time. */
 #define LIKA_BISS_ZEROS 14U
-/** IDs that slaves can take: 0 for the only one, or for the last of a chain, whose SLI is 0. */
+/** Number of IDs for slaves. The only slave has ID 0, or the last in a chain, whose SLI is 0. */
 #define LIKA_BISS_IDS 8U
-/** Registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh. */
+/** Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh. */
 #define LIKA_BISS_REGISTERS 64U
-/** ID of a slave that has none. */
+/** Value that stands for the ID of a slave without one. */
 #define LIKA_BISS_NO_ID 0xFFU
-/** R, W and S in the word of a request that reads. */
+/** R, W and S in the word of a read request. */
 #define LIKA_BISS_READS 0x00014000U
-/** R, W and S in the word of a request that writes. */
+/** R, W and S in the word of a write request. */
 #define LIKA_BISS_WRITES 0x0000C000U
 
 /** Access to one register. */
@@ -82,7 +83,7 @@ typedef struct lika_biss_request {
     uint8_t id;      /**< ID of the slave, 0 to 7 */
     uint8_t address; /**< register address, 00h to 7Fh */
     bool write;      /**< true to write, false to read */
-    uint8_t value;   /**< value to write, or 0 to read */
+    uint8_t value;   /**< value to write, or 0 for a read */
 } lika_biss_request;
 
 /** State or outcome of an access. */
@@ -98,7 +99,7 @@ typedef enum lika_biss_outcome {
     LIKA_BISS_ABORTED = 8    /**< aborted by the caller */
 } lika_biss_outcome;
 
-/** Return the CRC of 1 to 32 bits of control data, the highest sent first. */
+/** Return the CRC of 1 to 32 bits of control data, with the highest bit sent first. */
 static inline uint32_t lika_biss_crc(uint32_t value, uint32_t bits)
 {
     uint32_t crc = 0U;
@@ -145,12 +146,12 @@ static inline uint32_t lika_biss_header(const lika_biss_request *request)
 }
 
 /**
- * Encode what a master sends after the first S. TI's masters use the same layout.
+ * Encode the bits that a master sends after the first S. TI's masters use the same layout.
  *
  * @param request  the access
- * @param word  the first bit in bit 31: CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, then DATA7..0 and
- *              CRC3..0 or 12 zeros, P, and one more zero
- * @return OK, or RANGE if the ID or address is out of range or a request to read has a value
+ * @param word  the bits, with the first one in bit 31: CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, then
+ *              DATA7..0 and CRC3..0 or 12 zeros, P, and one more zero
+ * @return OK, or RANGE if the ID or address is out of range or a read request has a value
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_request_encode(const lika_biss_request *request, uint32_t *word)
@@ -169,7 +170,7 @@ static inline lika_result lika_biss_request_encode(const lika_biss_request *requ
 /**
  * Decode the word of a request.
  *
- * @param word  the word, as from _request_encode
+ * @param word  the word, in the format of _request_encode
  * @param request  the access
  * @return OK, CRC if one of the CRCs is wrong, or CONSTANT if CTS or S is 0, R W is neither 10 nor
  *         01, or a bit that must be zero is not
@@ -199,7 +200,7 @@ static inline lika_result lika_biss_request_decode(uint32_t word, lika_biss_requ
     return LIKA_OK;
 }
 
-/** Return how many slaves have taken an ID, from IDL0 (bit 15) to IDL15 (bit 0), at most 9. */
+/** Return the number of slaves with an ID, at most 9, from IDL0 (bit 15) to IDL15 (bit 0). */
 static inline uint8_t lika_biss_slaves(uint32_t idl)
 {
     uint8_t slaves = 0U;
@@ -212,8 +213,8 @@ static inline uint8_t lika_biss_slaves(uint32_t idl)
 }
 
 /**
- * Evaluate the first 18 responses of a control frame, IDL0 in bit 17 to W in bit 0. Return RUNNING
- * if the slave takes part, otherwise REFUSED, NO_ANSWER or BAD_ECHO.
+ * Evaluate the first 18 responses of a control frame, from IDL0 in bit 17 to W in bit 0. Return
+ * RUNNING if the slave participates, otherwise REFUSED, NO_ANSWER or BAD_ECHO.
  */
 static inline lika_biss_outcome lika_biss_echo(const lika_biss_request *request, uint32_t answers)
 {
@@ -276,7 +277,7 @@ static inline lika_biss_outcome lika_biss_answer_decode(
 
 /** Part of a control frame. */
 typedef enum lika_biss_phase {
-    LIKA_BISS_PHASE_WAIT = 0,   /**< outside: waits for 14 zeros, then for S */
+    LIKA_BISS_PHASE_WAIT = 0,   /**< outside a control frame: waits for 14 zeros, then for S */
     LIKA_BISS_PHASE_HEADER = 1, /**< steps 2 and 3 */
     LIKA_BISS_PHASE_START = 2,  /**< step 4 */
     LIKA_BISS_PHASE_BYTE = 3    /**< steps 5 and 6 */
@@ -298,26 +299,27 @@ static inline uint8_t lika_biss_zeros(uint8_t zeros, bool cdm)
  * _master_write, then call _master_next or _master_next_late once in every BiSS frame until the
  * outcome is no longer RUNNING. Keep calling it while frames continue, so that it counts the zeros
  * required between two accesses. An access to one register takes at most 46 frames. Each further
- * register takes 14 more, and each frame in which the slave is busy one more.
+ * register takes 14 more, and each frame in which the slave is busy adds one.
  *
- * When to call which function, and when its bit must be on MA (the families' headers have the
- * times):
+ * The diagram shows when to call each function, and when its bit must be on MA (the family headers
+ * give the times):
  *
  *              CDS        last clock            CDS        last clock
  *   frame n  ---|--- data ---|--time-out--|  n+1 |--- data ---|--time-out--|
  *   _next       [ call ......]  CDM on MA
  *   _next_late                [ call ........................]  CDM on MA
  *
- *   _master_next       as soon as CDS is received, so that MA can rest at the inverse of the bit
- *                      from its last clock on. For an FPGA, or pins driven by software.
- *   _master_next_late  once the frame is in memory. For SPI and DMA. Its bit belongs to the next
- *                      frame. If the SPI mode sends it (see _master_next_late), set the mode before
- *                      that frame begins.
- * If the bit is sent one frame late, every access by _master_next fails.
+ *   _master_next       Call it as soon as CDS is received, so that MA can stay at the inverse of
+ *                      the bit from its last clock on. Use it with an FPGA, or with pins driven by
+ *                      software.
+ *   _master_next_late  Call it once the frame is in memory. Use it with SPI and DMA. Its bit
+ *                      belongs to the next frame. If the SPI mode sends it (see
+ *                      _master_next_late), set the mode before that frame begins.
+ * If the bit is sent one frame late, every access with _master_next fails.
  *
- * To implement the functions of a transport (encoder.h), which return when everything is done, run
- * frames in a loop until the access is over. Access the registers up to 3Fh and those up to 7Fh
- * separately.
+ * The functions of a transport (encoder.h) return when everything is done. To implement them, run
+ * frames in a loop until the access is over. Access the registers 00h to 3Fh separately from the
+ * registers 40h to 7Fh.
  */
 typedef struct lika_biss_master {
     lika_biss_outcome outcome; /**< state or outcome of the access */
@@ -394,11 +396,12 @@ static inline lika_result lika_biss_master_begin(
  * @param master  the master
  * @param id  ID of the slave
  * @param address  address of the first register
- * @param into  the bytes read, which must remain valid until the access is over
+ * @param into  buffer for the bytes read, which must remain valid until the access is complete
  * @param count  number of registers
- * @param busy_limit  most frames in a row in which the slave may be busy: as many as take 20 ms
- * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh:
- *         nothing is sent then
+ * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose as
+ *                    many as take 20 ms
+ * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh.
+ *         Nothing is sent then
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_master_read(
@@ -420,11 +423,12 @@ static inline lika_result lika_biss_master_read(
  * @param master  the master
  * @param id  ID of the slave
  * @param address  address of the first register
- * @param from  the bytes to write, which must remain valid until the access is over
+ * @param from  the bytes to write, which must remain valid until the access is complete
  * @param count  number of registers
- * @param busy_limit  most frames in a row in which the slave may be busy: as many as take 20 ms
- * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh:
- *         nothing is sent then
+ * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose as
+ *                    many as take 20 ms
+ * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh.
+ *         Nothing is sent then
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_master_write(
@@ -461,7 +465,7 @@ static inline bool lika_biss_master_ends(lika_biss_master *master, lika_biss_out
     return false;
 }
 
-/** Steps 2 and 3: return the bit after S, CTS .. W, and S once the slave has answered R W. */
+/** Steps 2 and 3: return the bits CTS .. W after S, then S once the slave has answered R W. */
 static inline bool lika_biss_master_header(lika_biss_master *master, bool cds)
 {
     lika_biss_outcome echo;
@@ -480,7 +484,7 @@ static inline bool lika_biss_master_header(lika_biss_master *master, bool cds)
     return true;
 }
 
-/** Step 4: return DATA7 once the slave has answered S, and S again until then. */
+/** Step 4: return S again until the slave has answered it, then DATA7. */
 static inline bool lika_biss_master_start(lika_biss_master *master, bool cds)
 {
     if (!cds) {
@@ -501,7 +505,7 @@ static inline bool lika_biss_master_start(lika_biss_master *master, bool cds)
     return ((master->sending >> 11U) & 1U) != 0U;
 }
 
-/** Steps 5 to 7: return the other bits of DATA and CRC, P, and S if a register follows. */
+/** Steps 5 to 7: return the rest of DATA and CRC, then P, then S if another register follows. */
 static inline bool lika_biss_master_byte(lika_biss_master *master, bool cds)
 {
     lika_biss_outcome outcome;
@@ -533,7 +537,7 @@ static inline bool lika_biss_master_byte(lika_biss_master *master, bool cds)
 }
 
 /**
- * Return the CDM bit of this frame. MA shows its inverse during the time-out.
+ * Return the CDM bit of this frame. MA carries its inverse during the time-out.
  *
  * @param master  the master
  * @param cds  the CDS bit received in this frame
@@ -565,7 +569,7 @@ static inline bool lika_biss_master_next(lika_biss_master *master, bool cds)
 /* -- master, one frame late -------------------------------------------------------------------- */
 
 /**
- * SPI and DMA send the CDM bit by the SPI mode: the mode that clocks a frame sets the level of MA
+ * With SPI and DMA, the SPI mode sends the CDM bit: the mode of a frame determines the level of MA
  * after it. Both modes sample at the rising edge and receive the same bits:
  *
  *           rest    the clocks of the frame   time-out   rest
@@ -576,22 +580,23 @@ static inline bool lika_biss_master_next(lika_biss_master *master, bool cds)
  * At rest, the pin of MA is a GPIO output at 1. Set the mode, assign the pin to the SPI and start
  * DMA. When the time-out after the last clock is over, assign the pin to the GPIO again. There is
  * nothing to do within the time-out, so the clock may be as fast as SPI and cable allow. Changing
- * the level after the last clock is too late: the time-out begins with that clock and can be as
- * short as 1.5 clocks. Clocks after the stop bit, which a buffer has, delay the time-out: the level
- * after the last of them counts.
+ * the level after the last clock is too late, since the time-out begins with that clock and can be
+ * as short as 1.5 clocks. Clocks after the stop bit, which fill up the buffer, delay the time-out,
+ * and the level after the last of them counts.
  *
  * lenzencoders/BISS-C uses both modes and switches the pin in this way on an STM32G4
- * (biss_c_master_hal). Inferred: the effect of clocks after the stop bit. Unknown: if an encoder
- * takes the edge back to 1 for the first edge of the next frame. Its acknowledge would then come
- * one clock earlier, which lika_biss_receive tolerates, and its position would be as old as that
- * edge.
+ * (biss_c_master_hal). The effect of clocks after the stop bit is inferred. It is not known whether
+ * an encoder takes the edge back to 1 for the first edge of the next frame. Its acknowledge would
+ * then come one clock earlier, which lika_biss_receive tolerates, and its position would be as old
+ * as that edge.
  */
 
 /** Number of frames until the first S of an access is answered, including the zeros before it. */
 #define LIKA_BISS_LATE_FRAMES 35U
 
 /**
- * Abandon this try and begin the next, as the slave is busy but the bit after S is already sent.
+ * Abandon this attempt and begin the next one, since the slave is busy but the bit after S has
+ * already been sent.
  */
 static inline bool lika_biss_late_busy(lika_biss_master *master)
 {
@@ -610,7 +615,7 @@ static inline bool lika_biss_late_busy(lika_biss_master *master)
     return false;
 }
 
-/** Return DATA7, before it is known if the slave answers S. */
+/** Return DATA7, before it is known whether the slave answers S. */
 static inline bool lika_biss_late_first(lika_biss_master *master)
 {
     master->phase = LIKA_BISS_PHASE_BYTE;
@@ -624,7 +629,7 @@ static inline bool lika_biss_late_first(lika_biss_master *master)
     return master->insists || (((master->sending >> 11U) & 1U) != 0U);
 }
 
-/** Return the bits of steps 2 and 3, S, and DATA7 once the slave has answered R W. */
+/** Return the bits of steps 2 and 3, then S, then DATA7 once the slave has answered R W. */
 static inline bool lika_biss_late_header(lika_biss_master *master, bool cds)
 {
     lika_biss_outcome echo;
@@ -646,7 +651,7 @@ static inline bool lika_biss_late_header(lika_biss_master *master, bool cds)
     return lika_biss_late_first(master);
 }
 
-/** Return the other bits of DATA and CRC, P, and S if a register follows. */
+/** Return the rest of DATA and CRC, then P, then S if another register follows. */
 static inline bool lika_biss_late_byte(lika_biss_master *master, bool cds)
 {
     lika_biss_outcome outcome;
@@ -689,11 +694,11 @@ static inline bool lika_biss_late_byte(lika_biss_master *master, bool cds)
  *
  * The response to a bit is then received when the next bit is already being sent. So this master
  * sends the bit after S on the assumption that the slave is not busy. If the slave is busy, zeros
- * follow, which store nothing, and the access begins again at the same register. A write is
- * repeated until the slave is ready. A read repeats S until the slave answers it, and the last S is
- * in the place of DATA7. It is inferred that a slave ignores that bit when it is read. An access to
- * one register takes 47 frames, each further register 14 more, and each new beginning 35. With a
- * busy limit of 0, the access does not begin again.
+ * follow, which store nothing, and the access restarts at the same register. A write is repeated
+ * until the slave is ready. A read repeats S until the slave answers it, and the last S takes the
+ * place of DATA7. It is inferred that a slave ignores that bit during a read. An access to one
+ * register takes 47 frames, each further register takes 14 more, and each restart takes 35 more.
+ * With a busy limit of 0, the access does not restart.
  *
  * @param master  the master
  * @param cds  the CDS bit of the frame just received
@@ -727,7 +732,7 @@ static inline bool lika_biss_master_next_late(lika_biss_master *master, bool cds
 
 /* -- slave ------------------------------------------------------------------------------------- */
 
-/** Action that a slave waits for. It is busy until then. */
+/** Action that a slave waits for. The slave is busy until then. */
 typedef enum lika_biss_wants {
     LIKA_BISS_WANTS_NOTHING = 0, /**< none */
     LIKA_BISS_WANTS_BYTE = 1, /**< call _slave_give with the content of the register at address */
@@ -735,18 +740,18 @@ typedef enum lika_biss_wants {
 } lika_biss_wants;
 
 /**
- * State of a slave, for simulators, test benches and encoders. Initialise it with _slave_init and
- * set with _slave_allow what may be read and written. Then call _slave_next once in every BiSS
- * frame, and check wants after each call.
+ * State of a slave, for simulators, test benches and encoders. Initialise it with _slave_init, and
+ * use _slave_allow to set which registers may be read and written. Then call _slave_next once in
+ * every BiSS frame, and check wants after each call.
  *
- * To answer S in time, it wants a byte before it is certain that the master will read it: after W,
- * and in a sequence after P. A register that changes when it is read must tolerate that.
+ * To answer S in time, the slave asks for a byte before it is certain that the master will read it:
+ * after W and, in a sequence, after P. A register that changes when it is read must tolerate that.
  */
 typedef struct lika_biss_slave {
-    uint8_t readable[16]; /**< one bit per address, that of address 0 in bit 0 of the first byte */
+    uint8_t readable[16]; /**< one bit per address, with address 0 in bit 0 of byte 0 */
     uint8_t writable[16]; /**< the same for writing */
     lika_biss_wants wants; /**< action that it waits for */
-    uint8_t address; /**< register that wants is about */
+    uint8_t address; /**< register that wants refers to */
     uint8_t value;   /**< value to store there */
     uint8_t id;      /**< ID taken in the last control frame, or NO_ID */
     lika_biss_phase phase; /**< private */
@@ -760,7 +765,7 @@ typedef struct lika_biss_slave {
     uint32_t sending; /**< private */
 } lika_biss_slave;
 
-/** Initialise a slave. It refuses every register until _slave_allow. */
+/** Initialise a slave. It refuses every register until you call _slave_allow. */
 static inline void lika_biss_slave_init(lika_biss_slave *slave)
 {
     size_t at;
@@ -784,7 +789,7 @@ static inline void lika_biss_slave_init(lika_biss_slave *slave)
 }
 
 /**
- * Set the access that a master has to some registers.
+ * Set the access that a master has to a range of registers.
  *
  * @param slave  the slave
  * @param address  address of the first register
@@ -812,7 +817,7 @@ static inline lika_result lika_biss_slave_allow(
     return LIKA_OK;
 }
 
-/** Give a slave the content of the register that it wants. No effect unless it wants a byte. */
+/** Give a slave the content of the register it wants. Does nothing unless it wants a byte. */
 static inline void lika_biss_slave_give(lika_biss_slave *slave, uint8_t value)
 {
     if (slave->wants == LIKA_BISS_WANTS_BYTE) {
@@ -822,7 +827,7 @@ static inline void lika_biss_slave_give(lika_biss_slave *slave, uint8_t value)
     }
 }
 
-/** Report that the value is stored. No effect unless the slave wants a value stored. */
+/** Report that the value is stored. Does nothing unless the slave wants a value stored. */
 static inline void lika_biss_slave_stored(lika_biss_slave *slave)
 {
     if (slave->wants == LIKA_BISS_WANTS_STORE) {
@@ -830,14 +835,14 @@ static inline void lika_biss_slave_stored(lika_biss_slave *slave)
     }
 }
 
-/** Return true if the present access to the current register is allowed. */
+/** Return true if the current access to the current register is allowed. */
 static inline bool lika_biss_slave_may(const lika_biss_slave *slave)
 {
     const uint8_t *const allowed = slave->write ? slave->writable : slave->readable;
     return (((uint32_t)allowed[(slave->current & 0x7FU) / 8U] >> (slave->current % 8U)) & 1U) != 0U;
 }
 
-/** Ask for the byte of the current register, unless a written one is still to be stored. */
+/** Ask for the byte of the current register, unless a written one has yet to be stored. */
 static inline void lika_biss_slave_fetch(lika_biss_slave *slave)
 {
     if (!slave->write && !slave->given && (slave->wants == LIKA_BISS_WANTS_NOTHING)) {
@@ -846,7 +851,7 @@ static inline void lika_biss_slave_fetch(lika_biss_slave *slave)
     }
 }
 
-/** Leave the control frame: the rest of it does not concern this slave. */
+/** Leave the control frame, since the rest of it does not concern this slave. */
 static inline bool lika_biss_slave_leaves(lika_biss_slave *slave, bool cds)
 {
     slave->phase = LIKA_BISS_PHASE_WAIT;
@@ -864,7 +869,7 @@ static inline void lika_biss_slave_awaits(lika_biss_slave *slave)
     lika_biss_slave_fetch(slave);
 }
 
-/** ID lock: take the first IDL bit that no slave farther from the master has taken. */
+/** Lock an ID: take the first IDL bit that no slave farther from the master has taken. */
 static inline bool lika_biss_slave_lock(lika_biss_slave *slave, bool upstream)
 {
     if (upstream || slave->locked || (slave->at > LIKA_BISS_IDS)) {
@@ -961,7 +966,7 @@ static inline bool lika_biss_slave_byte(lika_biss_slave *slave, bool cdm)
  * Return the CDS bit of this frame.
  *
  * @param slave  the slave
- * @param cdm  the CDM bit of the frame before
+ * @param cdm  the CDM bit of the previous frame
  * @param upstream  the CDS bit received at SLI in this frame, from the next slave farther from the
  *                  master, or false if there is none
  * @return the CDS bit

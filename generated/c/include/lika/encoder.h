@@ -7,7 +7,7 @@
  * The encoders described here are products of Lika Electronic s.r.l. This project is not affiliated
  * with either company and claims no certification.
  *
- * C99 or C++11. No library, no allocation, no global state.
+ * Compiles as C99 and C++11. Needs no library, no allocation and no global state.
  */
 #ifndef LIKA_ENCODER_H
 #define LIKA_ENCODER_H
@@ -17,12 +17,12 @@
 #include <stdint.h>
 
 /**
- * Version of these headers. A new major number breaks code. Before 1.0.0 a new minor number does.
+ * Version of these headers. A new major version can break code. Before 1.0.0, a new minor one can.
  */
 #define LIKA_VERSION "0.1.0"
 
-/** Generation of these headers. Take all from one folder: mixed generations do not compile. */
-#define LIKA_GENERATION 0x59D25AD9U
+/** Generation of these headers. Headers of different generations do not compile together. */
+#define LIKA_GENERATION 0x895FB0A0U
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,21 +45,22 @@ extern "C" {
 #endif
 
 /**
- * Result of a decoder, an encoder or an access. With several errors in one frame, it is the first
- * of them in this order. A function that does not return LIKA_OK leaves its outputs unchanged.
- * LIKA_OK means well formed. For the usability of a position, call _verdict() of its frame.
+ * Result of a decoder, an encoder or an access. If a frame has several errors, the result is the
+ * first of them in this order. A function that does not return LIKA_OK leaves its outputs
+ * unchanged. LIKA_OK means that the frame is well formed. To find out if its position is usable,
+ * call its _verdict() function.
  */
 typedef enum lika_result {
     LIKA_OK = 0,
     LIKA_FAULT_LENGTH = 1,     /**< wrong number of bits, bytes or array elements */
-    LIKA_FAULT_CRC = 2,        /**< CRC error: disturbed on the line */
+    LIKA_FAULT_CRC = 2,        /**< CRC error: the data were disturbed on the line */
     LIKA_FAULT_CONSTANT = 3,   /**< a fixed bit or a parity bit is wrong */
-    LIKA_FAULT_RANGE = 4,      /**< a value that is not in the manual, or does not fit */
+    LIKA_FAULT_RANGE = 4,      /**< a value is not in the manual or does not fit */
     LIKA_FAULT_TRANSPORT = 5,  /**< a transport function failed: see its error number */
     LIKA_FAULT_TIMEOUT = 6,    /**< a poll or a reply took too long */
     LIKA_FAULT_UNSUPPORTED = 7, /**< the transport lacks a required function */
-    LIKA_FAULT_LINE_HIGH = 8,   /**< data line always high: no answer, or a cut wire */
-    LIKA_FAULT_LINE_LOW = 9,    /**< data line low before the frame: busy, or a short */
+    LIKA_FAULT_LINE_HIGH = 8,   /**< data line always high: no answer or a cut wire */
+    LIKA_FAULT_LINE_LOW = 9,    /**< data line low before the frame: busy or shorted */
     LIKA_FAULT_NO_START = 10,   /**< the acknowledge is longer than the buffer */
     LIKA_FAULT_REPEAT = 11,     /**< two readings of the position disagree */
     LIKA_FAULT_HEAD_MISSING = 12, /**< RS-485: the first byte of the reply is missing */
@@ -73,12 +74,12 @@ typedef enum lika_result {
  */
 typedef enum lika_verdict {
     LIKA_NOT_USABLE = 0,          /**< wrong, frozen, 0 or doubtful */
-    LIKA_UNKNOWN = 1,             /**< the frame has no bit for it */
+    LIKA_UNKNOWN = 1,             /**< the frame has no status bit */
     LIKA_USABLE_WITH_WARNING = 2, /**< usable, but needs attention */
     LIKA_USABLE = 3               /**< no error and no warning */
 } lika_verdict;
 
-/** Texts on one report of an encoder. A member is empty if the manual has no such text. */
+/** Texts about one report of an encoder. A member is empty if the manual has no such text. */
 typedef struct lika_report_text {
     const char *name; /**< its name in these headers */
     const char *printed_name; /**< its name in the manual */
@@ -104,31 +105,31 @@ typedef enum lika_access {
 
 /* -- procedures -------------------------------------------------------------------------------- */
 
-/** Kinds of steps of a procedure. */
+/** Kinds of procedure steps. */
 typedef enum lika_step_kind {
     LIKA_STEP_WRITE = 1, /**< write value to the register byte at address */
     LIKA_STEP_WAIT = 2,  /**< wait at least the given microseconds */
-    LIKA_STEP_SEND = 3,  /**< send the request in value as often as times says */
+    LIKA_STEP_SEND = 3,  /**< send the request in value. times is the number of requests */
     LIKA_STEP_READ = 4,  /**< read the register byte at address */
     LIKA_STEP_POLL = 5,  /**< read the byte at address until its bits under mask equal value */
-    LIKA_STEP_CLOSE = 6, /**< like WRITE, to close what a WRITE to the same address opened */
+    LIKA_STEP_CLOSE = 6, /**< like WRITE, but closes what a WRITE to the same address opened */
     LIKA_STEP_VERIFY = 7 /**< read the byte at address: its bits under mask must equal value */
 } lika_step_kind;
 
 /**
- * One step of a procedure. Members that its kind does not use have no meaning. If mask is 0xFF, a
- * whole byte is written. Otherwise the byte is read first, and its bits outside the mask are
- * written back unchanged. For SEND, address is the number of bytes in the reply. All of them must
- * arrive, the first must equal the request, and if mask is 0xFF their exclusive-or must be 0. If
- * address is 0, the reply is not checked.
+ * One step of a procedure. Members that its kind does not use are ignored. If mask is 0xFF, a whole
+ * byte is written. Otherwise the byte is read first, and its bits outside the mask are written back
+ * unchanged. For SEND, address is the number of bytes in the reply. All of them must arrive, the
+ * first must equal the request, and if mask is 0xFF, the XOR of all bytes must be 0. If address is
+ * 0, the reply is not checked.
  */
 typedef struct lika_step {
     lika_step_kind kind; /**< kind of the step */
-    uint16_t address; /**< address of the register byte, or with SEND the bytes of the reply */
+    uint16_t address; /**< address of the register byte, or for SEND the length of the reply */
     uint8_t mask; /**< bits that are written or compared */
     uint8_t value; /**< value to write, to compare with, or to send */
     uint16_t times; /**< SEND: number of requests */
-    uint32_t microseconds; /**< shortest wait, or with SEND the shortest pause between requests */
+    uint32_t microseconds; /**< minimum wait, or for SEND the minimum pause between requests */
 } lika_step;
 
 /** Return a step that writes the bits under mask of one register byte. */
@@ -138,16 +139,14 @@ static inline lika_step lika_step_write(uint16_t address, uint8_t mask, uint8_t 
     return step;
 }
 
-/** Return a step that waits. */
+/** Return a step that waits at least this many microseconds. */
 static inline lika_step lika_step_wait(uint32_t microseconds)
 {
     const lika_step step = { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, microseconds };
     return step;
 }
 
-/**
- * Return a step that sends a one-byte request several times, each with a reply of this many bytes.
- */
+/** Return a step that sends a one-byte request several times and receives a reply each time. */
 static inline lika_step lika_step_send(
     uint8_t value, uint16_t times, uint32_t microseconds, uint16_t reply, uint8_t mask)
 {
@@ -186,18 +185,18 @@ static inline lika_step lika_step_close(uint16_t address, uint8_t mask, uint8_t 
 /* -- transport --------------------------------------------------------------------------------- */
 
 /**
- * Bus access functions, which you provide. Each receives the context member and returns 0, or an
- * error number of your own, which is passed on in the failure. Set a function to NULL if your bus
- * does not have it: whatever needs it then returns UNSUPPORTED.
+ * Bus access functions, which you provide. Each receives the context member and returns 0, or your
+ * own error number, which is passed on in the failure. Set a function to NULL if your bus does not
+ * have it. Functions that need it then return UNSUPPORTED.
  *   read_registers   reads length bytes from consecutive register addresses, starting at address
  *   write_registers  writes length bytes in the same way
  *   wait_us          returns after at least this many microseconds
  *   send_request     sends this byte, which is a complete RS-485 request (its control field), and
- *                    receives length bytes of reply. Return an error if fewer arrive in time. With
- *                    length 0 it ignores the reply
+ *                    receives a reply of length bytes. Return an error if fewer arrive in time. If
+ *                    length is 0, ignore the reply
  * A poll reads repeatedly until the encoder is done. No manual says how long that may take, so you
- * set the limit: poll_at_most readings with poll_pause_us between them. If poll_at_most is 0, the
- * defaults LIKA_POLL_AT_MOST and LIKA_POLL_PAUSE_US apply.
+ * set the limit: at most poll_at_most readings, with poll_pause_us between them. If poll_at_most is
+ * 0, the defaults LIKA_POLL_AT_MOST and LIKA_POLL_PAUSE_US apply.
  */
 typedef struct lika_transport {
     void *context; /**< passed to each function unchanged */
@@ -206,7 +205,7 @@ typedef struct lika_transport {
         void *context, uint16_t address, const uint8_t *bytes, size_t length);
     int32_t (*wait_us)(void *context, uint32_t microseconds);
     int32_t (*send_request)(void *context, uint8_t request, uint8_t *reply, size_t length);
-    uint32_t poll_at_most; /**< most readings of a poll, or 0 for both defaults */
+    uint32_t poll_at_most; /**< maximum number of readings per poll, or 0 for both defaults */
     uint32_t poll_pause_us; /**< pause between two readings of a poll */
 } lika_transport;
 
@@ -215,26 +214,27 @@ typedef struct lika_transport {
 #define LIKA_REPLY_BYTES 16U /**< longest reply that a step can check */
 
 /**
- * The step that failed, and how. It is set with TRANSPORT, TIMEOUT, VERIFY and UNSUPPORTED, with
- * CRC and CONSTANT for a reply, and with RANGE if a list has a step of unknown kind. The steps
- * before it were done. After it, only those were done that close what was opened. An error found
- * before the first step, or in the bytes read, leaves it unchanged. You may pass NULL instead.
+ * The step that failed, and how it failed. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
+ * UNSUPPORTED, if the result is CRC or CONSTANT because of a reply, or if it is RANGE because a
+ * list has a step of unknown kind. The earlier steps were carried out. Of the later steps, only
+ * those were carried out that close what was opened. An error found before the first step, or in
+ * the bytes read, leaves this struct unchanged. You may pass NULL instead.
  */
 typedef struct lika_failure {
     size_t step; /**< index of the step, from 0 */
     lika_step_kind kind; /**< kind of the step */
     /**
      * Operation that failed: READ, WRITE, WAIT or SEND if that transport function failed or is
-     * missing, POLL if the awaited value did not appear, VERIFY if a byte read back is not the one
-     * that was written.
+     * missing, POLL if the awaited value did not appear, VERIFY if a byte read back differs from
+     * the one written.
      */
     lika_step_kind call;
-    uint16_t address; /**< first register byte of the step, or 0 if it has none */
-    /** error number of the transport function, or the byte read with VERIFY, else 0 */
+    uint16_t address; /**< address of its first register byte, or 0 if it has none */
+    /** error number from the transport function, or for VERIFY the byte read, else 0 */
     int32_t error;
     /**
-     * True if a register that a step opened could not be closed again. Close it before anything
-     * else, by lika_run() with the closing step of the list, or by lika_runner_close().
+     * True if a register that a step opened could not be closed again. Close it before you do
+     * anything else: call lika_run() with the closing step of the list, or lika_runner_close().
      */
     bool left_open;
 } lika_failure;
@@ -274,7 +274,7 @@ static inline lika_result lika_failed_at(
  * @param address  address of the first byte
  * @param bytes  the bytes read, in ascending order of address
  * @param length  number of bytes
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, TRANSPORT or UNSUPPORTED
  */
 LIKA_NODISCARD
@@ -300,7 +300,7 @@ static inline lika_result lika_read(
  * @param address  address of the first byte
  * @param bytes  the bytes to write, in ascending order of address
  * @param length  number of bytes
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, TRANSPORT or UNSUPPORTED
  */
 LIKA_NODISCARD
@@ -468,7 +468,7 @@ static inline lika_result lika_run_verify(
     return result;
 }
 
-/** Return how many bytes the READ steps return to the caller. */
+/** Return the number of bytes that the READ steps return to the caller. */
 static inline size_t lika_run_reads(const lika_step *steps, size_t count)
 {
     size_t reads = 0U;
@@ -481,7 +481,7 @@ static inline size_t lika_run_reads(const lika_step *steps, size_t count)
     return reads;
 }
 
-/** Return how many leading steps read consecutive bytes, which one call can read together. */
+/** Return the number of leading steps whose consecutive bytes one call can read together. */
 static inline size_t lika_run_together(const lika_step *steps, size_t count)
 {
     size_t together = 1U;
@@ -492,7 +492,7 @@ static inline size_t lika_run_together(const lika_step *steps, size_t count)
     return together;
 }
 
-/** Carry out one step of any kind but READ. */
+/** Carry out one step of any kind except READ. */
 LIKA_NODISCARD
 static inline lika_result lika_run_step(
     const lika_transport *transport, const lika_step *step,
@@ -543,8 +543,9 @@ static inline bool lika_step_closes(
 }
 
 /**
- * Close what the steps up to the failed one opened, by the closing steps after it. Return true if
- * that succeeded, and false also if the failed step is a closing step itself.
+ * Close what was opened up to the failed step, by carrying out the later steps that close it.
+ * Return true if that succeeded. Return false if not, or if the failed step is itself a closing
+ * step.
  */
 static inline bool lika_run_closing(
     const lika_transport *transport, const lika_step *steps, size_t count, size_t failed)
@@ -561,16 +562,16 @@ static inline bool lika_run_closing(
 
 /**
  * Carry out a list of steps in order, up to the first one that fails. After a failure, close what
- * was opened. Bytes at consecutive addresses are read by one call.
+ * was opened. Bytes at consecutive addresses are read in one call.
  *
  * @param transport  your bus access functions
- * @param steps  the list, from a function _steps() of a family
+ * @param steps  the list, from a _steps() function of a family
  * @param count  number of steps
- * @param bytes  one byte for each READ step, in order, meaningless after a failure
- * @param length  size of bytes, exactly the number of READ steps
- * @param failure  the step that failed, or NULL
- * @return OK, LENGTH (with nothing done) if length is wrong or there are no steps, or the result of
- *         the step that failed
+ * @param bytes  one byte for each READ step, in order. Meaningless after a failure
+ * @param length  size of bytes, which must be the number of READ steps
+ * @param failure  details of the failed step, or NULL
+ * @return OK, LENGTH (before the first step) if length is wrong or there are no steps, or the
+ *         result of the step that failed
  */
 LIKA_NODISCARD
 static inline lika_result lika_run(
@@ -615,7 +616,7 @@ static inline uint64_t lika_mask(uint32_t bits)
     return (bits < 64U) ? (((uint64_t)1U << bits) - 1U) : UINT64_MAX;
 }
 
-/** Return word >> low, faster on small processors, which shift the upper half alone. */
+/** Return word >> low. On small processors this is faster than a plain shift. */
 static inline uint64_t lika_above(uint64_t word, uint32_t low)
 {
     if (low > 63U) {
@@ -643,7 +644,7 @@ static inline int64_t lika_signed(uint64_t value, uint32_t bits)
     return (value > (largest >> 1U)) ? (-(int64_t)below - 1) : (int64_t)value;
 }
 
-/** Return true if a number fits into this many bits in two's complement. */
+/** Return true if a number fits in this many bits in two's complement. */
 static inline bool lika_fits_signed(int64_t value, uint32_t bits)
 {
     const uint64_t half = lika_mask(bits) >> 1U;
@@ -688,8 +689,8 @@ static inline uint32_t lika_parity(uint32_t value)
  *
  * @param now  the new position
  * @param before  the earlier position
- * @param modulus  counts after which the position starts again at 0
- * @return -modulus / 2 to below modulus / 2, or 0 if modulus is 0
+ * @param modulus  counts after which the position wraps around to 0
+ * @return the distance, from -modulus / 2 to below modulus / 2, or 0 if modulus is 0
  */
 static inline int64_t lika_difference(uint64_t now, uint64_t before, uint64_t modulus)
 {
@@ -712,7 +713,7 @@ static inline int64_t lika_difference(uint64_t now, uint64_t before, uint64_t mo
 
 /* -- order codes ------------------------------------------------------------------------------- */
 
-/** Return the capital of a letter a to z, or any other character unchanged. */
+/** Return a letter a to z in uppercase, or any other character unchanged. */
 static inline char lika_capital(char letter)
 {
     static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -721,13 +722,13 @@ static inline char lika_capital(char letter)
     return ((letter >= 'a') && (letter <= 'z')) ? capitals[place - first] : letter;
 }
 
-/** Return true for a digit. */
+/** Return true if the character is a digit. */
 static inline bool lika_is_digit(char letter)
 {
     return (letter >= '0') && (letter <= '9');
 }
 
-/** Return true for a letter or a digit. */
+/** Return true if the character is a letter or a digit. */
 static inline bool lika_is_letter_or_digit(char letter)
 {
     const char capital = lika_capital(letter);
@@ -735,8 +736,8 @@ static inline bool lika_is_letter_or_digit(char letter)
 }
 
 /**
- * Return true if this text may follow an order code on a label: nothing, a hyphen with any text, or
- * /S with letters and digits (a special model, which may differ from the manual).
+ * Return true if this text may follow an order code on a label. It can be empty, a hyphen with any
+ * text, or /S with letters and digits (a special model, which may differ from the manual).
  */
 static inline bool lika_label_ends(const char *label)
 {
@@ -759,9 +760,9 @@ static inline bool lika_label_ends(const char *label)
 }
 
 /**
- * Return how many characters at the start of a label match an order code, or 0 if they do not. Case
- * and blanks are ignored. In the code, # matches a digit, ~ a digit or nothing, @ a letter and % a
- * letter or digit.
+ * Return the number of characters at the start of a label that match an order code, or 0 if they do
+ * not match. Case and spaces are ignored. In the code, # matches a digit, ~ matches a digit or
+ * nothing, @ matches a letter, and % matches a letter or a digit.
  */
 static inline size_t lika_label_match(const char *label, const char *code)
 {
@@ -816,7 +817,7 @@ typedef struct lika_open_code {
     uint16_t unlisted;
 } lika_open_code;
 
-/** Index that means: no such order code. */
+/** Index that means that there is no such order code. */
 #define LIKA_NO_CODE 0xFFFFU
 
 #ifdef __cplusplus

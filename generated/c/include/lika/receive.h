@@ -7,27 +7,28 @@
  * The encoders described here are products of Lika Electronic s.r.l. This project is not affiliated
  * with either company and claims no certification.
  *
- * Received bits are packed into bytes: the first bit is bit 7 of the first byte, as an SPI that
- * receives the most significant bit first stores them. lika_received_words16, _words32 and _samples
- * convert wider SPI words and samples. The headers of the families define the lengths:
+ * Received bits are packed into bytes, with the first bit in bit 7 of the first byte. An SPI that
+ * receives the most significant bit first stores them in this way. lika_received_words16, _words32
+ * and _samples convert wider SPI words and samples. The family headers define the lengths:
  *
  *   static uint8_t rx[ORDER_CODE_BISS_RX_BYTES];
  *   lika_biss_receive(rx, sizeof rx, ORDER_CODE_BISS_BITS, &word)
  *
- * The result names the cause: LINE_HIGH is a cut cable or no supply, LINE_LOW an encoder that is
- * still busy or a short circuit, NO_START and LENGTH a buffer that is too short, CONSTANT a frame
- * that is shorter or longer than expected, HEAD_MISSING an RS-485 driver that is released too
- * late. These functions do not check the word itself: its decoder does.
+ * The result indicates the cause: LINE_HIGH means a cut cable or no supply, LINE_LOW an encoder
+ * that is still busy or a short circuit, NO_START and LENGTH a buffer that is too short, CONSTANT a
+ * frame that is shorter or longer than expected, and HEAD_MISSING an RS-485 driver
+ * that is released too late. These functions do not check the word itself. Its decoder
+ * does that.
  *
- * C99 or C++11. No library, no allocation. You own the struct with the state of a line. Pointers
- * must not be null. Not yet tested on hardware.
+ * Compiles as C99 and C++11. Needs no library and no allocation. You provide the struct that holds
+ * the state of a line. Pointers must not be null. Not yet tested on hardware.
  */
 #ifndef LIKA_RECEIVE_H
 #define LIKA_RECEIVE_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/receive.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -36,7 +37,7 @@ extern "C" {
 #endif
 
 /* -- bits -------------------------------------------------------------------------------------- */
-/** Return a received bit, 0 or 1. Place 0 was received first. */
+/** Return a received bit, 0 or 1. The bit at place 0 was received first. */
 static inline uint32_t lika_received_bit(const uint8_t *rx, size_t place)
 {
     const uint32_t byte = rx[place / 8U];
@@ -44,10 +45,10 @@ static inline uint32_t lika_received_bit(const uint8_t *rx, size_t place)
     return (byte >> left) & 1U;
 }
 
-/** Return up to 64 bits from a place on as a number, the first bit as the most significant. */
+/** Return up to 64 bits, starting at a place, as a number with the first bit as its highest. */
 static inline uint64_t lika_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
-    /* In two halves, since small processors shift 64 bits slowly. */
+    /* Work on two halves, since small processors are slow at shifting 64 bits. */
     const size_t end = first + (size_t)bits;
     uint32_t high = 0U;
     uint32_t low = 0U;
@@ -80,8 +81,9 @@ static inline void lika_received_words32(const uint32_t *words, size_t count, ui
 }
 
 /**
- * Pack samples of the data line into bytes. The last byte is filled up with ones, which cannot pass
- * for the 0 after a word. For BiSS, pass count to lika_biss_receive_bits, which ignores them.
+ * Pack samples of the data line into bytes. The last byte is padded with ones, which cannot be
+ * mistaken for the 0 after a word. For BiSS, pass count to lika_biss_receive_bits, which ignores
+ * the padding.
  *
  * @param samples  one byte per clock, as DMA copies them from a port
  * @param count  number of samples
@@ -113,9 +115,10 @@ static inline size_t lika_received_samples(
  *   1 1 ...      0 0 0 ...     1       CDS   D ... D nE nW CRC   0      0 or 1 ...
  *   rest, delay  acknowledge   start         the word            stop   ignored
  *
- * MA rests high. The encoder changes SLO after the rising edge of MA, so both SPI modes with
- * CPOL = 1 receive the same bits: mode 3 samples at the rising edge, mode 2 half a clock earlier,
- * at the falling one. Either works with any cable, since the start bit shows the delay.
+ * MA is high at rest. The encoder changes SLO after the rising edge of MA, so both SPI modes with
+ * CPOL = 1 receive the same bits. Mode 3 samples at the rising edge, and mode 2 samples half a
+ * clock earlier, at the falling edge. Both work with any cable, since the start bit shows the
+ * delay.
  *
  *   MA      1 1 1 0 1 0 1 0 1 0 1
  *   SLO     1 1 1 1 1 1 a a b b c    each rising edge outputs the next bit
@@ -123,14 +126,14 @@ static inline size_t lika_received_samples(
  *   mode 2      ^   ^   ^   ^        CPOL = 1, CPHA = 0: 1 1 a b
  *
  * Register access switches between modes 3 and 0, which both sample at the rising edge: see
- * lika/biss.h. The buffer must hold at least one bit of rest before the acknowledge, and the whole
- * word, so its length limits the acknowledge. The stop bit is checked if it was received. Clock it
- * in unless your receiver cannot: it reveals a frame of another length. Wait for the time-out
- * before the next frame: a master that keeps clocking sees SLO rise without a frame. Do not pause
- * that long between two bytes, since that ends the frame.
+ * lika/biss.h. The buffer must hold at least one idle bit before the acknowledge, and the whole
+ * word, so its length limits how long the acknowledge may be. The stop bit is checked if it was
+ * received. Receive it if you can, since it reveals a frame of a different length. Wait until the
+ * time-out is over before you start the next frame: a master that keeps clocking sees SLO rise
+ * without a frame. Do not pause that long between two bytes, since the pause would end the frame.
  *
  * A disturbed acknowledge or start bit shifts the word. The decoder's 6-bit CRC misses one in 64
- * such words. Only a limit on the change of position detects that one.
+ * such words. Only a limit on how far the position can move detects that one.
  *
  * @param rx  the received bits, packed into bytes
  * @param received  number of bits received, which need not fill whole bytes
@@ -138,11 +141,11 @@ static inline size_t lika_received_samples(
  * @param word  the word, for its decoder
  * @return
  *   OK         the word is complete.
- *   LINE_LOW   the first bit is 0: a short, or the time-out of the frame before is not over.
+ *   LINE_LOW   the first bit is 0: a short circuit, or the previous time-out is not over.
  *   LINE_HIGH  there is no 0: no encoder, no supply, or no clock.
  *   NO_START   there is no 1 after the acknowledge: it is longer than the buffer.
  *   LENGTH     the start bit is so late that the word does not fit.
- *   CONSTANT   the stop bit is 1: a frame of another length, or disturbed.
+ *   CONSTANT   the stop bit is 1: the frame has a different length or was disturbed.
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_receive_bits(
@@ -177,7 +180,7 @@ static inline lika_result lika_biss_receive_bits(
     return LIKA_OK;
 }
 
-/** Extract the word of single cycle data from size whole bytes. See lika_biss_receive_bits. */
+/** Extract the word of single cycle data from whole bytes. See lika_biss_receive_bits. */
 LIKA_NODISCARD
 static inline lika_result lika_biss_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
@@ -186,13 +189,13 @@ static inline lika_result lika_biss_receive(
 }
 
 /**
- * Extract the CDS bit, for register access by lika/biss.h. Take it from every frame, even if the
- * CRC of its word is wrong, since the slave advances by one bit with every frame.
+ * Extract the CDS bit, for register access with lika/biss.h. Extract it from every frame, even if
+ * the CRC of its word is wrong, since the slave advances by one bit with every frame.
  *
  * @param rx  the received bits, packed into bytes
  * @param received  number of bits received, which need not fill whole bytes
  * @param cds  the CDS bit
- * @return OK, or LENGTH if there is no frame: abort the access in progress
+ * @return OK, or LENGTH if there is no frame. In that case abort the access in progress
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
@@ -212,7 +215,7 @@ static inline lika_result lika_biss_receive_cds_bits(const uint8_t *rx, size_t r
     return LIKA_OK;
 }
 
-/** Extract the CDS bit from size whole bytes. See lika_biss_receive_cds_bits. */
+/** Extract the CDS bit from whole bytes. See lika_biss_receive_cds_bits. */
 LIKA_NODISCARD
 static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
 {
@@ -227,10 +230,10 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
  *   stored   the word   after  ignored
  *
  * The first clock edge stores the position, and the next one outputs the most significant bit. A
- * word of n bits takes n + 1 clocks, and this function needs one more for the 0 after it. Sample at
- * the rising edge of a clock that rests high (SPI mode 3) or at the falling edge (mode 2). There is
- * no CRC, and no start bit to show a delay: keep the delay of the cable below one clock, or below
- * half a clock in mode 2.
+ * word of n bits takes n + 1 clocks, and this function needs one more for the 0 after it. The clock
+ * must be high at rest. Sample at its rising edge (SPI mode 3) or at its falling edge (mode 2).
+ * There is no CRC, and no start bit that shows a delay. Keep the delay of the cable below one clock
+ * period, or below half a period in mode 2.
  *
  * @param rx  the received bits, packed into bytes
  * @param size  number of bytes
@@ -239,9 +242,9 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
  * @return
  *   OK         the word is complete.
  *   LENGTH     the buffer is too short for the word.
- *   LINE_LOW   the first bit is 0: a short, or the pause before the clock was too short.
+ *   LINE_LOW   the first bit is 0: a short circuit, or too short a pause before the clock.
  *   LINE_HIGH  all bits are 1: no encoder, no supply, or no clock.
- *   CONSTANT   the bit after the word is 1: a longer word, or disturbed.
+ *   CONSTANT   the bit after the word is 1: the word is longer or was disturbed.
  */
 LIKA_NODISCARD
 static inline lika_result lika_ssi_receive(
@@ -263,15 +266,18 @@ static inline lika_result lika_ssi_receive(
 }
 
 /**
- * Check that two positions agree, decoded from words read in immediate succession. This is the only
- * check for a word without a CRC. It cannot detect an error that affects both words. You can
- * compare the first two BiSS frames in the same way.
+ * Check that two positions agree which were decoded from words read in immediate succession. This
+ * is the only check for a word without a CRC. It cannot detect an error that affects both words.
+ * You can compare the first two BiSS frames in the same way.
  *
  * @param first  the first position
  * @param second  the second position
- * @param modulus  the family's _modulus(), even if the axis never moves that far (none: 0)
- * @param at_most  most counts that the axis can move, either way, in one word and one pause
- * @return OK, RANGE if a position is not below the modulus, or REPEAT if they disagree: read again
+ * @param modulus  the family's _modulus(), even if the axis never moves that far, or 0 if there is
+ *                 none
+ * @param at_most  maximum number of counts that the axis can move, in either direction, during one
+ *                 word and one pause
+ * @return OK, RANGE if a position is not below the modulus, or REPEAT if the positions disagree and
+ *         must be read again
  */
 LIKA_NODISCARD
 static inline lika_result lika_ssi_repeats(
@@ -291,7 +297,7 @@ static inline lika_result lika_ssi_repeats(
 }
 
 /* -- RS-485 ------------------------------------------------------------------------------------ */
-/** Bytes of the longest reply. */
+/** Length of the longest reply in bytes. */
 #define LIKA_RECEIVE_RS485_BYTES 11U
 
 /**
@@ -306,14 +312,14 @@ static inline lika_result lika_ssi_repeats(
  *   if (lika_rs485_late(&line, now_us)) {                      regularly: ask again,
  *                                                                lika_rs485_reason says why
  *
- * Release the line at once: expect the reply a few microseconds after the request. The manuals give
- * no time. This is inferred from another encoder with the same format, for which the driver in
- * vedderb/bldc notes 3 us. A byte at 2.5 MBd takes 4 us, so a driver that is released by a task or
- * a slow interrupt cuts off the first byte of every reply. Have the UART switch the driver
- * (hardware driver enable), or release it in the transmit-complete interrupt, which occurs after
- * the last stop bit. The transmit-register-empty interrupt is one byte too early. Enable the
- * receiver before the last byte of the request has been sent. If it then receives the request, pass
- * the number of those bytes to _ask as echo.
+ * Release the line immediately, since the reply can come a few microseconds after the request. The
+ * manuals give no time. The value is inferred from another encoder with the same format, for which
+ * the driver in vedderb/bldc notes 3 us. A byte at 2.5 MBd takes 4 us, so a driver that is released
+ * by a task or a slow interrupt cuts off the first byte of every reply. Have the UART switch the
+ * driver (hardware driver enable), or release it in the transmit-complete interrupt, which occurs
+ * after the last stop bit. The transmit-register-empty interrupt is one byte too early. Enable the
+ * receiver before the last byte of the request has been sent. If it then receives bytes of the
+ * request, pass their number to _ask as echo.
  *
  * A reply begins with the control byte of its request. Bytes before that are dropped. If the
  * decoder rejects the bytes, _resume searches them for a later start of the reply, so a disturbed
@@ -322,10 +328,10 @@ static inline lika_result lika_ssi_repeats(
  */
 typedef struct lika_rs485_line {
     uint8_t bytes[LIKA_RECEIVE_RS485_BYTES]; /**< the reply, complete once _take returns true */
-    size_t length;                          /**< bytes of a complete reply */
+    size_t length;                          /**< number of bytes in a complete reply */
     uint32_t dropped;                       /**< bytes dropped since _ask, before a reply began */
-    size_t count;                           /**< private: bytes of the reply so far */
-    size_t echo;                            /**< private: bytes of the echo still to come */
+    size_t count;                           /**< private: reply bytes received so far */
+    size_t echo;                            /**< private: echo bytes still to come */
     uint8_t control;                        /**< private: first byte of the reply */
     uint32_t since_us;                      /**< private: time of _ask */
     uint32_t at_most_us;                    /**< private: time-out */
@@ -337,10 +343,11 @@ typedef struct lika_rs485_line {
  * @param line  the reply and its state
  * @param control  control byte of the request, with which the reply begins
  * @param length  number of bytes in the reply
- * @param echo  bytes of the request that the receiver hears first, or 0 if it does not hear them
- * @param now_us  present time, from a 32-bit microsecond counter that wraps around
- * @param at_most_us  longest time until the reply is complete. No manual says how soon an encoder
- *                    answers. Request and reply alone take ten bit times per byte
+ * @param echo  number of request bytes that the receiver receives before the reply, or 0 if it
+ *              receives none
+ * @param now_us  current time, from a 32-bit microsecond counter that wraps around
+ * @param at_most_us  maximum time until the reply is complete. No manual says how soon an encoder
+ *                    answers. The request and the reply themselves take ten bit times per byte
  * @return OK, or LENGTH if length is 0 or longer than the buffer
  */
 LIKA_NODISCARD
@@ -380,7 +387,7 @@ static inline bool lika_rs485_take(lika_rs485_line *line, uint8_t byte)
     return line->count == line->length;
 }
 
-/** Resume after the decoder rejected a reply: look for its start after the first byte. */
+/** Resume after the decoder rejected a reply: look for its start after the first byte received. */
 static inline void lika_rs485_resume(lika_rs485_line *line)
 {
     const size_t count = line->count;
@@ -396,13 +403,14 @@ static inline void lika_rs485_resume(lika_rs485_line *line)
 }
 
 /**
- * Return true if the time is over and the reply is not complete: either none arrived, or the
- * decoder rejected it. Keep the result of the decoder for that case. Leave the line quiet for
- * at_most_us before you ask again, so that a late reply is not mistaken for the next one.
+ * Return true if the time-out has passed and the reply is not complete, because none arrived or
+ * because the decoder rejected it. Keep the result of the decoder for the second case. Leave the
+ * line idle for at_most_us before you ask again, so that a late reply is not mistaken for the next
+ * one.
  */
 static inline bool lika_rs485_late(const lika_rs485_line *line, uint32_t now_us)
 {
-    /* now - since in 64 bits, without the wraparound that checkers warn of. */
+    /* Compute now - since in 64 bits, without the wraparound that checkers warn about. */
     const uint64_t passed = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
     return (passed > line->at_most_us) && (line->count != line->length);
 }

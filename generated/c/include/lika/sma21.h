@@ -18,7 +18,7 @@
  *
  * Version 0.1.0 of these headers.
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
- * Brackets give its sections and pages.
+ * Its sections and pages are cited in brackets.
  *
  * Differences from other editions of the manual are noted inline. Generate files for one with
  * codewheel generate --edition sma21=1.0.
@@ -41,13 +41,14 @@
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual's
- * own evidence decides, and open if only hardware or the manufacturer could. Each erratum is named
- * where it matters and explained at the end of this header. Errata of wording alone are left out.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
+ * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
+ * erratum is mentioned where it matters and explained at the end of this header. Errata that
+ * concern only wording are omitted.
  *
  * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
  * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The functions _set_ keep them consistent. A flag is true while it is active, whether it is sent
+ * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
  * as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
@@ -57,7 +58,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -79,14 +80,14 @@ extern "C" {
  * resolution: Resolution: 0050 = 50 um; 0010 = 10 um; 0005 = 5 um; 0002 = 2 um; 0001 = 1 um.
  * On the label, a hyphen and further characters follow the resolution. The manual does not explain
  * them. It prints x for the supply digit of all models except JP1, and explains 1 and 4 by example.
- * The order code and the serial number are on the label of the body and in the delivery document.
+ * The order code and the serial number are on the label on the body and in the delivery document.
  * Lika asks for both in every enquiry. Technical data are in the catalogue. The order code of the
  * tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum order_code_key (open, omission).
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * register Configuration, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
  * rejected.
  * Erratum profile_variants (open, wrong data): Used: Each is used as printed.
@@ -109,14 +110,14 @@ typedef struct lika_sma21_variant {
      */
     uint8_t scd_padding_bits;
     /**
-     * Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset contains an
+     * Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
      * offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Held at run time in register 49h
      * (Select preset offset of Configuration), 0 to 1. lika_sma21_take_configuration() updates it.
      */
     uint8_t offset_selected;
     uint16_t profile_id; /**< Profile ID in the BiSS registers 42h and 43h [6.4 p.28]. */
     /**
-     * Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary [6.4 p.31]. Held at run
+     * Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Held at run
      * time in register 49h (Output code of Configuration), 0 to 1. lika_sma21_take_configuration()
      * updates it.
      */
@@ -209,7 +210,7 @@ typedef struct lika_sma21_order_code {
     lika_sma21_variant variant; /**< its variant */
 } lika_sma21_order_code;
 
-/** Return the list of all order codes, and their number in count. */
+/** Return the list of all order codes, and store their number in count. */
 static inline const lika_sma21_order_code *lika_sma21_order_codes(size_t *count)
 {
     static const lika_sma21_order_code codes[] = {
@@ -269,7 +270,7 @@ static inline const lika_sma21_order_code *lika_sma21_order_codes(size_t *count)
 /**
  * Find the order code on a label, to choose one at run time.
  * A part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code that agrees in the other parts.
+ * first order code whose other parts match.
  *
  * @param label  text of the label
  * @param unlisted  the parts whose values are not listed, as bits
@@ -330,7 +331,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the entry of the table of CRC biss_6: the remainder of a byte. */
+/** Return the remainder of a byte from the table of CRC biss_6. */
 static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -362,7 +363,7 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26, prot: p.7-8, renishaw:
  * data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -392,7 +393,7 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of bits.
+ * Compute the CRC of the given bits.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -422,13 +423,13 @@ static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 }
 
 /**
- * Compute the CRC of bytes.
- * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.3.4
+ * Compute the CRC of the given bytes.
+ * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.3.4
  * p.42].
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. Both printed frames
- * fit start value 0.
- * With this polynomial the CRC of whole bytes is their XOR.
+ * are consistent with a start value of 0.
+ * With this polynomial, the CRC of whole bytes is their XOR.
  *
  * @param bytes  the bytes that the CRC covers, in the order sent
  * @param length  number of bytes
@@ -446,7 +447,7 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
 
 /* -- reports ----------------------------------------------------------------------------------- */
 
-/** Reports of the encoder. The functions _reports() of frames return a mask of these bits. */
+/** Reports of the encoder. The _reports() functions of the frames return a mask of these bits. */
 typedef enum lika_sma21_report {
     LIKA_SMA21_REPORT_ERROR = 0x0001, /**< Error [5.4 p.22]. */
     LIKA_SMA21_REPORT_WARNING = 0x0002, /**< Warning, nW [6.2 p.26]. */
@@ -471,7 +472,7 @@ typedef enum lika_sma21_report {
 } lika_sma21_report;
 
 /**
- * Return the texts on a report.
+ * Return the texts about a report.
  *
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
@@ -483,15 +484,15 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "error",
             "",
             "an error is present and the LED is red. Reading error (the tape is not read "
-            "properly: mounted wrongly, for instance turned round or upside down, its surface "
-            "damaged, or the sensor faulty) or frequency error (sensor too fast over the tape).",
+            "properly: mounted wrongly, for instance reversed or upside down, surface damaged, or "
+            "the sensor faulty) or frequency error (sensor moves too fast over the tape).",
             "",
             "5.4 p.22"
         },
         {
             "warning",
             "Warning, nW",
-            "warning active. Used with the register Position check for an automatic check of the "
+            "warning active. Used with the Position check register for an automatic check of the "
             "position. It is only for Lika's technicians.",
             "",
             "6.2 p.26"
@@ -499,7 +500,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "status_info",
             "dd0 ... dd3",
-            "unused bits differ from the manual, which has 0 there. Information, not used in this "
+            "unused bits differ from the documented value 0. Information, not used in this "
             "encoder.",
             "",
             "7.3.2 p.38, a4: p.298"
@@ -507,15 +508,16 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "status_alarm",
             "ea0",
-            "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the "
-            "position is correct. Not stored. The bit clears as soon as the cause is gone.",
+            "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, "
+            "but the position is correct. Not stored. The bit clears as soon as the cause is "
+            "gone.",
             "",
             "7.3.2 p.38, a4: p.298"
         },
         {
             "status_error",
             "ea1",
-            "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or "
+            "encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or "
             "the motor must stop. Stored in the encoder until the errors are reset.",
             "Reset the errors with data ID B",
             "7.3.2 p.38, a4: p.298"
@@ -523,7 +525,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "status_zero",
             "",
-            "unused bits differ from the manual, which has 0 there",
+            "unused bits differ from the documented value 0",
             "",
             "7.3.2 p.38, a4: p.298"
         },
@@ -604,8 +606,8 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
  * n + 1 rising edges (13 bits: 14 edges). The master sends at least as many clocks as the word has
  * bits. The time Tm may follow the word immediately.
  * Signals: RS-422, clock and data have a logic level of typically 5 V [5 p.19].
- * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
- * p.20].
+ * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
+ * [5.2 p.20].
  * Code: binary or Gray, by order code [5.2 p.20].
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
@@ -620,12 +622,12 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
 #define LIKA_SMA21_SSI_MONOFLOP_TYPICAL_US 12U
 /**
  * Tp: at least 16 us: Pause between two clock sequences. The manual prints Tp > 16 us, so exactly
- * 16 us leave no margin [5.3 p.22].
+ * 16 us leaves no margin [5.3 p.22].
  */
 #define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U
 
 /**
- * For lika/receive.h, by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_SMA21_BG1_0050_SSI_BITS 21U
 #define LIKA_SMA21_BG1_0050_SSI_RX_BYTES 3U
@@ -731,10 +733,10 @@ typedef struct lika_sma21_ssi_word {
     uint32_t position;
     /**
      * Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance
-     * turned round or upside down, its surface damaged, or the sensor faulty) or frequency error
-     * (sensor too fast over the tape). Active at 0: an error is present and the LED is red.
-     * Inactive at 1: normal state without an active error. The LED is off. While it is active, the
-     * position is not usable.
+     * reversed or upside down, surface damaged, or the sensor faulty) or frequency error (sensor
+     * moves too fast over the tape). Active at 0: an error is present and the LED is red. Inactive
+     * at 1: normal state without an active error. The LED is off. While it is active, the position
+     * is not usable.
      */
     bool error;
 } lika_sma21_ssi_word;
@@ -796,7 +798,7 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_ssi_word_verdict(
@@ -826,15 +828,15 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * The encoder is a slave, alone with one master. It must not be connected in a network of several
- * slaves. For everything that the manual leaves out, it refers to www.biss-interface.com.
+ * The encoder is a slave, and the only one of its master. It must not be connected to a network
+ * with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock (MA) and Data (SLO) [6 p.24].
  * Profile: Standard encoder profile, data format, Variant 0-24 (50 um to 2 um) or Variant 0-24+++
  * (1 um) [6 p.24].
  * Network: point to point, one slave only [6 p.24].
- * Control data: Each frame carries one bit, for reading and writing the registers. The manual
- * describes the main fields and refers to the document "Protocol description C-mode" for the whole
- * structure.
+ * Control data: Each frame carries one bit of control data, for reading and writing the registers.
+ * The manual describes the main fields and refers to the document "Protocol description C-mode" for
+ * the whole structure.
  * Erratum profile_variants (open, wrong data): Used: Each is used as printed.
  * Erratum biss_timeout (open, omission).
  */
@@ -859,13 +861,13 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 /** CRC: 4 bits: CRC of the transmission, sent inverted [6.3 p.27]. */
 #define LIKA_SMA21_BISS_CONTROL_CRC_BITS 4U
 /**
- * eeprom_write: at least 30 ms: Time from a write to the Command register to the next function. The
- * EEPROM is written during this time [6.4 p.29].
+ * eeprom_write: at least 30 ms: Time between a write to the Command register and the next function.
+ * The EEPROM is written during this time [6.4 p.29].
  */
 #define LIKA_SMA21_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * For lika/receive.h, by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -892,11 +894,11 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 #define LIKA_SMA21_SC4_0001_BISS_RX_BYTES 10U
 
 /**
- * For registers by lika/biss.h: the bit of lika_biss_master_next must be on MA before the last
- * clock of the same frame, at least 32 clock periods after its CDS: 3.2 us at 10 MHz and 160 us at
- * 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next frame
- * begins, since the SPI mode sends it. MA shows the inverse of the bit for the whole time-out
- * (follows the clock, at most 16 us).
+ * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
+ * last clock of the same frame, at least 32 clock periods after its CDS: 3.2 us at 10 MHz and 160
+ * us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
+ * time-out (follows the clock, at most 16 us).
  */
 
 /**
@@ -906,7 +908,7 @@ static inline uint32_t lika_sma21_ssi_word_reports(
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * The frame has 32 bits from 50 um to 2 um and 33 bits at 1 um. The position is right-aligned in a
  * field of 24 or 25 bits, most significant bit first, with zeros above it. While an offset is
- * selected (bit 1 of the register Configuration), the position takes the whole field. With the
+ * selected (bit 1 of the Configuration register), the position takes the whole field. With the
  * output code Gray, zeros above a number remain zeros, so it does not matter whether they are
  * converted. The error and warning bits are assumed not to be converted.
  *   from bit scd_value_bits + 8 up  padding   position_bits + scd_padding_bits - scd_value_bits
@@ -921,7 +923,7 @@ static inline uint32_t lika_sma21_ssi_word_reports(
  * Erratum gray_scope (open, omission).
  * Erratum scd_length (settled, wrong data).
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * register Configuration, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
  * rejected.
  * Erratum position_below_zero (open, omission).
@@ -934,15 +936,15 @@ typedef struct lika_sma21_single_cycle_data {
      */
     uint32_t position;
     /**
-     * nE: Reading error (the tape is not read properly: mounted wrongly, for instance turned round
-     * or upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too
-     * fast over the tape). Active at 0: an error is present and the LED is red. Inactive at 1:
-     * normal state without an active error. The LED is off. While it is active, the position is not
+     * nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
+     * upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast
+     * over the tape). Active at 0: an error is present and the LED is red. Inactive at 1: normal
+     * state without an active error. The LED is off. While it is active, the position is not
      * usable.
      */
     bool error;
     /**
-     * Warning, nW: Used with the register Position check for an automatic check of the position. It
+     * Warning, nW: Used with the Position check register for an automatic check of the position. It
      * is only for Lika's technicians. Active at 0: warning active. Inactive at 1: no warning
      * active. While it is active, the position is usable, with a warning. Reserved for the
      * manufacturer.
@@ -1045,7 +1047,7 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_single_cycle_data_verdict(
@@ -1110,13 +1112,13 @@ typedef enum lika_sma21_data_id {
     /** Data ID A: 24-bit position, encoder ID and error code [7.3.1 p.38, 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_IDENTIFICATION = 0xA,
     /**
-     * Data ID B: Reset all errors. The reply carries 24-bit position and error code [7.3.1 p.38,
-     * 7.3.3.2 p.41].
+     * Data ID B: Reset all errors. The reply carries the 24-bit position and the error code [7.3.1
+     * p.38, 7.3.3.2 p.41].
      */
     LIKA_SMA21_DATA_ID_RESET_ERRORS = 0xB,
     /**
-     * Data ID F: Reset the position to 0. The reply carries 24-bit position and error code [7.3.1
-     * p.38, 7.3.3.2 p.41].
+     * Data ID F: Reset the position to 0. The reply carries the 24-bit position and the error code
+     * [7.3.1 p.38, 7.3.3.2 p.41].
      */
     LIKA_SMA21_DATA_ID_RESET_POSITION = 0xF
 } lika_sma21_data_id;
@@ -1129,20 +1131,20 @@ typedef enum lika_sma21_data_id {
 /** Data ID A: 52h, capture: 24-bit position, encoder ID and error code [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_IDENTIFICATION 0x52U
 /**
- * Data ID B: DAh, reset: Reset all errors. The reply carries 24-bit position and error code [7.3.1
- * p.38, 7.3.3.2 p.41].
+ * Data ID B: DAh, reset: Reset all errors. The reply carries the 24-bit position and the error code
+ * [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_ERRORS 0xDAU
 /**
- * Data ID F: 7Ah, reset: Reset the position to 0. The reply carries 24-bit position and error code
- * [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID F: 7Ah, reset: Reset the position to 0. The reply carries the 24-bit position and the
+ * error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
 /**
  * data_request, sent by the master over RS-485: 1 byte [7.2 p.37, 7.2.1 p.37].
  * In the manual: Master -> Encoder: CF.
- * Carries data_id 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F
+ * Its data_id is 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F
  * (reset_position).
  * One byte, without a CRC.
  *   byte 0, bits 2:0  sync     SC: Sync code, binary 010. Always 2.
@@ -1226,20 +1228,20 @@ static inline lika_result lika_sma21_data_request_encode(
 /**
  * position_reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 DF3 CRC.
- * Carries data_id 4 (position), B (reset_errors) or F (reset_position).
+ * Its data_id is 4 (position), B (reset_errors) or F (reset_position).
  * position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0:
  * bit 23, bits 23:22 or bits 23:20.
  *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity                      cc4. Even parity of data_id.
  *   byte 1, bits 3:0  status_info                 dd0 ... dd3: Information, not used in this
- *                                                 encoder. Unused, 0 in the manual. Other values:
- *                                                 the frame is still decoded, with the verdict
+ *                                                 encoder. Unused, documented as 0. Frames with
+ *                                                 other values are still decoded, with the verdict
  *                                                 usable_with_warning.
  *   byte 1, bit 4     status_alarm
  *   byte 1, bit 5     status_error
- *   byte 1, bits 7:6  status_zero                 Unused, 0 in the manual. Other values: the frame
- *                                                 is still decoded, with the verdict
+ *   byte 1, bits 7:6  status_zero                 Unused, documented as 0. Frames with other values
+ *                                                 are still decoded, with the verdict
  *                                                 usable_with_warning.
  *   bytes 2 to 4      position                    rs485_position_bits bits.
  *   byte 5, bit 0     overspeed
@@ -1263,22 +1265,22 @@ typedef struct lika_sma21_position_reply {
     lika_sma21_data_id data_id;
     /**
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active at 1: encoder alarm
-     * (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is correct.
-     * Inactive at 0: no encoder alarm. Combines temperature_alarm and signal_strength_alarm. While
-     * it is active, the position is usable, with a warning.
+     * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
+     * correct. Inactive at 0: no encoder alarm. Combines temperature_alarm and
+     * signal_strength_alarm. While it is active, the position is usable, with a warning.
      */
     bool status_alarm;
     /**
-     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the sum of
-     * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. Inactive at
-     * 0: no encoder error. Combines low_amplitude_error, higher_track_error,
+     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the
+     * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
+     * Inactive at 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
      * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
      * ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit:
-     * counts. Right-aligned in 24 bits, zeros above it.
+     * counts. Right-aligned in 24 bits, with zeros above it.
      */
     uint32_t position;
     /**
@@ -1419,7 +1421,7 @@ static inline lika_result lika_sma21_position_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_sma21_position_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in)
@@ -1433,7 +1435,7 @@ static inline bool lika_sma21_position_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_position_reply_verdict(
@@ -1482,18 +1484,18 @@ static inline uint32_t lika_sma21_position_reply_reports(
  * wide_position_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
  * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
- * Carries data_id 5 (wide_position).
- * The position is always binary, with negative values as two's complement. There is no error code.
+ * Its data_id is 5 (wide_position).
+ * The position is always binary, with negative values in two's complement. There is no error code.
  * Only the status field reports errors.
  *   byte 0, bits 2:0  sync          SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id       cc0 ... cc3: Type of the request, repeated in the reply.
  *   byte 0, bit 7     parity        cc4. Even parity of data_id.
- *   byte 1, bits 3:0  status_info   dd0 ... dd3: Information, not used in this encoder. Unused, 0
- *                                   in the manual. Other values: the frame is still decoded, with
- *                                   the verdict usable_with_warning.
+ *   byte 1, bits 3:0  status_info   dd0 ... dd3: Information, not used in this encoder. Unused,
+ *                                   documented as 0. Frames with other values are still decoded,
+ *                                   with the verdict usable_with_warning.
  *   byte 1, bit 4     status_alarm
  *   byte 1, bit 5     status_error
- *   byte 1, bits 7:6  status_zero   Unused, 0 in the manual. Other values: the frame is still
+ *   byte 1, bits 7:6  status_zero   Unused, documented as 0. Frames with other values are still
  *                                   decoded, with the verdict usable_with_warning.
  *   bytes 2 to 7      position
  *   byte 8            crc           CRC. CRC rs485_8 over everything before it.
@@ -1510,15 +1512,15 @@ static inline uint32_t lika_sma21_position_reply_reports(
 typedef struct lika_sma21_wide_position_reply {
     /**
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active at 1: encoder alarm
-     * (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is correct.
-     * Inactive at 0: no encoder alarm. Combines temperature_alarm and signal_strength_alarm. While
-     * it is active, the position is usable, with a warning.
+     * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
+     * correct. Inactive at 0: no encoder alarm. Combines temperature_alarm and
+     * signal_strength_alarm. While it is active, the position is usable, with a warning.
      */
     bool status_alarm;
     /**
-     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the sum of
-     * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. Inactive at
-     * 0: no encoder error. Combines low_amplitude_error, higher_track_error,
+     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the
+     * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
+     * Inactive at 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
      * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
@@ -1614,7 +1616,7 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_sma21_wide_position_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in)
@@ -1628,7 +1630,7 @@ static inline bool lika_sma21_wide_position_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_wide_position_reply_verdict(
@@ -1665,19 +1667,19 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
  * identification_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
  * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
- * Carries data_id A (identification).
+ * Its data_id is A (identification).
  *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id                     cc0 ... cc3: Type of the request, repeated in the
  *                                                 reply.
  *   byte 0, bit 7     parity                      cc4. Even parity of data_id.
  *   byte 1, bits 3:0  status_info                 dd0 ... dd3: Information, not used in this
- *                                                 encoder. Unused, 0 in the manual. Other values:
- *                                                 the frame is still decoded, with the verdict
+ *                                                 encoder. Unused, documented as 0. Frames with
+ *                                                 other values are still decoded, with the verdict
  *                                                 usable_with_warning.
  *   byte 1, bit 4     status_alarm
  *   byte 1, bit 5     status_error
- *   byte 1, bits 7:6  status_zero                 Unused, 0 in the manual. Other values: the frame
- *                                                 is still decoded, with the verdict
+ *   byte 1, bits 7:6  status_zero                 Unused, documented as 0. Frames with other values
+ *                                                 are still decoded, with the verdict
  *                                                 usable_with_warning.
  *   bytes 2 to 4      position                    rs485_position_bits bits.
  *   byte 5            encoder_id_1                ENID1: Encoder ID, first byte, fixed for the
@@ -1702,22 +1704,22 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
 typedef struct lika_sma21_identification_reply {
     /**
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active at 1: encoder alarm
-     * (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is correct.
-     * Inactive at 0: no encoder alarm. Combines temperature_alarm and signal_strength_alarm. While
-     * it is active, the position is usable, with a warning.
+     * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
+     * correct. Inactive at 0: no encoder alarm. Combines temperature_alarm and
+     * signal_strength_alarm. While it is active, the position is usable, with a warning.
      */
     bool status_alarm;
     /**
-     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the sum of
-     * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must stop. Inactive at
-     * 0: no encoder error. Combines low_amplitude_error, higher_track_error,
+     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the
+     * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
+     * Inactive at 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
      * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
      * ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit:
-     * counts. Right-aligned in 24 bits, zeros above it.
+     * counts. Right-aligned in 24 bits, with zeros above it.
      */
     uint32_t position;
     /**
@@ -1854,7 +1856,7 @@ static inline lika_result lika_sma21_identification_reply_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_sma21_identification_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in)
@@ -1868,7 +1870,7 @@ static inline bool lika_sma21_identification_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise LIKA_USABLE
  */
 LIKA_NODISCARD
 static inline lika_verdict lika_sma21_identification_reply_verdict(
@@ -2031,8 +2033,8 @@ static inline lika_result lika_sma21_rs485_reply_frame(
 /** Erratum position_below_zero (open, omission). */
 
 /**
- * Return the number of counts after which the position over SSI starts again at 0 [5.2 p.20, 6.2
- * p.25].
+ * Return the number of counts after which the position received over SSI wraps around to 0 [5.2
+ * p.20, 6.2 p.25].
  */
 static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
 {
@@ -2040,7 +2042,7 @@ static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_sma21_ssi_position_difference(
@@ -2050,8 +2052,8 @@ static inline int64_t lika_sma21_ssi_position_difference(
 }
 
 /**
- * Convert a position over SSI to micrometres [5.2 p.20, 6.2 p.25]. The product must fit into 64
- * bits.
+ * Convert a position received over SSI to micrometres [5.2 p.20, 6.2 p.25]. The product must fit in
+ * 64 bits.
  */
 static inline int64_t lika_sma21_ssi_micrometres(
     const lika_sma21_variant *variant, int64_t position)
@@ -2060,7 +2062,7 @@ static inline int64_t lika_sma21_ssi_micrometres(
     return position * step;
 }
 
-/** Convert a position over SSI to millimetres. */
+/** Convert a position received over SSI to millimetres. */
 static inline double lika_sma21_ssi_millimetres(const lika_sma21_variant *variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_ssi_micrometres(variant, position);
@@ -2068,8 +2070,8 @@ static inline double lika_sma21_ssi_millimetres(const lika_sma21_variant *varian
 }
 
 /**
- * Return the number of counts after which the position over BiSS C-mode starts again at 0 [5.2
- * p.20, 6.2 p.25, 6.4 p.32]. An offset raises all positions, up to 2^scd_value_bits - 1.
+ * Return the number of counts after which the position received over BiSS C-mode wraps around to 0
+ * [5.2 p.20, 6.2 p.25, 6.4 p.32]. An offset raises all positions, up to 2^scd_value_bits - 1.
  */
 static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_variant *variant)
 {
@@ -2077,7 +2079,7 @@ static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_variant *variant
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_sma21_biss_position_difference(
@@ -2087,8 +2089,8 @@ static inline int64_t lika_sma21_biss_position_difference(
 }
 
 /**
- * Convert a position over BiSS C-mode to micrometres [5.2 p.20, 6.2 p.25, 6.4 p.32]. The product
- * must fit into 64 bits.
+ * Convert a position received over BiSS C-mode to micrometres [5.2 p.20, 6.2 p.25, 6.4 p.32]. The
+ * product must fit in 64 bits.
  */
 static inline int64_t lika_sma21_biss_micrometres(
     const lika_sma21_variant *variant, int64_t position)
@@ -2097,7 +2099,7 @@ static inline int64_t lika_sma21_biss_micrometres(
     return position * step;
 }
 
-/** Convert a position over BiSS C-mode to millimetres. */
+/** Convert a position received over BiSS C-mode to millimetres. */
 static inline double lika_sma21_biss_millimetres(
     const lika_sma21_variant *variant, int64_t position)
 {
@@ -2106,7 +2108,8 @@ static inline double lika_sma21_biss_millimetres(
 }
 
 /**
- * Return the number of counts after which the position over RS-485 starts again at 0 [4.10 p.18].
+ * Return the number of counts after which the position received over RS-485 wraps around to 0 [4.10
+ * p.18].
  */
 static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_variant *variant)
 {
@@ -2114,7 +2117,7 @@ static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_variant *varian
 }
 
 /**
- * Return the distance from before to now, the shorter way around. The sum of the differences
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
 static inline int64_t lika_sma21_rs485_position_difference(
@@ -2123,7 +2126,10 @@ static inline int64_t lika_sma21_rs485_position_difference(
     return lika_difference(now, before, lika_sma21_rs485_modulus(variant));
 }
 
-/** Convert a position over RS-485 to micrometres [4.10 p.18]. The product must fit into 64 bits. */
+/**
+ * Convert a position received over RS-485 to micrometres [4.10 p.18]. The product must fit in 64
+ * bits.
+ */
 static inline int64_t lika_sma21_rs485_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
@@ -2131,7 +2137,7 @@ static inline int64_t lika_sma21_rs485_micrometres(
     return position * step;
 }
 
-/** Convert a position over RS-485 to millimetres. */
+/** Convert a position received over RS-485 to millimetres. */
 static inline double lika_sma21_rs485_millimetres(
     const lika_sma21_variant *variant, int64_t position)
 {
@@ -2143,8 +2149,9 @@ static inline double lika_sma21_rs485_millimetres(
 
 /**
  * Shifts and masks refer to a register as one number. Decoders and encoders use its bytes in
- * ascending order of address. The functions _read_ and _write_ transfer all bytes of a register by
- * one call of your transport. A register reserved to the manufacturer has no function _write_.
+ * ascending order of address. The _read_ and _write_ functions transfer all bytes of a register in
+ * a single call to your transport. A register reserved for the manufacturer has no _write_
+ * function.
  */
 
 /**
@@ -2220,7 +2227,7 @@ static inline lika_result lika_sma21_reg_profile_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_sma21_reg_profile_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in)
@@ -2229,12 +2236,12 @@ static inline bool lika_sma21_reg_profile_id_is_expected(
 }
 
 /**
- * Read Profile ID, 42h to 43h.
+ * Read the register Profile ID, 42h to 43h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2328,12 +2335,12 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
 }
 
 /**
- * Read Serial number, 44h to 47h.
+ * Read the register Serial number, 44h to 47h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2354,9 +2361,9 @@ static inline lika_result lika_sma21_read_serial_number(
 /**
  * Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29, 12 p.51].
  * Saves the parameters, activates preset or offset, or restores the defaults.
- * Wait at least 30 ms after a write, before the next command.
- * Returns to its default by itself after a write.
- * After a command, the register returns to 00 by itself.
+ * Wait at least 30 ms between a write and the next command.
+ * Automatically returns to its default after a write.
+ * After a command, the register automatically returns to 00.
  */
 #define LIKA_SMA21_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_SMA21_REG_COMMAND_LENGTH 1U /**< byte */
@@ -2375,20 +2382,20 @@ typedef enum lika_sma21_command {
      */
     LIKA_SMA21_COMMAND_ACTIVATE_PRESET_OFFSET = 0x02,
     /**
-     * Carica e salva tutti i parametri di default: Loads the factory parameters, for standard and
-     * safe operation, immediately and overwrites all parameters set before, which are lost [6.4
+     * Carica e salva tutti i parametri di default: Immediately loads the factory parameters, which
+     * are for standard and safe operation. All parameters set before are overwritten and lost [6.4
      * p.29].
      */
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
 
 /**
- * Write Command, 48h, then wait 30 ms.
+ * Write the register Command, 48h, then wait 30 ms.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param value  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -2455,13 +2462,13 @@ typedef enum lika_sma21_enable_preset_offset {
 } lika_sma21_enable_preset_offset;
 
 /**
- * Seleziona preset / offset: Content of the register Preset / Offset. The bit is available only
+ * Seleziona preset / offset: Content of the Preset / Offset register. The bit is available only
  * while the function is enabled (bit 2).
  */
 typedef enum lika_sma21_select_preset_offset {
-    /** The register Preset / Offset contains a preset. */
+    /** The Preset / Offset register contains a preset. */
     LIKA_SMA21_SELECT_PRESET_OFFSET_PRESET = 0x0,
-    /** The register Preset / Offset contains an offset. */
+    /** The Preset / Offset register contains an offset. */
     LIKA_SMA21_SELECT_PRESET_OFFSET_OFFSET = 0x1
 } lika_sma21_select_preset_offset;
 
@@ -2551,12 +2558,12 @@ static inline lika_result lika_sma21_reg_configuration_encode(
 }
 
 /**
- * Read Configuration, 49h.
+ * Read the register Configuration, 49h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2575,13 +2582,14 @@ static inline lika_result lika_sma21_read_configuration(
 }
 
 /**
- * Write Configuration, 49h.
- * The frames depend on it: call lika_sma21_read_state() afterwards to update the variant.
+ * Write the register Configuration, 49h.
+ * The frames depend on the register, so call lika_sma21_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -2614,12 +2622,12 @@ static inline lika_result lika_sma21_write_configuration(
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
 
 /**
- * Read Absolute resolution, 4Dh.
+ * Read the register Absolute resolution, 4Dh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -2640,26 +2648,26 @@ static inline lika_result lika_sma21_read_absolute_resolution(
 
 /**
  * Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
- * Preset or offset, according to the bit Select preset / offset of the Configuration register.
+ * Preset or offset, according to the Select preset / offset bit of the Configuration register.
  * Byte order: high byte first, at 50h.
  * Can be written only while Enable preset offset of Configuration holds 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * While Select preset offset of Configuration holds 0 (preset), it holds preset, 0 to
+ * While Select preset offset of Configuration holds 0 (preset), the register holds preset, 0 to
  * 2^position_bits - 1: Value that the encoder reports at the current sensor position once the
- * preset is activated. All positions before and after follow from it. The preset can be used, for
- * instance, to align the zero points of sensor and application. [6.4 p.32]
- * While Select preset offset of Configuration holds 1 (offset), it holds offset, 0 to
+ * preset is activated. All positions before and after it shift accordingly. The preset can be used,
+ * for instance, to align the zero points of sensor and application. [6.4 p.32]
+ * While Select preset offset of Configuration holds 1 (offset), the register holds offset, 0 to
  * 2^scd_position_bits - 2^position_bits: Value by which the transmitted positions are shifted.
  * Their number stays the same, and they start at the offset. The offset is applied to the position
  * of the sensor at the activation. [6.4 p.32]
- * The register is available only while the bit Enable preset / offset of the Configuration register
- * is 0 (enable). Activate it only with the device at rest, by the command Save and activate Preset
- * / Offset. The highest preset is 00 0F FF FFh at 50 um, 00 3F FF FFh at 10 um, 00 7F FF FFh at 5
- * um, 00 FF FF FFh at 2 um and 01 FF FF FFh at 1 um. The highest offset is the number of positions
- * of the 24-bit or 25-bit field less the number of positions of the resolution: F0 00 00h at 50 um,
- * C0 00 00h at 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
+ * The register is available only while the Enable preset / offset bit of the Configuration register
+ * is 0 (enable). Activate it only with the device at rest, with the command Save and activate
+ * Preset / Offset. The highest preset is 00 0F FF FFh at 50 um, 00 3F FF FFh at 10 um, 00 7F FF FFh
+ * at 5 um, 00 FF FF FFh at 2 um and 01 FF FF FFh at 1 um. The highest offset is the number of
+ * positions of the 24-bit or 25-bit field minus the number of positions at that resolution: F0 00
+ * 00h at 50 um, C0 00 00h at 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * register Configuration, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
  * rejected.
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
@@ -2745,12 +2753,12 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 }
 
 /**
- * Read Preset / Offset, 50h to 53h.
+ * Read the register Preset / Offset, 50h to 53h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -2769,12 +2777,12 @@ static inline lika_result lika_sma21_read_preset_offset(
 }
 
 /**
- * Write Preset / Offset, 50h to 53h.
+ * Write the register Preset / Offset, 50h to 53h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param in  the value to write
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 LIKA_NODISCARD
@@ -2805,12 +2813,12 @@ static inline lika_result lika_sma21_write_preset_offset(
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /**< value stated by the manual */
 
 /**
- * Read Device type, 55h.
+ * Read the register Device type, 55h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -2843,12 +2851,12 @@ static inline lika_result lika_sma21_read_device_type(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /**< value stated by the manual */
 
 /**
- * Read Sine cosine resolution, 58h.
+ * Read the register Sine cosine resolution, 58h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -2882,12 +2890,12 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /**< factory default */
 
 /**
- * Read Position check, 59h.
+ * Read the register Position check, 59h.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
 LIKA_NODISCARD
@@ -2991,7 +2999,7 @@ static inline lika_result lika_sma21_reg_device_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_sma21_reg_device_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in)
@@ -3004,12 +3012,12 @@ static inline bool lika_sma21_reg_device_id_is_expected(
 }
 
 /**
- * Read Device ID, 78h to 7Dh.
+ * Read the register Device ID, 78h to 7Dh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -3099,7 +3107,7 @@ static inline lika_result lika_sma21_reg_manufacturer_id_encode(
  *
  * @param variant  variant of the encoder
  * @param in  the decoded values
- * @return true if all are
+ * @return true if all values match
  */
 static inline bool lika_sma21_reg_manufacturer_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in)
@@ -3110,12 +3118,12 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
 }
 
 /**
- * Read Manufacturer ID, 7Eh to 7Fh.
+ * Read the register Manufacturer ID, 7Eh to 7Fh.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the value read, unchanged on error
- * @param failure  what failed, or NULL
+ * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
 LIKA_NODISCARD
@@ -3137,8 +3145,8 @@ static inline lika_result lika_sma21_read_manufacturer_id(
 
 /**
  * Some registers of the encoder change its frames. The initialisers of the variants have the
- * factory defaults. The functions here update a variant from the contents of these registers, as
- * read from the encoder or as you wrote them.
+ * factory defaults. These functions update a variant from the contents of these registers, either
+ * as read from the encoder or as you wrote them.
  */
 
 /**
@@ -3164,13 +3172,13 @@ static inline lika_result lika_sma21_take_configuration(
 }
 
 /**
- * Read these registers and update the variant from all of them. Call it after power-on, after a
- * write or a procedure that changes them or values that they depend on, and after the defaults were
- * restored.
+ * Read these registers and update the variant from all of them. Call it after power-on, after the
+ * defaults were restored, and after any write or procedure that changes these registers or values
+ * that they depend on.
  *
  * @param transport  your bus access functions
  * @param variant  the variant to update, unchanged on error
- * @param failure  what failed, or NULL. Its step counts the functions above, from 0
+ * @param failure  details of the failure, or NULL. Its step is the index of a function above
  * @return OK, or the error of the first access or function that failed
  */
 LIKA_NODISCARD
@@ -3211,7 +3219,7 @@ typedef struct lika_sma21_identity {
  *
  * @param transport  your bus access functions
  * @param out  the contents of the registers
- * @param failure  what failed, or NULL. Its step counts the members of the struct, from 0
+ * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
 LIKA_NODISCARD
@@ -3254,7 +3262,7 @@ static inline lika_result lika_sma21_read_identity(
     return LIKA_OK;
 }
 
-/** Return true if an encoder of this order code can have these contents. */
+/** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_sma21_could_be(
     const lika_sma21_variant *variant, const lika_sma21_identity *read)
 {
@@ -3287,10 +3295,10 @@ static inline bool lika_sma21_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one with each call.
+ * Find the order codes that an encoder can have, one per call.
  *
  * @param read  the contents of its registers
- * @param next  place in the list of order codes. Set it to 0 before the first call
+ * @param next  index in the list of order codes. Set it to 0 before the first call
  * @return the next order code, or NULL if there are no more
  */
 static inline const lika_sma21_order_code *lika_sma21_next_candidate(
@@ -3344,7 +3352,7 @@ static inline lika_result lika_sma21_set_configuration_steps(
         return LIKA_FAULT_RANGE;
     }
     steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* active immediately */
-    /* Configuration: read back, which the manual does not ask for */
+    /* Configuration: read back, which the manual does not require */
     steps[1] = lika_step_verify(0x49U, 0xFFU, configuration);
     steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save it permanently */
     steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
@@ -3355,13 +3363,13 @@ static inline lika_result lika_sma21_set_configuration_steps(
 /**
  * Set and save the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on the bytes that it writes: call lika_sma21_read_state() afterwards to update
- * the variant.
+ * The frames depend on the bytes written, so call lika_sma21_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param configuration  Value of the whole register. Written to Configuration.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3383,11 +3391,11 @@ static inline lika_result lika_sma21_set_configuration(
 
 /**
  * Set, save and activate a preset [6.4 p.32, 6.6.2 p.35].
- * Before: The sensor is at rest at the wanted position. In the Configuration register, preset and
+ * Before: The sensor is at rest at the desired position. In the Configuration register, preset and
  * offset are enabled and preset is selected, which is the factory default. Otherwise run
  * select_preset first.
- * Result: The position at which the activation arrived has the preset value. All other positions
- * follow from it.
+ * Result: The position at the moment of activation becomes the preset value. All other positions
+ * shift accordingly.
  */
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 10U
 
@@ -3428,7 +3436,7 @@ static inline lika_result lika_sma21_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset / Offset: read back, which the manual does not ask for */
+    /* Preset / Offset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[4U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
@@ -3446,7 +3454,7 @@ static inline lika_result lika_sma21_set_preset_steps(
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param position  New value for the present position. Written to Preset / Offset as its preset.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3468,11 +3476,11 @@ static inline lika_result lika_sma21_set_preset(
 
 /**
  * Enable the function and select preset [6.4 p.30].
- * Result: The register Preset / Offset contains a preset.
+ * Result: The Preset / Offset register contains a preset.
  */
 #define LIKA_SMA21_SELECT_PRESET_STEPS_COUNT 6U
 
-/** Return the steps of lika_sma21_select_preset(), and their number in count. */
+/** Return the steps of lika_sma21_select_preset(), and store their number in count. */
 static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
@@ -3480,9 +3488,9 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
         { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset of Configuration: preset */
         { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
-        /* Enable preset offset of Configuration: read back, which the manual does not ask for */
+        /* Enable preset offset of Configuration: read back, which the manual does not require */
         { LIKA_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
-        /* Select preset offset of Configuration: read back, which the manual does not ask for */
+        /* Select preset offset of Configuration: read back, which the manual does not require */
         { LIKA_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
         { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* save it permanently */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
@@ -3494,12 +3502,12 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 /**
  * Enable the function and select preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on the bytes that it writes: call lika_sma21_read_state() afterwards to update
- * the variant.
+ * The frames depend on the bytes written, so call lika_sma21_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3515,13 +3523,13 @@ static inline lika_result lika_sma21_select_preset(
 
 /**
  * Select, set, save and activate an offset [6.4 p.30, 6.4 p.32].
- * Before: The sensor is at rest at the wanted position. At 2 um and 1 um, only 0 is within the
+ * Before: The sensor is at rest at the desired position. At 2 um and 1 um, only 0 is within the
  * limits.
- * Result: The transmitted positions are shifted by the offset. From the selection on, the position
- * takes the whole field of the single cycle data, so a decoder must know the content of the
- * register Configuration.
+ * Result: The transmitted positions are shifted by the offset. Once the offset is selected, the
+ * position takes up the whole field of the single cycle data, so a decoder must know the content of
+ * the Configuration register.
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * register Configuration, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
  * rejected.
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
@@ -3563,9 +3571,9 @@ static inline lika_result lika_sma21_set_offset_steps(
     }
     steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* enable preset and offset */
     steps[1] = lika_step_write(0x49U, 0x02U, 0x02U); /* select offset for the register */
-    /* Enable preset offset of Configuration: read back, which the manual does not ask for */
+    /* Enable preset offset of Configuration: read back, which the manual does not require */
     steps[2] = lika_step_verify(0x49U, 0x04U, 0x00U);
-    /* Select preset offset of Configuration: read back, which the manual does not ask for */
+    /* Select preset offset of Configuration: read back, which the manual does not require */
     steps[3] = lika_step_verify(0x49U, 0x02U, 0x02U);
     steps[4] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save the configuration permanently */
     steps[5] = lika_step_wait(30000U); /* EEPROM writing time */
@@ -3574,7 +3582,7 @@ static inline lika_result lika_sma21_set_offset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[6U + index] = lika_step_write(address, 0xFFU, offset_bytes[index]);
     }
-    /* Preset / Offset: read back, which the manual does not ask for */
+    /* Preset / Offset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[10U + index] = lika_step_verify(address, 0xFFU, offset_bytes[index]);
@@ -3588,14 +3596,14 @@ static inline lika_result lika_sma21_set_offset_steps(
 /**
  * Select, set, save and activate an offset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- * The frames depend on the bytes that it writes: call lika_sma21_read_state() afterwards to update
- * the variant.
+ * The frames depend on the bytes written, so call lika_sma21_read_state() afterwards to update the
+ * variant.
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param offset  Value by which the positions are shifted. Written to Preset / Offset as its
  *                offset.
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3621,7 +3629,7 @@ static inline lika_result lika_sma21_set_offset(
  */
 #define LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT 2U
 
-/** Return the steps of lika_sma21_save_parameters(), and their number in count. */
+/** Return the steps of lika_sma21_save_parameters(), and store their number in count. */
 static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT] = {
@@ -3637,7 +3645,7 @@ static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3658,7 +3666,7 @@ static inline lika_result lika_sma21_save_parameters(
  */
 #define LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
-/** Return the steps of lika_sma21_restore_defaults(), and their number in count. */
+/** Return the steps of lika_sma21_restore_defaults(), and store their number in count. */
 static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT] = {
@@ -3675,7 +3683,7 @@ static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3696,7 +3704,7 @@ static inline lika_result lika_sma21_restore_defaults(
  */
 #define LIKA_SMA21_IDENTIFY_STEPS_COUNT 14U
 
-/** Return the steps of lika_sma21_identify(), and their number in count. */
+/** Return the steps of lika_sma21_identify(), and store their number in count. */
 static inline const lika_step *lika_sma21_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_IDENTIFY_STEPS_COUNT] = {
@@ -3720,7 +3728,7 @@ static inline const lika_step *lika_sma21_identify_steps(size_t *count)
 }
 
 /**
- * Bytes that it reads, in ascending order of address, for the functions _decode of the registers.
+ * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_sma21_identify_read {
     uint8_t manufacturer_id[2]; /**< Manufacturer ID: 4C 69 means Lika */
@@ -3735,7 +3743,7 @@ typedef struct lika_sma21_identify_read {
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
  * @param out  the bytes read, unchanged on error
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3781,7 +3789,7 @@ static inline lika_result lika_sma21_identify(
  */
 #define LIKA_SMA21_RESET_ERRORS_STEPS_COUNT 1U
 
-/** Return the steps of lika_sma21_reset_errors(), and their number in count. */
+/** Return the steps of lika_sma21_reset_errors(), and store their number in count. */
 static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
@@ -3797,7 +3805,7 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3824,7 +3832,7 @@ static inline lika_result lika_sma21_reset_errors(
  */
 #define LIKA_SMA21_RESET_POSITION_STEPS_COUNT 1U
 
-/** Return the steps of lika_sma21_reset_position(), and their number in count. */
+/** Return the steps of lika_sma21_reset_position(), and store their number in count. */
 static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
@@ -3840,7 +3848,7 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param failure  the step that failed, or NULL
+ * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
 LIKA_NODISCARD
@@ -3903,8 +3911,8 @@ static inline lika_result lika_sma21_reset_position(
 #define LIKA_SMA21_ALARM_HARDWARE_ERROR_MASK 0x04U
 
 /**
- * Initialization error: One of the alarms named above occurred during the initialization, or the
- * absolute position cannot be found [7.3.3.1 p.40, 7.3.3.2 p.41].
+ * Initialization error: One of the alarms that the manual lists before this one occurred during the
+ * initialization, or the absolute position cannot be found [7.3.3.1 p.40, 7.3.3.2 p.41].
  * Flag: initialization_error in ALMC.
  * Detected: During the initialization right after power-on or after a reset ID.
  * Stays active until it is reset.
@@ -3939,9 +3947,9 @@ static inline lika_result lika_sma21_reset_position(
  *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
  *   circuits are lost.
  *   Used: The start value is 0.
- *   Why: Public BiSS documents start with 0 unless something else is stated. BiSS devices may have
- *   another start value. With another start value, the CRC of every frame fails, with or without
- *   errors on the line.
+ *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
+ *   devices may have another start value. With another start value, the CRC of every frame fails,
+ *   with or without errors on the line.
  * Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
  *   Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only,
  *   not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
@@ -3959,20 +3967,19 @@ static inline lika_result lika_sma21_reset_position(
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
  *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 1 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: From 200 m on, the table allows no clock within the range.
+ *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
  *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 1 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 1
- *   MHz.
+ *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
+ *   kHz to 1 MHz.
  * Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
  *   Printed: The output code can be binary or Gray, without saying which bits of the frame it
  *   covers.
  *   Used: Only the position is coded. The error bit, the warning bit and the CRC are sent
  *   unchanged.
- *   Why: 6.4 refers to the information of the absolute position, and a flag in Gray code would
- *   change with the bit next to it. The zeros above the position in the BiSS frame are the same
- *   either way.
+ *   Why: 6.4 refers to the absolute position information, and a flag in Gray code would change with
+ *   the bit next to it. The zeros above the position in the BiSS frame are the same either way.
  * Erratum scd_length (settled, wrong data) [6.2 p.25]:
  *   Printed: SCD (32 bit), with a position of 24 or 25 bits.
  *   Used: The frame has 32 bits from 50 um to 2 um and 33 bits at 1 um.
@@ -3981,19 +3988,19 @@ static inline lika_result lika_sma21_reset_position(
  * Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
  *   Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 um,
  *   added to positions of 20 bits.
- *   Used: While an offset is selected in the register Configuration, 6.4 applies: the position
+ *   Used: While an offset is selected in the Configuration register, 6.4 applies: the position
  *   takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the
  *   position, and a frame with another bit there is rejected.
- *   Why: The limit of the offset is the whole field less the positions of the resolution, with a
- *   reference to that field. The sum is therefore meant to fill the field, so from 50 um to 5 um
- *   the bits above the position carry data. The zeros of 6.2 apply without an offset. Only a frame
- *   of an encoder with an offset could confirm this.
+ *   Why: The limit of the offset is the number of positions of the whole field minus that of the
+ *   resolution, with a reference to that field. The sum is therefore meant to fill the field, so
+ *   from 50 um to 5 um the bits above the position carry data. The zeros of 6.2 apply without an
+ *   offset. Only a frame of an encoder with an offset could confirm this.
  * Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
  *   Printed: Positions before the preset get a value according to it. The values sent below zero or
  *   above the maximum are not given.
- *   Used: Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit
- *   replies over RS-485, it starts again after the number of counts that their bits can represent.
- *   The 48-bit position goes below zero.
+ *   Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit
+ *   replies over RS-485, it wraps around after as many counts as its bits can represent. The 48-bit
+ *   position goes below zero.
  *   Why: A preset of 0 or a reset of the position within the travel leaves positions below it. All
  *   position fields are unsigned except that of data ID 5.
  * Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
@@ -4005,9 +4012,9 @@ static inline lika_result lika_sma21_reset_position(
  *   Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit
  *   position in a field of 24 bits.
  *   Used: Each is used as printed.
- *   Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte counts
- *   the whole field and not the position, and one more bit has one plus less. A master that takes
- *   the length of the data from the profile ID would miss 4, 2 or 1 bits here.
+ *   Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the
+ *   length of the whole field, not of the position, and one more bit goes with one plus sign fewer.
+ *   A master that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here.
  * Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
  *   Printed: Year, week and number in hexadecimal (in esadecimale), without an example.
  *   Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte
@@ -4029,7 +4036,7 @@ static inline lika_result lika_sma21_reset_position(
  * Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
  *   Printed: One device ID, SM21 with the release, for all models.
  *   Used: The device ID is used as printed.
- *   Why: BiSS requires another device ID where the data length differs, and 1 um has one more bit.
+ *   Why: BiSS requires a different device ID for each data length, and 1 um has one more bit.
  *   Unless the release bytes, printed as xx, differ, only the profile ID distinguishes the models.
  * Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
  *   Printed: The BiSS time-out adapts itself to the clock, 16 us at most. No rule is printed.
@@ -4051,16 +4058,17 @@ static inline lika_result lika_sma21_reset_position(
  *   Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the
  *   position, or the motor has to stop. nE: the last valid position may be frozen, wrong data may
  *   be sent. The effect of single alarms and of nW on the position is not given.
- *   Used: The position is not usable with nE, ea1 or an alarm that is part of ea1. Stored errors
- *   count until they are reset. The position is usable with a warning with ea0, an alarm that is
- *   part of ea0, or nW. It is usable while none is active (9.1).
+ *   Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of
+ *   ea1. Stored errors count until they are reset. The position is usable with a warning if any of
+ *   these is active: ea0, an alarm that is part of ea0, or nW. It is usable while none is active
+ *   (9.1).
  *   Why: ea1 does not show which of the three it is. With an error only in the EEPROM, the position
  *   may be correct, but the manual does not say so. nW is for Lika's technicians, and there is no
  *   evidence against a position with it.
  * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
  *   Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
  *   Used: The highest value is 7FFFFFFFFFFFh.
- *   Why: Two digits are missing. The highest number of 48 bits as two's complement has twelve.
+ *   Why: Two digits are missing. The highest 48-bit number in two's complement has twelve.
  * Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
  *   Printed: 24-bit position from 000000h to FFFFFFFh.
  *   Used: The highest value is FFFFFFh.
@@ -4128,12 +4136,13 @@ static inline lika_result lika_sma21_reset_position(
  *   the reply. Without a shortest time, the master must release the line immediately after the stop
  *   bit of its request. Otherwise the first byte of the reply is lost.
  * Before edition 1.1 [Release table]:
- *   In the spec: implemented of field encoder_inharmonious_error of group of fields alarm_field and
- *   implemented of alarm encoder_inharmonious_error.
- *   In that edition: True.
+ *   In the spec: whether field encoder_inharmonious_error of group of fields alarm_field is
+ *   implemented and whether alarm encoder_inharmonious_error is implemented.
+ *   In that edition: yes.
  *   Why: The alarm was removed with this revision, so older encoders may have it.
  * Before edition 1.1 [Release table]:
- *   In the spec: when active of field encoder_inharmonious_error of group of fields alarm_field.
+ *   In the spec: the meaning of an active field encoder_inharmonious_error of group of fields
+ *   alarm_field.
  *   In that edition: encoder inharmonious error.
  *   Why: Only the name of the alarm is known. Its description in manual 1.0 is not known.
  * Before edition 1.1 [Release table]:

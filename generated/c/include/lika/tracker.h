@@ -11,27 +11,27 @@
  *     lika_tracker_restart(&axis, now_us);                 after each preset, and to leave LOST
  *
  * axis.position is the last accepted position in counts. It continues across the wrap, where the
- * encoder starts again at 0. It is valid only while axis.known is 1.
+ * position of the encoder returns to 0. It is valid only while axis.known is 1.
  *
- * A position that the axis cannot have reached is refused. If too many are refused in a row, or
- * none was accepted for too long, the axis is LOST: axis.known is 0, axis.lost is 1, and every
- * further position is refused until you call _restart. A LOST axis may be anywhere, so bring the
- * machine to a safe state first, and check or home the position afterwards. You set both limits in
- * the configuration. With neither, the tracker is never LOST, but a position out of reach stays
- * refused: watch axis.refused.
+ * A position that the axis cannot have reached is refused. If too many positions are refused in a
+ * row, or if none is accepted for too long, the axis is LOST: axis.known is 0, axis.lost is 1, and
+ * every further position is refused until you call _restart. A LOST axis may be anywhere, so bring
+ * the machine to a safe state first, and check or home the position afterwards. You set both limits
+ * in the configuration. If you set neither, the axis is never LOST, but a position out of reach is
+ * still refused, so watch axis.refused.
  *
- * Integers only, no division, no allocation. Times are in microseconds, from a 32-bit counter that
- * wraps around. A gap of 2^32 us or more (71 minutes) looks like a short one. Pass the time at
- * which the encoder took the position, which is the start of the frame: timestamps taken at the end
- * of the frame add jitter to the speed. Times must not go backwards: an earlier time counts as a
- * gap of more than an hour.
+ * The tracker uses only integers, no division and no allocation. Times are in microseconds, from a
+ * 32-bit counter that wraps around. A gap of 2^32 us or more (71 minutes) looks like a short one.
+ * Pass the time at which the encoder sampled the position, which is the start of the frame:
+ * timestamps taken at the end of the frame add jitter to the speed. Times must not go backwards: an
+ * earlier time counts as a gap of more than an hour.
  */
 #ifndef LIKA_TRACKER_H
 #define LIKA_TRACKER_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x59D25AD9U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
 #endif
 
@@ -40,16 +40,17 @@ extern "C" {
 #endif
 
 /**
- * Limits of an axis. They depend on the machine, not on the encoder. A member that you leave out of
- * an initialiser is 0. For max_speed, 0 means that the axis never moves.
+ * Limits of an axis. They depend on the machine, not on the encoder. A member that you omit from an
+ * initialiser is 0. For max_speed, 0 means that the axis never moves.
  */
 typedef struct lika_tracker_config {
-    /** counts after which the encoder starts again at 0, from _modulus(), or 0 */
+    /** counts after which the position wraps around to 0, from _modulus(), or 0 */
     uint64_t modulus;
     uint32_t max_speed; /**< highest speed in counts per second, or UINT32_MAX if unknown */
-    uint32_t boot_us; /**< time after start or restart in which a first position of 0 is refused */
+    /** time after start or restart during which a first position of 0 is refused */
+    uint32_t boot_us;
     uint32_t lost_after_us; /**< LOST if no position was accepted for longer than this (0: never) */
-    uint32_t lost_after_refused; /**< LOST when this many in a row were refused (0: never) */
+    uint32_t lost_after_refused; /**< LOST if this many in a row were refused (0: never) */
 } lika_tracker_config;
 
 /** State of an axis. Read the members, but let only the functions write them. */
@@ -70,21 +71,20 @@ typedef struct lika_tracker {
 } lika_tracker;
 
 /**
- * Longest time that widens the reach. The reach grows with the time since the last accepted
- * position, but no further after 2^19 us. An axis that moves unseen for longer can end up out of
- * reach.
+ * Time after which the reach stops growing. The reach grows with the time since the last accepted
+ * position, up to 2^19 us. An axis that moves unobserved for longer can end up out of reach.
  */
 #define LIKA_TRACKER_REACH_US 524288U
 
 /**
- * Restart the axis: the next position is the first one again, and boot_us begins. Call it after a
- * preset, or anything else that moves the encoder's zero, once the encoder has applied it, even if
- * only in part. Discard the frame that was in progress, and let no interrupt add one during the
- * call. It is also the only way out of LOST. After a preset to 0, an axis at rest is known only
- * after boot_us.
+ * Restart the axis. The next position is then treated as the first one, and boot_us starts again.
+ * Call it after a preset, or anything else that moves the encoder's zero, once the encoder has
+ * applied it, even if only in part. Discard the frame that was in progress, and do not let an
+ * interrupt add a position during the call. It is also the only way out of LOST. After a preset to
+ * 0, the position of an axis at rest is known only after boot_us.
  *
  * @param tracker  the axis
- * @param now_us  present time
+ * @param now_us  current time
  */
 static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
 {
@@ -100,19 +100,19 @@ static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
  * Set the limits of an axis and restart it. Call it before the first frame, and after a change of
  * resolution or of a limit. The modulus need not be a power of two. The reach is 1.3 percent more
  * than max_speed allows, with the time rounded up to 16 us. An encoder may send 0 while it starts
- * up: set boot_us to cover that, or to 0 if a flag in the frame reports it. Once the axis can move
- * half of the modulus within the time since the last accepted position, any position is within
- * reach, and turns can be missed. To be LOST before that, set lost_after_us below
+ * up. Set boot_us to cover that time, or to 0 if a flag in the frame reports it. Once the axis can
+ * move half of the modulus within the time since the last accepted position, any position is within
+ * reach, and turns can be missed. To make the axis LOST before that, set lost_after_us below
  * 500,000 * modulus / max_speed.
  *
  * @param tracker  the axis
- * @param config  its limits, which are copied
- * @param now_us  present time
+ * @param config  the limits, which are copied
+ * @param now_us  current time
  */
 static inline void lika_tracker_start(
     lika_tracker *tracker, const lika_tracker_config *config, uint32_t now_us)
 {
-    /* Per 2^20 us, with 1/16 added: 1.3 percent more than per second. */
+    /* Add 1/16 and count per 2^20 us, which allows 1.3 percent more than max_speed. */
     const uint32_t more = config->max_speed >> 4U;
     tracker->limit = (config->max_speed > (0xFFFFFFFFU - more)) ?
         0xFFFFFFFFU : (config->max_speed + more);
@@ -126,9 +126,9 @@ static inline void lika_tracker_start(
 }
 
 /**
- * Return a difference of two positions the shorter way around, half of the modulus as backwards.
- * Negative differences are in two's complement. Adding or subtracting the modulus once is enough,
- * so no division is needed.
+ * Return the difference of two positions, taking the shorter way around. Half of the modulus counts
+ * as backwards. Negative differences are in two's complement. Adding or subtracting the modulus
+ * once is enough, so no division is needed.
  */
 static inline uint64_t lika_tracker_shorter(uint64_t difference, uint64_t modulus)
 {
@@ -141,7 +141,7 @@ static inline uint64_t lika_tracker_shorter(uint64_t difference, uint64_t modulu
     return (((forward + backward) >> 63U) == 0U) ? backward : forward;
 }
 
-/** Return how many counts are within reach after this time, below 2^31. */
+/** Return the number of counts within reach after this time, which is below 2^31. */
 static inline uint32_t lika_tracker_reach(uint32_t limit, uint32_t elapsed_us)
 {
     /* limit * units / 2^16 without a 64-bit product, which small processors do not have. */
@@ -163,7 +163,7 @@ static inline lika_result lika_tracker_lose(lika_tracker *tracker)
 
 /**
  * Add a position. The first one is accepted without a check: if its CRC is short or missing,
- * compare two readings beforehand (lika_ssi_repeats).
+ * compare two readings first (lika_ssi_repeats).
  *
  * @param tracker  the axis
  * @param position  position of a valid and usable frame, in counts
@@ -195,7 +195,7 @@ static inline lika_result lika_tracker_add(
     } else if (elapsed_us > tracker->lost_after_us) {
         return lika_tracker_lose(tracker);
     } else {
-        /* Compare the position with the one before. */
+        /* Compare the position with the previous one. */
     }
     moved = lika_tracker_shorter(position - tracker->raw, tracker->modulus);
     reach = lika_tracker_reach(tracker->limit, elapsed_us);
@@ -215,11 +215,11 @@ static inline lika_result lika_tracker_add(
 
 /**
  * Return a speed in counts per second, rounded toward 0. It is exact up to 9.2e12 counts. The
- * function divides bit by bit, which takes some microseconds on a small processor: call it where
- * you need the speed, not with every frame.
+ * function divides bit by bit, which takes some microseconds on a small processor. Call it when you
+ * need the speed, not for every frame.
  *
  * @param counts  counts that the axis moved
- * @param elapsed_us  time that this took
+ * @param elapsed_us  time that the movement took
  * @return counts per second, or 0 if elapsed_us is 0
  */
 static inline int64_t lika_counts_per_second(int64_t counts, uint32_t elapsed_us)

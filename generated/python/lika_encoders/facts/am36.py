@@ -2,7 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Facts of AM36 and AMC36 absolute multiturn encoders: tables of the manual, with section and page.
 
-``lika_encoders.am36`` also has all of them. This module is separate because programs that decode frames seldom need it.
+``lika_encoders.am36`` also provides all of them. They are in a separate module because programs that decode frames
+rarely need them.
 """
 
 from __future__ import annotations
@@ -114,7 +115,7 @@ ORDER_CODE: Final = OrderCode(
         "resolution. The listed values are those of the SSI table. Over BiSS, other values are accepted as unlisted. "
         "They have no effect on the frame, because its widths are read from registers 56h and 57h. Edition 1.1 writes "
         "the codes without the hyphen, with SCx for BiSS. Such labels are also accepted. The order code and the "
-        "serial number are on the label of the body and in the delivery document. Lika asks for both in every "
+        "serial number are on the label on the body and in the delivery document. Lika asks for both in every "
         "enquiry. Technical data are in the catalogue."
     ),
     source="5, 5.2, 6, 6.5 p.31",
@@ -186,20 +187,18 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
 # Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
-# Why: From 200 m on, the table allows no clock within the range.
+# Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
 # Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
-# Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 3 MHz.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
 # Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs).
 # Used: The minimum is 12 µs. Use a longer pause.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
-# Not known: value BG of part output of the order code, value GG of part output of the order code, SSI and parameter
-# modulus.
+# Not known: order codes with output BG, order codes with output GG, SSI and parameter modulus.
 # Why: No page on SSI is public. Only the name of the series shows that SSI models with BG exist.
 
 SSI: Final = SsiFacts(
@@ -228,7 +227,9 @@ SSI: Final = SsiFacts(
         ),
         Timing(
             name="pause",
-            meaning="Pause between two clock sequences. The manual prints Tp > 12 µs, so exactly 12 µs leave no margin",
+            meaning=(
+                "Pause between two clock sequences. The manual prints Tp > 12 µs, so exactly 12 µs leaves no margin"
+            ),
             at_least_us=12,
             symbol="Tp",
             source="5.3",
@@ -256,9 +257,9 @@ SSI: Final = SsiFacts(
 # Used: The time-out is at most 10 µs. No rule is given.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
-# Replaces: the note on BiSS C-mode.
-# Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is always a slave, alone
-# with one master. It must never be installed in a network of several slaves.
+# Instead of: the note on BiSS C-mode.
+# Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is always a slave, and the
+# only one of its master. It must never be installed in a network with several slaves.
 # Why: Section 6.6, which gives the clock, is not on a public page.
 #
 # In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
@@ -310,16 +311,16 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit, for reading and writing the registers. The manual describes the main fields and "
-        "refers to the BiSS C protocol description for the whole structure."
+        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
+        "main fields and refers to the BiSS C protocol description for the whole structure."
     ),
     description_file="idbiss4C69.xml",
     timings=(
         Timing(
             name="eeprom_write",
             meaning=(
-                "Time from a write to the Command register to the next function. The EEPROM is written during this "
-                "time"
+                "Time between a write to the Command register and the next function. The EEPROM is written during "
+                "this time"
             ),
             at_least_us=30_000,
             source="6.5 p.24",
@@ -328,22 +329,22 @@ BISS: Final = BissFacts(
     note=(
         "With the factory defaults, the shaft must not turn by more than 2,047 revolutions either way while the "
         "encoder is off. Otherwise the absolute position is lost. The reason is that the default of 65,536 "
-        "revolutions is more than 4,096. The encoder is always a slave, alone with one master. It must never be "
-        "installed in a network of several slaves. For everything that the manual leaves out, it refers to "
+        "revolutions is more than 4,096. The encoder is always a slave, and the only one of its master. It must never "
+        "be installed in a network with several slaves. For everything else, the manual refers to "
         "www.biss-interface.com."
     ),
     source="6",
 )
 
-#: Reports of the encoder in frames, by name. The first access creates them.
+#: Reports that frames of the encoder can contain, by name. The first access creates them.
 REPORTS: Final[Mapping[str, Report]] = Reports(
     lambda: (
         Report(
             name="error",
             printed_name="Error, nE",
             meaning=(
-                "unused bits differ from the manual, which has 1 there. Not used, always 1. In the BiSS protocol, 0 "
-                "here signals an error."
+                "unused bits differ from the documented value 1. Not used, always 1. In the BiSS protocol, 0 here "
+                "signals an error."
             ),
             makes_position=Verdict.NOT_USABLE,
             source="6.3.1 p.21",
@@ -352,8 +353,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
-                "unused bits differ from the manual, which has 1 there. Not used, always 1. In the BiSS protocol, 0 "
-                "here signals a warning."
+                "unused bits differ from the documented value 1. Not used, always 1. In the BiSS protocol, 0 here "
+                "signals a warning."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="6.3.1 p.21",
@@ -442,9 +443,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="function"),),
             meaning="Saves the parameters, activates the preset, or restores the defaults",
             note=(
-                "After a command, the register returns to 00 by itself. If a new resolution and a new preset are set "
-                "together, Save parameters and activate Preset stores the resolution but sets the preset to zero. The "
-                "preset must then be written again."
+                "After a command, the register automatically returns to 00. If a new resolution and a new preset are "
+                "set together, the command Save parameters and activate Preset stores the resolution but sets the "
+                "preset to zero. The preset must then be written again."
             ),
             source="6.5 p.24, 7 p.33",
         ),
@@ -460,7 +461,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(
                 FieldFacts(
                     name="zero_above_counting_direction",
-                    meaning="always zero",
+                    meaning="Always zero",
                     constant=0,
                     source="6.5 p.26, 4.5 p.15, 7 p.33",
                 ),
@@ -468,8 +469,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="counting_direction",
                     printed_name="Counting direction",
                     meaning=(
-                        "Rotation with which the position counts up, seen from the shaft, while the Counting "
-                        "direction input is at 0VDC"
+                        "Direction of rotation in which the position counts up, seen from the shaft, while the "
+                        "Counting direction input is at 0VDC"
                     ),
                     default=0,
                     note=(
@@ -485,7 +486,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     default=1,
                     source="6.5 p.26, 7 p.33",
                 ),
-                FieldFacts(name="zero_below_output_code", meaning="always zero", constant=0, source="6.5 p.26, 7 p.33"),
+                FieldFacts(name="zero_below_output_code", meaning="Always zero", constant=0, source="6.5 p.26, 7 p.33"),
                 FieldFacts(
                     name="enable_preset",
                     printed_name="Enable preset",
@@ -498,15 +499,15 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 ),
                 FieldFacts(
                     name="zero_below_enable_preset",
-                    meaning="always zero",
+                    meaning="Always zero",
                     constant=0,
                     source="6.5 p.25, 4.4 p.15, 7 p.33",
                 ),
             ),
             meaning="Preset function, output code and counting direction",
             note=(
-                "A new value takes effect immediately. Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are "
-                "not used. According to the list of defaults they are 0."
+                "A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1, 3, "
+                "4 and 7 are not used. According to the list of defaults they are 0."
             ),
             source="6.5 p.25, 7 p.33",
         ),
@@ -524,9 +525,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="steps", meaning="Counts per revolution", unit="counts", power_of_two=True),),
             meaning="Singleturn resolution",
             note=(
-                "A new value takes effect immediately, on the length of the frame as well, and sets the preset to "
-                "zero. Save parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the "
-                "resulting number of bits."
+                "A new value takes effect immediately, which can change the length of the frame, and sets the preset "
+                "to zero. The command Save parameters on EEPROM saves it. Only powers of two are accepted. Register "
+                "56h shows the resulting number of bits."
             ),
             source="6.5 p.27, 7 p.33",
         ),
@@ -551,10 +552,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Multiturn resolution",
             note=(
                 "Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value "
-                "takes effect immediately, on the length of the frame as well, and sets the preset to zero. Save "
-                "parameters on EEPROM saves it. Register 57h shows the resulting number of bits. With more than 4,096 "
-                "revolutions set, the shaft must not turn by more than 2,047 revolutions either way while the encoder "
-                "is off. Otherwise the absolute position is lost."
+                "takes effect immediately, which can change the length of the frame, and sets the preset to zero. The "
+                "command Save parameters on EEPROM saves it. Register 57h shows the resulting number of bits. With "
+                "more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions either way "
+                "while the encoder is off. Otherwise the absolute position is lost."
             ),
             source="6.5 p.28, 7 p.33",
         ),
@@ -571,7 +572,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             opened_by_value="enable",
             volatile=True,
             fields=(
-                FieldFacts(name="zero_above_position", meaning="always zero", constant=0),
+                FieldFacts(name="zero_above_position", meaning="Always zero", constant=0),
                 FieldFacts(
                     name="position",
                     meaning="Position as one number, with the revolutions above the singleturn position",
@@ -580,12 +581,12 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             meaning="Value that the encoder reports at the current shaft position once the preset is activated",
             note=(
-                "The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the bit Enable preset to "
-                "0 (enable) before writing. Save parameters on EEPROM saves the value without activating it. Save "
-                "parameters and activate Preset saves and activates it. The Zero setting/Preset input activates it as "
-                "well. The manual suggests activating it at a standstill. Set the preset again after a change of the "
-                "counting direction, of Information per revolution or of Number of revolutions. The preset can be "
-                "used, for instance, to align the zero points of encoder and application."
+                "The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the Enable preset bit to "
+                "0 (enable) before writing. The command Save parameters on EEPROM saves the value without activating "
+                "it. The command Save parameters and activate Preset saves and activates it. The Zero setting/Preset "
+                "input activates it as well. The manual suggests activating it at a standstill. Set the preset again "
+                "after a change of the counting direction, of Information per revolution or of Number of revolutions. "
+                "The preset can be used, for instance, to align the zero points of encoder and application."
             ),
             source="6.5 p.29, 7 p.33",
         ),
@@ -656,7 +657,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
     }
 )
 
-#: Errors and warnings, with meaning, latching and the procedures that clear them.
+#: Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.
 ALARMS: Final[tuple[Alarm, ...]] = ()
 
 #: Timings of the encoder as a whole.
@@ -722,7 +723,7 @@ INPUTS: Final[tuple[Input, ...]] = (
         needs="configuration.enable_preset",
         when_unused="0VDC",
         note=(
-            "Connect the input to +VDC for at least 100 µs, then disconnect it. Over BiSS, the bit Enable preset must "
+            "Connect the input to +VDC for at least 100 µs, then disconnect it. Over BiSS, the Enable preset bit must "
             "be 0 (enable), or the input has no effect. Activate it after the counting direction is set, preferably "
             "with the shaft at a standstill. Over BiSS, the Command register does the same."
         ),
@@ -735,10 +736,10 @@ INPUTS: Final[tuple[Input, ...]] = (
             "the shaft end"
         ),
         printed_name="Counting direction (Complementary input)",
-        low="0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the bit Counting direction",
+        low="0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the Counting direction bit",
         high=(
             "+VDC: counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of the one set by the "
-            "bit Counting direction"
+            "Counting direction bit"
         ),
         inverts="configuration.counting_direction",
         when_unused="0VDC",
@@ -776,7 +777,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
             "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
             "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
-            "inductive noise sources, or shield it from them. Keep strong magnets off the unit and away from it."
+            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="Electrical safety p.8",
     ),
@@ -792,7 +793,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not knock or shock the "
-            "device or its shaft. Keep to the ambient conditions that the manufacturer states."
+            "device or its shaft. Observe the ambient conditions specified by the manufacturer."
         ),
         source="Mechanical safety p.9",
     ),
@@ -800,7 +801,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="solid_shaft_coupling",
         value=(
             "For long-term reliability, a flexible coupling between the encoder and the shaft of the installation is "
-            "recommended. Keep to its misalignment tolerances."
+            "recommended. Observe its misalignment tolerances."
         ),
         only="AM36...",
         source="Mechanical safety p.9, 3.3",
@@ -809,8 +810,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="solid_shaft_mounting",
         value=(
             "Mount the flexible coupling (1) on the encoder shaft. Fix the encoder to the flange (2) with the screws "
-            "(3). Fix the flange to the motor or to the mounting support. Mount the coupling on the motor shaft. Keep "
-            "to the misalignment tolerances of the coupling."
+            "(3). Fix the flange to the motor or to the mounting support. Mount the coupling on the motor shaft. "
+            "Observe the misalignment tolerances of the coupling."
         ),
         only="AM36...",
         source="3.3",
@@ -879,7 +880,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
 )
 
-#: Content of figures that is not in the text of the manual.
+#: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Drawings with the overall dimensions of AM36 and AMC36.", source="3.1, 3.2"),
     LostFigure("Picture with coupling (1), flange (2) and screws (3).", source="3.3"),
@@ -909,7 +910,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="In compliance with the 2004/108/EC norm on electromagnetic compatibility",
         used="The outputs give the directive as printed.",
         why=(
-            "Directive 2014/30/EU has replaced 2004/108/EC since 20 April 2016. The manual is from 2014. Only the "
+            "Directive 2014/30/EU replaced 2004/108/EC on 20 April 2016. The manual is from 2014. Only the "
             "manufacturer can say which directive is declared for an encoder made later."
         ),
         status=Status.OPEN,
@@ -933,8 +934,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="0VDC is the low level. +VDC is the high level.",
         why=(
             "The table of connections lists +10VDC +30VDC but not +VDC. The supply is probably meant. The manual does "
-            "not give the threshold voltages and the input current. It does not say whether an input may be left "
-            "open."
+            "not give the threshold voltages or the input current. It does not say whether an input may be left open."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -947,8 +947,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="I7 is the code for BiSS. 17 is also accepted and shown as unlisted.",
         why=(
             "Registers 7Ah and 7Bh of the Device ID, which the manual relates to the order code, contain 49h 37h. The "
-            "words next to them are \"I7 = BiSS C interface\". The text was read optically and confuses I and 1 in "
-            "other places too."
+            "words next to them are \"I7 = BiSS C interface\". The text comes from optical character recognition, "
+            "which confuses I and 1 in other places too."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
@@ -1023,7 +1023,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The registers and the frame use 65,536. 4096 is used only as the text on the label.",
         why=(
             "An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is half of 4,096 "
-            "less one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order code without power "
+            "minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order code without power "
             "and counts the others. The manual does not say so."
         ),
         status=Status.OPEN,
@@ -1054,7 +1054,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="cable_impedance",
         printed="Impedance: 148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)",
-        used="The values are the resistance of a conductor.",
+        used="The values are conductor resistances.",
         why=(
             "A value in ohms per kilometre that depends on the cross-section of the conductor is a resistance. An "
             "impedance does not depend on the length. The ASC85 manual prints the same numbers as conductor "
@@ -1118,7 +1118,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_400_m",
         printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 3 MHz",
         used="Both limits are listed as printed.",
-        why="From 200 m on, the table allows no clock within the range.",
+        why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1128,7 +1128,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_50_m",
         printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 3 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 3 MHz.",
+        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 3 MHz.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1169,8 +1169,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
         used="The start value is 0.",
         why=(
-            "Public BiSS documents start with 0 unless something else is stated. BiSS devices may have another start "
-            "value. With another start value, the CRC of every frame fails, with or without errors on the line."
+            "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
+            "another start value. With another start value, the CRC of every frame fails, with or without errors on "
+            "the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1285,7 +1286,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="set_resolution saves the resolution first, and only then writes and activates the preset.",
         why=(
             "According to 4Bh and 4Eh, a preset written after the resolution would remain. According to 48h and 50h, "
-            "the command clears it. The manual does not say what Save parameters on EEPROM does to such a preset."
+            "the command clears it. The manual does not say what the command Save parameters on EEPROM does to such a "
+            "preset."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1395,8 +1397,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="error_and_warning_unused",
         printed="Error and warning: not used, always 1",
         used=(
-            "A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable with nE at "
-            "0. It is usable with a warning with nW at 0."
+            "A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0. "
+            "If nW is 0, it is usable with a warning."
         ),
         why=(
             "The manual does not say what 0 means in these bits. Over BiSS, both are active at 0. Another encoder or "
@@ -1412,7 +1414,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="One device ID, AM I7 2 with the software version, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires another device ID where the data length differs. Here the length follows the current "
+            "BiSS requires a different device ID for each data length. Here the length follows the current "
             "resolution, while the device ID remains the same. A master must read 56h and 57h to know the length."
         ),
         status=Status.OPEN,
@@ -1485,8 +1487,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="edition_1_1_3",
         printed="order_code.also_written[1].values.output, order_code.also_written[2].values.output",
-        used="{'SC': 'I7'}",
-        why="The labels of the SSI models are just as little known.",
+        used="SC = I7",
+        why="The labels of the SSI models are not known either.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("order_code.also_written",),
@@ -1511,7 +1513,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="interfaces.biss.note",
         used=(
             "The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is always a slave, "
-            "alone with one master. It must never be installed in a network of several slaves."
+            "and the only one of its master. It must never be installed in a network with several slaves."
         ),
         why="Section 6.6, which gives the clock, is not on a public page.",
         status=Status.SETTLED,

@@ -2,7 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Facts of AMM5A and AMM5B absolute kit encoders: tables of the manual, with section and page.
 
-``lika_encoders.amm5`` also has all of them. This module is separate because programs that decode frames seldom need it.
+``lika_encoders.amm5`` also provides all of them. They are in a separate module because programs that decode frames
+rarely need them.
 """
 
 from __future__ import annotations
@@ -138,7 +139,7 @@ ORDER_CODE: Final = OrderCode(
     ),
     note=(
         "On the label, a hyphen and further characters follow the interface. The manual does not explain them. The "
-        "order code and the serial number are on the label of the body and in the delivery document. Lika asks for "
+        "order code and the serial number are on the label on the body and in the delivery document. Lika asks for "
         "both in every enquiry. Technical data are in the catalogue."
     ),
     source="Cover, 5 p.27, 6 p.31, 7 p.41",
@@ -206,12 +207,11 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
 # Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
-# Why: From 200 m on, the table allows no clock within the range.
+# Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
 # Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
-# Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4 MHz.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
 # Printed: Pause of at least 20 µs (Tp > 20 µs).
@@ -248,7 +248,9 @@ SSI: Final = SsiFacts(
         ),
         Timing(
             name="pause",
-            meaning="Pause between two clock sequences. The manual prints Tp > 20 µs, so exactly 20 µs leave no margin",
+            meaning=(
+                "Pause between two clock sequences. The manual prints Tp > 20 µs, so exactly 20 µs leaves no margin"
+            ),
             at_least_us=20,
             symbol="Tp",
             source="5.3",
@@ -328,23 +330,23 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit, for reading and writing the registers. The manual describes the main fields and "
-        "refers to the BiSS C protocol description for the whole structure."
+        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
+        "main fields and refers to the BiSS C protocol description for the whole structure."
     ),
     timings=(
         Timing(
             name="eeprom_write",
             meaning=(
-                "Time from a write to the Command register to the next function. The EEPROM is written during this "
-                "time"
+                "Time between a write to the Command register and the next function. The EEPROM is written during "
+                "this time"
             ),
             at_least_us=30_000,
             source="6.4 p.39",
         ),
     ),
     note=(
-        "The encoder is always a slave, alone with one master. It must never be installed in a network of several "
-        "slaves. For everything that the manual leaves out, it refers to www.biss-interface.com."
+        "The encoder is always a slave, and the only one of its master. It must never be installed in a network with "
+        "several slaves. For everything else, the manual refers to www.biss-interface.com."
     ),
     source="6 p.31",
 )
@@ -470,8 +472,8 @@ RS485: Final = Rs485Facts(
             address="that of the request",
             data="00h",
             meaning=(
-                "The memory is busy: with reading according to the table, with writing according to the sentence "
-                "below it. The request is invalid"
+                "The memory is busy: reading according to the table, writing according to the sentence below it. The "
+                "request is invalid"
             ),
             source="7.5 p.46",
         ),
@@ -507,7 +509,7 @@ RS485: Final = Rs485Facts(
         ),
         Timing(
             name="data_reset",
-            meaning="Execution time after the tenth request with data ID 8, EEPROM writing included",
+            meaning="Execution time after the tenth request with data ID 8, including the write to the EEPROM",
             at_most_us=18_000,
             source="7.4.2",
         ),
@@ -522,7 +524,7 @@ RS485: Final = Rs485Facts(
     source="7 p.41",
 )
 
-#: Reports of the encoder in frames, by name. The first access creates them.
+#: Reports that frames of the encoder can contain, by name. The first access creates them.
 REPORTS: Final[Mapping[str, Report]] = Reports(
     lambda: (
         Report(
@@ -550,7 +552,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "position_under_error)."
             ),
             remedy=(
-                "Replace a low battery as soon as possible. For an error in the multiturn system the manual names no "
+                "Replace a low battery as soon as possible. For an error in the multiturn system, the manual gives no "
                 "remedy. Steps on the hardware page: Battery replacement without error"
             ),
             makes_position=Verdict.NOT_USABLE,
@@ -559,7 +561,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="status_info",
             printed_name="EI_3 ... EI_0",
-            meaning="unused bits differ from the manual, which has 0 there. Encoder information.",
+            meaning="unused bits differ from the documented value 0. Encoder information.",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.42, it: 7.3.2 p.43",
         ),
@@ -575,8 +577,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="status_other_error",
             printed_name="EE_1",
             meaning=(
-                "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0. One "
-                "bit for BUSY, which clears itself, and for errors that remain until they are reset."
+                "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0. A "
+                "single bit covers BUSY, which clears itself, and errors that remain until they are reset."
             ),
             remedy="Request data ID 3. Its ALMC shows the active error",
             makes_position=Verdict.NOT_USABLE,
@@ -585,14 +587,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="status_zero",
             printed_name="",
-            meaning="unused bits differ from the manual, which has 0 there",
+            meaning="unused bits differ from the documented value 0",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.42, it: 7.3.2 p.43",
         ),
         Report(
             name="alarm_zero_0",
             printed_name="",
-            meaning="unused bits differ from the manual, which has 0 there",
+            meaning="unused bits differ from the documented value 0",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.4 p.43",
         ),
@@ -615,7 +617,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="alarm_zero_3_4",
             printed_name="",
-            meaning="unused bits differ from the manual, which has 0 there",
+            meaning="unused bits differ from the documented value 0",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.4 p.43",
         ),
@@ -827,7 +829,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="One bit for BUSY, which clears itself, and for errors that remain until they are reset",
+                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -842,7 +844,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Position within one revolution",
                 unit="counts",
             ),
-            FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="singleturn_padding", meaning="Always zero", constant=0),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
         "multiturn_reply": (
@@ -877,7 +879,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="One bit for BUSY, which clears itself, and for errors that remain until they are reset",
+                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -892,7 +894,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Number of revolutions",
                 unit="revolutions",
             ),
-            FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="multiturn_padding", meaning="Always zero", constant=0),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
         "encoder_id_reply": (
@@ -927,7 +929,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="One bit for BUSY, which clears itself, and for errors that remain until they are reset",
+                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -975,7 +977,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="One bit for BUSY, which clears itself, and for errors that remain until they are reset",
+                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -990,7 +992,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Position within one revolution",
                 unit="counts",
             ),
-            FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="singleturn_padding", meaning="Always zero", constant=0),
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
@@ -1002,7 +1004,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Number of revolutions",
                 unit="revolutions",
             ),
-            FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="multiturn_padding", meaning="Always zero", constant=0),
             FieldFacts(name="alarm_zero_0", unused=0, source="7.4 p.43"),
             FieldFacts(
                 name="busy",
@@ -1132,11 +1134,11 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             opened_by_value="enable",
             volatile=True,
             fields=(
-                FieldFacts(name="zero_above_multiturn", meaning="always zero", constant=0),
+                FieldFacts(name="zero_above_multiturn", meaning="Always zero", constant=0),
                 FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
-                FieldFacts(name="zero_below_multiturn", meaning="always zero", constant=0),
+                FieldFacts(name="zero_below_multiturn", meaning="Always zero", constant=0),
                 FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
-                FieldFacts(name="zero_below_singleturn", meaning="always zero", constant=0),
+                FieldFacts(name="zero_below_singleturn", meaning="Always zero", constant=0),
             ),
             names=ReadOnly({"it": "Preset"}),
             meaning="Value that the encoder reports at the current shaft position once the preset is activated",
@@ -1171,7 +1173,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(FieldFacts(name="serial"),),
             names=ReadOnly({"it": "Numero di serie"}),
-            meaning="Year and week of production and a serial number, as decimal digits of one binary number",
+            meaning="Year and week of production and a serial number, as the decimal digits of one binary number",
             source="6.4 p.38, it: 6.4 p.39",
         ),
         "command": Register(
@@ -1187,7 +1189,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="function"),),
             names=ReadOnly({"it": "Comando"}),
             meaning="Saves the parameters or activates the preset",
-            note="After a command, the register returns to 00 by itself.",
+            note="After a command, the register automatically returns to 00.",
             source="6.4 p.39",
         ),
         "device_id": Register(
@@ -1220,7 +1222,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
     }
 )
 
-#: Errors and warnings, with meaning, latching and the procedures that clear them.
+#: Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.
 ALARMS: Final[tuple[Alarm, ...]] = (
     Alarm(
         name="busy",
@@ -1297,8 +1299,8 @@ TIMINGS: Final[tuple[Timing, ...]] = (
     Timing(
         name="battery_replacement",
         meaning=(
-            "Time from removing the depleted battery to connecting the new one, with the 5 V supply on, so that the "
-            "position is kept"
+            "Time allowed between removing the depleted battery and connecting the new one, with the 5 V supply on, "
+            "without losing the position"
         ),
         at_most_us=60_000_000,
         source="4.3.1 p.23",
@@ -1510,7 +1512,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
             "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
             "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
-            "inductive noise sources, or shield it from them. Keep strong magnets off the unit and away from it."
+            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="1.2 p.8",
     ),
@@ -1527,7 +1529,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Do not disassemble or machine the encoder. Do not machine the disk or ring. Avoid knocks and shocks. "
-            "Keep to the ambient conditions that the manufacturer states."
+            "Observe the ambient conditions specified by the manufacturer."
         ),
         source="1.3 p.8",
     ),
@@ -1613,7 +1615,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="encoder_screw_torque", value="At most 0.8 Nm", source="3.4"),
     Characteristic(
         name="disk_alignment",
-        value="Mark punched in the disk centred in the encoder unit, at most ±10° mechanical",
+        value="The mark punched in the disk is centred in the encoder unit to within ±10° mechanical",
         source="3.4",
     ),
     Characteristic(
@@ -1761,7 +1763,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
 )
 
-#: Content of figures that is not in the text of the manual.
+#: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure(
         (
@@ -1780,7 +1782,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     ),
     LostFigure("Pictures of steps 3 to 8, among them the position of the mark on the disk.", source="3.4"),
     LostFigure("Picture of the connector with its pin numbers.", source="4.1 p.20"),
-    LostFigure("Pictures beside the two battery replacement procedures.", source="4.3 p.23"),
+    LostFigure("Pictures next to the two battery replacement procedures.", source="4.3 p.23"),
     LostFigure("Figure 6: standard counting direction. The text describes it as well.", source="4.6 p.26"),
     LostFigure(
         "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text describes it as well.",
@@ -1946,7 +1948,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_400_m",
         printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
-        why="From 200 m on, the table allows no clock within the range.",
+        why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1956,7 +1958,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_50_m",
         printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4 MHz.",
+        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 4 MHz.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -2022,8 +2024,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
         used="The start value is 0.",
         why=(
-            "Public BiSS documents start with 0 unless something else is stated. BiSS devices may have another start "
-            "value. With another start value, the CRC of every frame fails, with or without errors on the line."
+            "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
+            "another start value. With another start value, the CRC of every frame fails, with or without errors on "
+            "the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2081,11 +2084,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "(warning alone): the position is kept. The effect of the other errors on the position is not given."
         ),
         used=(
-            "The position is not usable with an error, BUSY, PS error or ST error. Latched errors count until they "
-            "are reset. In multiturn models, the position is not usable with MT error or the warning bit, and it is "
-            "usable with a warning with the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT "
-            "error, makes the position not usable. If the frame also carries these four (data ID 3), they decide "
-            "instead."
+            "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
+            "count until they are reset. In multiturn models, the MT error or the warning bit also makes the position "
+            "not usable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, "
+            "battery alarm and MT error, makes the position not usable. If the frame also carries these four flags "
+            "(data ID 3), they decide instead."
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "
@@ -2187,8 +2190,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="One device ID, AMM5 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires another device ID where the data length differs. The SC1 models have six lengths. Unless "
-            "the release bytes, printed as xx, differ with them, a master cannot distinguish the models."
+            "BiSS requires a different device ID for each data length. The SC1 models have six lengths. Unless the "
+            "release bytes, printed as xx, differ with them, a master cannot distinguish the models."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2201,8 +2204,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The high byte comes first, as printed.",
         why=(
             "The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and "
-            "reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated the registers 44h to 47h, so an "
-            "older AMM5 may answer in the other order. An impossible year or week shows the wrong order."
+            "reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older "
+            "AMM5 may answer in the other order. An impossible year or week shows the wrong order."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2386,7 +2389,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="Data IDs 7 and C also clear the battery alarm.",
         why=(
-            "7.4.1 says so for this alarm by name. The lists in 7.4.2 are meant to contain all latched errors but "
+            "7.4.1 says so explicitly for this alarm. The lists in 7.4.2 are meant to contain all latched errors but "
             "omit it."
         ),
         status=Status.OPEN,
@@ -2605,7 +2608,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The condition is a standstill, that is 300 rpm or less, as printed.",
         why=(
             "A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition at all. The "
-            "description of data ID 8 asks for a stop without a speed."
+            "description of data ID 8 requires a stop but gives no speed."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -2675,8 +2678,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="English: when the main power is turned on. Italian: when it is on (quando l'alimentazione è on)",
         used="The flag is active when the main power is turned on.",
         why=(
-            "The function of the flag is a delay at power-on and during a reset. According to the Italian words, it "
-            "can occur at any time under power. This matters for how it clears (see busy_clear)."
+            "The flag indicates a delay at power-on or a reset in progress. According to the Italian words, it can "
+            "occur at any time under power. This matters for how it clears (see busy_clear)."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2772,7 +2775,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="serial_number",
         used="not known",
         why=(
-            "The registers 44h to 47h were updated. The table does not give their earlier content. The manual of the "
+            "Registers 44h to 47h were updated. The table does not give their earlier content. The manual of the "
             "AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must "
             "be reversed. An older AMM5 may do the same."
         ),
@@ -2786,7 +2789,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="device_id",
         used="not known",
         why=(
-            "The registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the "
+            "Registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the "
             "AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the "
             "software release in 7Dh. An older AMM5 may do the same."
         ),
@@ -2864,7 +2867,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="edition_before_1_6_4",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
-        used="['biss']",
+        used="biss",
         why="SSI did not exist yet.",
         status=Status.SETTLED,
         severity=Severity.WORDING,

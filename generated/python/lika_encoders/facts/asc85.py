@@ -2,8 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Facts of ASC85 absolute encoders with a large thru-bore shaft: tables of the manual, with section and page.
 
-``lika_encoders.asc85`` also has all of them. This module is separate because programs that decode frames seldom need
-it.
+``lika_encoders.asc85`` also provides all of them. They are in a separate module because programs that decode frames
+rarely need them.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ ORDER_CODE: Final = OrderCode(
     ),
     note=(
         "On the label, a hyphen and further characters follow the supply. The manual does not explain them. The order "
-        "code and the serial number are on the label of the body and in the delivery document. Lika asks for both in "
+        "code and the serial number are on the label on the body and in the delivery document. Lika asks for both in "
         "every enquiry. Technical data are in the catalogue."
     ),
     source="Cover, 4 p.13, 5 p.15, 5.2 p.16, 6 p.19",
@@ -143,12 +143,11 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
 # Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
-# Why: From 200 m on, the table allows no clock within the range.
+# Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
 # Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
-# Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4 MHz.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
@@ -180,7 +179,9 @@ SSI: Final = SsiFacts(
         ),
         Timing(
             name="pause",
-            meaning="Pause between two clock sequences. The manual prints Tp > 12 µs, so exactly 12 µs leave no margin",
+            meaning=(
+                "Pause between two clock sequences. The manual prints Tp > 12 µs, so exactly 12 µs leaves no margin"
+            ),
             at_least_us=12,
             symbol="Tp",
             source="5.3 p.17",
@@ -244,17 +245,17 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit, for reading and writing the registers. The manual describes the main fields and "
-        "refers to the BiSS C protocol description for the whole structure."
+        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
+        "main fields and refers to the BiSS C protocol description for the whole structure."
     ),
     note=(
-        "The encoder is always a slave, alone with one master. It must never be installed in a network of several "
-        "slaves. For everything that the manual leaves out, it refers to www.biss-interface.com."
+        "The encoder is always a slave, and the only one of its master. It must never be installed in a network with "
+        "several slaves. For everything else, the manual refers to www.biss-interface.com."
     ),
     source="6 p.19",
 )
 
-#: Reports of the encoder in frames, by name. The first access creates them.
+#: Reports that frames of the encoder can contain, by name. The first access creates them.
 REPORTS: Final[Mapping[str, Report]] = Reports(
     lambda: (
         Report(
@@ -596,8 +597,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="absolute_data_error",
                     printed_name="Absolute data error",
                     active="high",
-                    when_active="error of the absolute data interface",
-                    when_inactive="no error of the absolute data interface, or the interface is not configured",
+                    when_active="error in the absolute data interface",
+                    when_inactive="no error in the absolute data interface, or the interface is not configured",
                     source="6.4 p.31",
                 ),
                 FieldFacts(
@@ -692,7 +693,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
     }
 )
 
-#: Errors and warnings, with meaning, latching and the procedures that clear them.
+#: Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.
 ALARMS: Final[tuple[Alarm, ...]] = (
     Alarm(
         name="control_error",
@@ -737,18 +738,17 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         name="configuration_error",
         meaning=(
             "The cause is one of: power-on without EEPROM, CRC error at power-on with EEPROM, error while writing the "
-            "EEPROM by command 01, CRC error after a software reset by command 03, CRC error after a verification by "
-            "command 04, failure of the EEPROM. The bit is also set temporarily, without an error, during the writing "
-            "by command 01 and the verification by command 04."
+            "EEPROM with command 01, CRC error after a software reset with command 03, CRC error after a verification "
+            "with command 04, failure of the EEPROM. The bit is also set temporarily, without an error, during the "
+            "write with command 01 and the verification with command 04."
         ),
         printed_name="Configuration error",
         register="error_register",
         field="configuration_error",
         detected="At power-on, after a software reset, when the configuration is written to the EEPROM or verified",
         remedy=(
-            "The message clears itself at the end of a successful writing or verification, but not of a failed one. "
-            "For all messages, reading out position data resets the message. It appears again while its cause "
-            "persists"
+            "The message clears itself at the end of a successful write or verification, but not of a failed one. For "
+            "all messages, reading out position data resets the message. It appears again while its cause persists"
         ),
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -848,7 +848,7 @@ LEDS: Final[tuple[Led, ...]] = ()
 TABLES: Final[tuple[Table, ...]] = (
     Table(
         name="reserved_registers",
-        title="Registers reserved to the manufacturer",
+        title="Registers reserved for the manufacturer",
         columns=("First address", "Last address", "Content"),
         rows=(
             (
@@ -892,7 +892,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
             "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
             "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
-            "inductive noise sources, or shield it from them. Keep strong magnets off the unit and away from it."
+            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="1.2 p.8",
     ),
@@ -908,7 +908,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not knock or shock the "
-            "device or its shaft. Keep to the ambient conditions that the manufacturer states."
+            "device or its shaft. Observe the ambient conditions specified by the manufacturer."
         ),
         source="1.3 p.8",
     ),
@@ -980,7 +980,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
 )
 
-#: Content of figures that is not in the text of the manual.
+#: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Overall dimensions in millimetres.", source="3.1 p.11"),
     LostFigure("Dimensions of the mounting support in millimetres.", source="3.2 p.11"),
@@ -1140,7 +1140,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_400_m",
         printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
-        why="From 200 m on, the table allows no clock within the range.",
+        why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1150,7 +1150,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_50_m",
         printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 4 MHz.",
+        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 4 MHz.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1191,9 +1191,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
         used="The start value is 0.",
         why=(
-            "Public BiSS documents start with 0 unless something else is stated. The one public driver for this "
-            "encoder does so too. However, a public controller with the same registers lets its manufacturer set any "
-            "start value. With another start value, the CRC of every frame fails, with or without errors on the line."
+            "In public BiSS documents, the start value is 0 unless something else is stated. The one public driver "
+            "for this encoder does so too. However, a public controller with the same registers lets its manufacturer "
+            "set any start value. With another start value, the CRC of every frame fails, with or without errors on "
+            "the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1275,10 +1276,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "bit of the frame."
         ),
         why=(
-            "It fits only the model of 25 bits. By 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual, "
-            "the same byte differs between models and is the data length. A different ID at a lower resolution is "
-            "likely. A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame "
-            "might differ instead."
+            "It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the "
+            "SMA21 manual, the same byte differs between models and is the data length. A different ID at a lower "
+            "resolution is likely. A public controller with the same registers supports only 24 or 26 singleturn "
+            "bits, so the frame might differ instead."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1395,9 +1396,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The reset is performed upon reading out position data.",
         used="Reading the position register resets the messages.",
         why=(
-            "Each BiSS frame carries the position, and a register is read bit by bit over many frames. If a frame "
-            "counted as reading out, a message would be reset before the register could show it. The manual does not "
-            "say which reading is meant."
+            "Each BiSS frame carries the position, and a register is read bit by bit over many frames. If each frame "
+            "counted as reading out position data, a message would be reset before the register could show it. The "
+            "manual does not say which reading is meant."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1414,7 +1415,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="One device ID, AS85 with the release 01, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires another device ID where the data length differs. The SC models have six lengths. Since the "
+            "BiSS requires a different device ID for each data length. The SC models have six lengths. Since the "
             "profile ID is also the same, a master cannot distinguish the models."
         ),
         status=Status.OPEN,

@@ -2,8 +2,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Facts of SMA21 absolute linear encoder: tables of the manual, with section and page.
 
-``lika_encoders.sma21`` also has all of them. This module is separate because programs that decode frames seldom need
-it.
+``lika_encoders.sma21`` also provides all of them. They are in a separate module because programs that decode frames
+rarely need them.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ ORDER_CODE: Final = OrderCode(
     note=(
         "On the label, a hyphen and further characters follow the resolution. The manual does not explain them. It "
         "prints x for the supply digit of all models except JP1, and explains 1 and 4 by example. The order code and "
-        "the serial number are on the label of the body and in the delivery document. Lika asks for both in every "
+        "the serial number are on the label on the body and in the delivery document. Lika asks for both in every "
         "enquiry. Technical data are in the catalogue. The order code of the tape is in its data sheet."
     ),
     source="Cover, 4.1 p.15, 4.10 p.18, 5 p.19, 6 p.24, 7 p.37",
@@ -167,8 +167,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         polynomial="x^8 + 1",
         note=(
             "The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. "
-            "It equals the XOR of the bytes, so it does not detect swapped bytes. Both printed frames fit start value "
-            "0."
+            "It equals the XOR of the bytes, so it does not detect swapped bytes. Both printed frames are consistent "
+            "with a start value of 0."
         ),
         source="7.3.4 p.42",
     ),
@@ -179,12 +179,11 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
 # Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
-# Why: From 200 m on, the table allows no clock within the range.
+# Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
 # Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
-# Why: 50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 1 MHz.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
@@ -217,7 +216,9 @@ SSI: Final = SsiFacts(
         ),
         Timing(
             name="pause",
-            meaning="Pause between two clock sequences. The manual prints Tp > 16 µs, so exactly 16 µs leave no margin",
+            meaning=(
+                "Pause between two clock sequences. The manual prints Tp > 16 µs, so exactly 16 µs leaves no margin"
+            ),
             at_least_us=16,
             symbol="Tp",
             source="5.3 p.22",
@@ -238,19 +239,20 @@ SSI: Final = SsiFacts(
 # Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
 # Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions of 20
 # bits.
-# Used: While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole field of 24
+# Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field of 24
 # or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is rejected.
-# Why: The limit of the offset is the whole field less the positions of the resolution, with a reference to that field.
-# The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the position carry data. The zeros
-# of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm this.
+# Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
+# reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the
+# position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm
+# this.
 #
 # Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
 # 24 bits.
 # Used: Each is used as printed.
-# Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte counts the whole field and not
-# the position, and one more bit has one plus less. A master that takes the length of the data from the profile ID would
-# miss 4, 2 or 1 bits here.
+# Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the whole
+# field, not of the position, and one more bit goes with one plus sign fewer. A master that takes the length of the data
+# from the profile ID would miss 4, 2 or 1 bits here.
 #
 # Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts itself to the clock, 16 µs at most. No rule is printed.
@@ -292,23 +294,23 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit, for reading and writing the registers. The manual describes the main fields and "
-        "refers to the document \"Protocol description C-mode\" for the whole structure."
+        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
+        "main fields and refers to the document \"Protocol description C-mode\" for the whole structure."
     ),
     timings=(
         Timing(
             name="eeprom_write",
             meaning=(
-                "Time from a write to the Command register to the next function. The EEPROM is written during this "
-                "time"
+                "Time between a write to the Command register and the next function. The EEPROM is written during "
+                "this time"
             ),
             at_least_us=30_000,
             source="6.4 p.29",
         ),
     ),
     note=(
-        "The encoder is a slave, alone with one master. It must not be connected in a network of several slaves. For "
-        "everything that the manual leaves out, it refers to www.biss-interface.com."
+        "The encoder is a slave, and the only one of its master. It must not be connected to a network with several "
+        "slaves. For everything else, the manual refers to www.biss-interface.com."
     ),
     source="6 p.24",
 )
@@ -360,7 +362,7 @@ RS485: Final = Rs485Facts(
             id=0x0B,
             control=0xDA,
             purpose=Purpose.RESET,
-            meaning="Reset all errors. The reply carries 24-bit position and error code",
+            meaning="Reset all errors. The reply carries the 24-bit position and the error code",
             source="7.3.1 p.38, 7.3.3.2 p.41",
         ),
         DataIdFacts(
@@ -368,7 +370,7 @@ RS485: Final = Rs485Facts(
             id=0x0F,
             control=0x7A,
             purpose=Purpose.RESET,
-            meaning="Reset the position to 0. The reply carries 24-bit position and error code",
+            meaning="Reset the position to 0. The reply carries the 24-bit position and the error code",
             source="7.3.1 p.38, 7.3.3.2 p.41",
         ),
     ),
@@ -389,7 +391,7 @@ RS485: Final = Rs485Facts(
     source="7 p.37",
 )
 
-#: Reports of the encoder in frames, by name. The first access creates them.
+#: Reports that frames of the encoder can contain, by name. The first access creates them.
 REPORTS: Final[Mapping[str, Report]] = Reports(
     lambda: (
         Report(
@@ -397,8 +399,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="",
             meaning=(
                 "an error is present and the LED is red. Reading error (the tape is not read properly: mounted "
-                "wrongly, for instance turned round or upside down, its surface damaged, or the sensor faulty) or "
-                "frequency error (sensor too fast over the tape)."
+                "wrongly, for instance reversed or upside down, surface damaged, or the sensor faulty) or frequency "
+                "error (sensor moves too fast over the tape)."
             ),
             makes_position=Verdict.NOT_USABLE,
             source="5.4 p.22",
@@ -407,7 +409,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
-                "warning active. Used with the register Position check for an automatic check of the position. It is "
+                "warning active. Used with the Position check register for an automatic check of the position. It is "
                 "only for Lika's technicians."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
@@ -416,7 +418,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="status_info",
             printed_name="dd0 ... dd3",
-            meaning="unused bits differ from the manual, which has 0 there. Information, not used in this encoder.",
+            meaning="unused bits differ from the documented value 0. Information, not used in this encoder.",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.38, a4: p.298",
         ),
@@ -424,8 +426,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="status_alarm",
             printed_name="ea0",
             meaning=(
-                "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is "
-                "correct. Not stored. The bit clears as soon as the cause is gone."
+                "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position "
+                "is correct. Not stored. The bit clears as soon as the cause is gone."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.38, a4: p.298",
@@ -434,7 +436,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="status_error",
             printed_name="ea1",
             meaning=(
-                "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor must "
+                "encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must "
                 "stop. Stored in the encoder until the errors are reset."
             ),
             remedy="Reset the errors with data ID B",
@@ -444,7 +446,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="status_zero",
             printed_name="",
-            meaning="unused bits differ from the manual, which has 0 there",
+            meaning="unused bits differ from the documented value 0",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.38, a4: p.298",
         ),
@@ -529,9 +531,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="error",
                 meaning=(
-                    "Reading error (the tape is not read properly: mounted wrongly, for instance turned round or "
-                    "upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over "
-                    "the tape)"
+                    "Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside "
+                    "down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the "
+                    "tape)"
                 ),
                 active="low",
                 when_active="an error is present and the LED is red",
@@ -560,9 +562,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="error",
                 printed_name="nE",
                 meaning=(
-                    "Reading error (the tape is not read properly: mounted wrongly, for instance turned round or "
-                    "upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over "
-                    "the tape)"
+                    "Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside "
+                    "down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the "
+                    "tape)"
                 ),
                 active="low",
                 when_active="an error is present and the LED is red",
@@ -574,7 +576,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="warning",
                 printed_name="Warning, nW",
                 meaning=(
-                    "Used with the register Position check for an automatic check of the position. It is only for "
+                    "Used with the Position check register for an automatic check of the position. It is only for "
                     "Lika's technicians"
                 ),
                 active="low",
@@ -656,8 +658,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not stored. The bit clears as soon as the cause is gone",
                 active="high",
                 when_active=(
-                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is "
-                    "correct"
+                    "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the "
+                    "position is correct"
                 ),
                 when_inactive="no encoder alarm",
                 source="7.3.2 p.38, a4: p.298",
@@ -668,7 +670,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Stored in the encoder until the errors are reset",
                 active="high",
                 when_active=(
-                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
+                    "encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor "
                     "must stop"
                 ),
                 when_inactive="no encoder error",
@@ -681,7 +683,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Position in counts. Multiplied by the resolution, it is a length",
                 unit="counts",
             ),
-            FieldFacts(name="position_padding", meaning="always zero", constant=0),
+            FieldFacts(name="position_padding", meaning="Always zero", constant=0),
             FieldFacts(
                 name="overspeed",
                 printed_name="Overspeed",
@@ -791,8 +793,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not stored. The bit clears as soon as the cause is gone",
                 active="high",
                 when_active=(
-                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is "
-                    "correct"
+                    "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the "
+                    "position is correct"
                 ),
                 when_inactive="no encoder alarm",
                 source="7.3.2 p.38, a4: p.298",
@@ -803,7 +805,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Stored in the encoder until the errors are reset",
                 active="high",
                 when_active=(
-                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
+                    "encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor "
                     "must stop"
                 ),
                 when_inactive="no encoder error",
@@ -858,8 +860,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not stored. The bit clears as soon as the cause is gone",
                 active="high",
                 when_active=(
-                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, but the position is "
-                    "correct"
+                    "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the "
+                    "position is correct"
                 ),
                 when_inactive="no encoder alarm",
                 source="7.3.2 p.38, a4: p.298",
@@ -870,7 +872,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Stored in the encoder until the errors are reset",
                 active="high",
                 when_active=(
-                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
+                    "encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor "
                     "must stop"
                 ),
                 when_inactive="no encoder error",
@@ -883,7 +885,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Position in counts. Multiplied by the resolution, it is a length",
                 unit="counts",
             ),
-            FieldFacts(name="position_padding", meaning="always zero", constant=0),
+            FieldFacts(name="position_padding", meaning="Always zero", constant=0),
             FieldFacts(
                 name="encoder_id_1",
                 printed_name="ENID1",
@@ -1011,7 +1013,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="function"),),
             names=ReadOnly({"it": "Comando"}),
             meaning="Saves the parameters, activates preset or offset, or restores the defaults",
-            note="After a command, the register returns to 00 by itself.",
+            note="After a command, the register automatically returns to 00.",
             source="6.4 p.29, 12 p.51",
         ),
         "configuration": Register(
@@ -1050,7 +1052,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(
                     name="select_preset_offset",
                     meaning=(
-                        "Content of the register Preset / Offset. The bit is available only while the function is "
+                        "Content of the Preset / Offset register. The bit is available only while the function is "
                         "enabled (bit 2)"
                     ),
                     default=0,
@@ -1101,8 +1103,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     max="2^position_bits - 1",
                     meaning=(
                         "Value that the encoder reports at the current sensor position once the preset is activated. "
-                        "All positions before and after follow from it. The preset can be used, for instance, to "
-                        "align the zero points of sensor and application."
+                        "All positions before and after it shift accordingly. The preset can be used, for instance, "
+                        "to align the zero points of sensor and application."
                     ),
                     source="6.4 p.32",
                 ),
@@ -1119,14 +1121,14 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     source="6.4 p.32",
                 ),
             ),
-            meaning="Preset or offset, according to the bit Select preset / offset of the Configuration register",
+            meaning="Preset or offset, according to the Select preset / offset bit of the Configuration register",
             note=(
-                "The register is available only while the bit Enable preset / offset of the Configuration register is "
-                "0 (enable). Activate it only with the device at rest, by the command Save and activate Preset / "
+                "The register is available only while the Enable preset / offset bit of the Configuration register is "
+                "0 (enable). Activate it only with the device at rest, with the command Save and activate Preset / "
                 "Offset. The highest preset is 00 0F FF FFh at 50 µm, 00 3F FF FFh at 10 µm, 00 7F FF FFh at 5 µm, 00 "
                 "FF FF FFh at 2 µm and 01 FF FF FFh at 1 µm. The highest offset is the number of positions of the "
-                "24-bit or 25-bit field less the number of positions of the resolution: F0 00 00h at 50 µm, C0 00 00h "
-                "at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm."
+                "24-bit or 25-bit field minus the number of positions at that resolution: F0 00 00h at 50 µm, C0 00 "
+                "00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm."
             ),
             source="6.4 p.32, 12 p.51",
         ),
@@ -1202,7 +1204,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
     }
 )
 
-#: Errors and warnings, with meaning, latching and the procedures that clear them.
+#: Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.
 ALARMS: Final[tuple[Alarm, ...]] = (
     Alarm(
         name="temperature_alarm",
@@ -1261,8 +1263,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
     Alarm(
         name="initialization_error",
         meaning=(
-            "One of the alarms named above occurred during the initialization, or the absolute position cannot be "
-            "found"
+            "One of the alarms that the manual lists before this one occurred during the initialization, or the "
+            "absolute position cannot be found"
         ),
         printed_name="Initialization error",
         field="initialization_error",
@@ -1435,9 +1437,9 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState(
                 "red after power-on",
                 (
-                    "The tape is not read properly: mounted wrongly (for instance turned round against the sensor, or "
-                    "upside down), its surface damaged, or the sensor faulty. Wrong data may be sent. The LED goes "
-                    "off as soon as the fault is gone."
+                    "The tape is not read properly: mounted wrongly (for instance reversed relative to the sensor, or "
+                    "upside down), its surface is damaged, or the sensor is faulty. Wrong data may be sent. The LED "
+                    "goes off as soon as the fault is gone."
                 ),
             ),
             LedState(
@@ -1453,7 +1455,7 @@ LEDS: Final[tuple[Led, ...]] = (
                 (
                     "There is an error, for instance: gap out of tolerance (Figure 2), sensor not mounted properly, "
                     "sensor or tape mounted the wrong way round, sensor in the opposite direction to Figure 1, sensor "
-                    "too fast, or supply voltage not correct."
+                    "moving too fast, or incorrect supply voltage."
                 ),
             ),
         ),
@@ -1572,7 +1574,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="applications",
-        value="Long travels on automatic machines and in automation",
+        value="Long travel distances on automatic machines and in automation",
         source="Informazioni preliminari p.8",
     ),
     Characteristic(
@@ -1589,8 +1591,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="tape_orientation",
         value=(
-            "The tape has one mounting direction in all cases. The system cannot work if it is mounted differently "
-            "from Figure 1"
+            "The tape can be mounted in one direction only. The system cannot work if it is mounted differently from "
+            "Figure 1"
         ),
         source="3.2 p.11, 3.3, 8 p.44",
     ),
@@ -1643,8 +1645,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Mount the device with the mechanical parts at rest. Do not disassemble or machine the device. Avoid "
-            "knocks and strong stress. Protect it from acid and other harmful substances. Keep to the ambient "
-            "conditions that the manufacturer states."
+            "knocks and strong stress. Protect it from acid and other harmful substances. Observe the ambient "
+            "conditions specified by the manufacturer."
         ),
         source="1.3 p.10",
     ),
@@ -1652,7 +1654,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="chips",
         value=(
             "Mount the device where it is sheltered from machining chips, above all metal chips. Otherwise provide "
-            "for cleaning (brushes, scrapers, compressed air), so that sensor and tape do not seize."
+            "for cleaning (brushes, scrapers, compressed air), so that the sensor and the tape do not seize."
         ),
         source="1.3 p.10, 3.2 p.11",
     ),
@@ -1684,9 +1686,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="zero_setting",
         value=(
-            "After mounting, and whenever sensor or tape is replaced, the measuring system must be zeroed or preset. "
-            "According to the manual, only the BiSS models have that function. With SSI, the master sets its own zero "
-            "if the application needs one."
+            "After mounting, and whenever the sensor or the tape is replaced, the measuring system must be zeroed or "
+            "preset. According to the manual, only the BiSS models have that function. With SSI, the master sets its "
+            "own zero if the application needs one."
         ),
         source="3.3, 5.5 p.23",
     ),
@@ -1745,14 +1747,14 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="counting_direction",
         value=(
             "The position counts up when the sensor moves in the direction of the white arrow of Figure 1. The "
-            "direction is fixed with SSI and RS-485. Over BiSS it can be inverted (register Configuration), but only "
+            "direction is fixed with SSI and RS-485. Over BiSS it can be inverted (Configuration register), but only "
             "for the absolute position, not for the incremental signals."
         ),
         source="3.2 p.11, 4.7 p.17, 8",
     ),
     Characteristic(
         name="inputs",
-        value="The encoder has no inputs for zero setting or preset and for the counting direction",
+        value="The encoder has no inputs for zero setting, preset or counting direction",
         only="SMA21-BGx-..., SMA21-GGx-..., SMA21-G1x-...",
         source="5.5 p.23",
     ),
@@ -1828,7 +1830,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
 )
 
-#: Content of figures that is not in the text of the manual.
+#: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Overall dimensions.", source="3.1 p.11"),
     LostFigure(
@@ -1935,8 +1937,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
         used="The start value is 0.",
         why=(
-            "Public BiSS documents start with 0 unless something else is stated. BiSS devices may have another start "
-            "value. With another start value, the CRC of every frame fails, with or without errors on the line."
+            "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
+            "another start value. With another start value, the CRC of every frame fails, with or without errors on "
+            "the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2016,7 +2019,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_400_m",
         printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 1 MHz",
         used="Both limits are listed as printed.",
-        why="From 200 m on, the table allows no clock within the range.",
+        why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -2026,7 +2029,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_cable_50_m",
         printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 1 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. By the table, no cable may be used at 400 kHz to 1 MHz.",
+        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 1 MHz.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -2037,8 +2040,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The output code can be binary or Gray, without saying which bits of the frame it covers",
         used="Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.",
         why=(
-            "6.4 refers to the information of the absolute position, and a flag in Gray code would change with the "
-            "bit next to it. The zeros above the position in the BiSS frame are the same either way."
+            "6.4 refers to the absolute position information, and a flag in Gray code would change with the bit next "
+            "to it. The zeros above the position in the BiSS frame are the same either way."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2078,15 +2081,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "of 20 bits"
         ),
         used=(
-            "While an offset is selected in the register Configuration, 6.4 applies: the position takes the whole "
+            "While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole "
             "field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with "
             "another bit there is rejected."
         ),
         why=(
-            "The limit of the offset is the whole field less the positions of the resolution, with a reference to "
-            "that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the "
-            "position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset "
-            "could confirm this."
+            "The limit of the offset is the number of positions of the whole field minus that of the resolution, with "
+            "a reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits "
+            "above the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with "
+            "an offset could confirm this."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2108,9 +2111,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "are not given"
         ),
         used=(
-            "Over SSI and BiSS, the position starts again after 2^position_bits counts. In the 24-bit replies over "
-            "RS-485, it starts again after the number of counts that their bits can represent. The 48-bit position "
-            "goes below zero."
+            "Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over "
+            "RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below "
+            "zero."
         ),
         why=(
             "A preset of 0 or a reset of the position within the travel leaves positions below it. All position "
@@ -2144,9 +2147,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="Each is used as printed.",
         why=(
-            "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte counts the whole "
-            "field and not the position, and one more bit has one plus less. A master that takes the length of the "
-            "data from the profile ID would miss 4, 2 or 1 bits here."
+            "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the "
+            "whole field, not of the position, and one more bit goes with one plus sign fewer. A master that takes "
+            "the length of the data from the profile ID would miss 4, 2 or 1 bits here."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2171,7 +2174,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="resolution_set",
         printed="Limits of preset and offset by the resolution that is set (risoluzione impostata)",
         used="The limits depend on the resolution of the order code.",
-        why="The register Absolute resolution is read only, and no other register sets a resolution.",
+        why="The Absolute resolution register is read only, and no other register sets a resolution.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.absolute_resolution", "registers.preset_offset"),
@@ -2180,7 +2183,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="preset_direction",
         printed="Preset: stop the sensor in the wanted direction (nella direzione desiderata)",
-        used="Stop the sensor at the wanted position.",
+        used="Stop the sensor at the desired position.",
         why="The same sentence under Offset has position (posizione). A preset is assigned to a position.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2231,8 +2234,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="One device ID, SM21 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires another device ID where the data length differs, and 1 µm has one more bit. Unless the "
-            "release bytes, printed as xx, differ, only the profile ID distinguishes the models."
+            "BiSS requires a different device ID for each data length, and 1 µm has one more bit. Unless the release "
+            "bytes, printed as xx, differ, only the profile ID distinguishes the models."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2309,8 +2312,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="Both are used as printed.",
         why=(
-            "A sum of bits that are kept would be kept as well. Bits 6 and 7 are not implemented, so this has no "
-            "effect."
+            "If the bits are latched, their logical OR is latched as well. Bits 6 and 7 are not implemented, so this "
+            "has no effect."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2325,9 +2328,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "alarms and of nW on the position is not given."
         ),
         used=(
-            "The position is not usable with nE, ea1 or an alarm that is part of ea1. Stored errors count until they "
-            "are reset. The position is usable with a warning with ea0, an alarm that is part of ea0, or nW. It is "
-            "usable while none is active (9.1)."
+            "The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored "
+            "errors count until they are reset. The position is usable with a warning if any of these is active: ea0, "
+            "an alarm that is part of ea0, or nW. It is usable while none is active (9.1)."
         ),
         why=(
             "ea1 does not show which of the three it is. With an error only in the EEPROM, the position may be "
@@ -2349,7 +2352,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="abs_range_48",
         printed="48-bit position from 800000000000h to 7FFFFFFFFFh",
         used="The highest value is 7FFFFFFFFFFFh.",
-        why="Two digits are missing. The highest number of 48 bits as two's complement has twelve.",
+        why="Two digits are missing. The highest 48-bit number in two's complement has twelve.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.rs485.wide_position_reply",),
@@ -2477,7 +2480,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="data_id_5_example_position",
         printed="Position DAh 04h 00h 43h 25h 00h",
-        used="The value is not used. No position of this encoder looks like it.",
+        used="The value is not used. No position of this encoder can have this value.",
         why=(
             "It is 0025430004DAh or 160,037,864,666 counts, which is 160 km at 1 µm. RS-485 carries 24 bits and the "
             "tape ends at 32.82 m."
@@ -2611,7 +2614,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "field_groups.alarm_field.fields.encoder_inharmonious_error.implemented, "
             "alarms.encoder_inharmonious_error.implemented"
         ),
-        used="True",
+        used="yes",
         why="The alarm was removed with this revision, so older encoders may have it.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,

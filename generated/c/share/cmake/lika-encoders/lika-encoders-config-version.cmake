@@ -1,5 +1,5 @@
-# Accept a request of find_package(lika-encoders) for version 0.1.0, or for an older compatible one. A new
-# major number breaks compatibility; before 1.0.0 a new minor number does.
+# Accept find_package(lika-encoders) for version 0.1.0 or an older compatible version. A new major version
+# breaks compatibility. Before 1.0.0, a new minor version does.
 set(PACKAGE_VERSION "0.1.0")
 string(REGEX MATCH "^(0\\.[0-9]+|[1-9][0-9]*)" own "${PACKAGE_VERSION}")
 string(REGEX MATCH "^(0\\.[0-9]+|[1-9][0-9]*|0$)" asked "${PACKAGE_FIND_VERSION}")
