@@ -151,9 +151,8 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: ../../etc/passwd\n    to: x\n" + OWN,
             (
-                "o0.yaml:6:10: bad-pattern: 'set' cannot be '../../etc/passwd': a place is keys and names joined "
-                "by dots, "
-                "unnamed items by number, as in procedures.set_preset.steps[3]"
+                "o0.yaml:6:10: bad-pattern: 'set' cannot be '../../etc/passwd': a place consists of keys and names "
+                "joined by dots, with numbers for unnamed items, as in procedures.set_preset.steps[3]"
             ),
         ),
         (

@@ -43,7 +43,7 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
     assert used
     for module in used:
         assert f"`{module}" in page or (
-            module.startswith("codewheel.say.") and "`codewheel.say.field` and so on" in page
+            module.startswith("codewheel.say.") and "`codewheel.say.field` and similar modules" in page
         )
 
 
@@ -80,7 +80,7 @@ def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
     assert codewheel(*re.findall(r"^codewheel (.*)$", README, re.MULTILINE)[0].split(), "-o", tmp_path)[0] == 0
     crate = tmp_path / "rust" / "lika-encoders" / "src" / "lib.rs"
     compiled("--edition", "2021", "--crate-type", "rlib", "--crate-name", "lika_encoders", "--out-dir", tmp_path, crate)
-    shown = re.search(r"^```rust\n(.*?)^```\n\nIt prints\n\n```\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+    shown = re.search(r"^```rust\n(.*?)^```\n\nIt prints:\n\n```\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
     assert shown is not None
     (tmp_path / "main.rs").write_text(shown[1], encoding="utf-8")
     library = f"lika_encoders={tmp_path / 'liblika_encoders.rlib'}"
