@@ -191,6 +191,8 @@ def _remove(stage: Path, place: Path) -> None:
     if os.path.lexists(stage / _OLD) and not os.path.lexists(place):
         with suppress(OSError):  # the run was killed between two renames
             os.rename(stage / _OLD, place)
+    for left in (stage / _NEW, stage / _OLD):
+        _save_late_files(left, place)
     for root, folders, _ in os.walk(stage):
         for name in folders:
             with suppress(OSError):
@@ -204,6 +206,29 @@ def _remove(stage: Path, place: Path) -> None:
         with suppress(OSError):
             (stage / _MARK).unlink(missing_ok=True)
             stage.rmdir()
+
+
+def _save_late_files(left: Path, place: Path) -> None:
+    """Move foreign files to the target's folder that were saved in its old content after it had been copied."""
+    if not (left / LIST).is_file() or not place.is_dir():
+        return
+    ours = {*listed_in(left), *listed_in(place), LIST}
+    for root, _, names in os.walk(left):
+        for name in names:
+            late = Path(root) / name
+            path = late.relative_to(left)
+            if path.as_posix() not in ours and _is_later(late, place / path):
+                (place / path).parent.mkdir(parents=True, exist_ok=True)
+                os.replace(late, place / path)
+
+
+def _is_later(late: Path, kept: Path) -> bool:
+    """Return whether a file is missing in the target's folder, or older there."""
+    if not os.path.lexists(kept):
+        return True
+    new, old = os.lstat(late), os.lstat(kept)
+    are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
+    return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
 
 
 def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> None:
@@ -317,6 +342,9 @@ class _Stage:
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         inside = {Path(path).relative_to(self.place.name): path for path in files}
+        # The list comes first: without it, a later run would take the files of a killed run for the user's.
+        listed = "".join(f"{path.as_posix()}\n" for path in sorted(inside, key=Path.as_posix))
+        (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
         for path, name in inside.items():
             self._make(path.parent)
             if name in unchanged:
@@ -325,8 +353,6 @@ class _Stage:
                 with open(self.new / path, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
         self._carry_over(set(map(Path, listed_in(self.place))))
-        listed = "".join(f"{path.as_posix()}\n" for path in sorted(inside, key=Path.as_posix))
-        (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
         for made, mode in reversed(self._modes.items()):
             if mode & 0o700 != 0o700:
                 made.chmod(mode)
@@ -382,7 +408,7 @@ def _exchange(stage: Path, place: Path) -> None:
         if rename(_AT_FDCWD, os.fsencode(stage), _AT_FDCWD, os.fsencode(place), _RENAME_EXCHANGE) == 0:
             return
     except (AttributeError, OSError, TypeError):
-        pass
+        _save_late_files(left, place)
     # If the system cannot exchange folders, rename twice, and undo the first rename if the second fails.
     old = stage.with_name(_OLD)
     os.rename(place, old)

@@ -6,6 +6,7 @@ import ctypes
 import errno
 import os
 import subprocess
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -168,6 +169,40 @@ def test_a_kill_between_two_renames_loses_nothing(tmp_path: Path, monkeypatch: p
     write(tmp_path, {"python": FILES})
     assert tree(tmp_path) == {**FILES, "python/mine.txt": "mine"}
     assert [path.name for path in tmp_path.iterdir()] == ["python"]
+
+
+@pytest.mark.parametrize("killed", [False, True], ids=["done", "killed"])
+@pytest.mark.parametrize("one_step", [True, False], ids=["exchange", "two renames"])
+def test_files_saved_while_a_run_writes_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, killed: bool, one_step: bool
+) -> None:
+    """The user's editor does not wait for the end of a run."""
+    place = tmp_path / "a"
+    write(tmp_path, {"a": {"a/x": "old", "a/gone": "old"}})
+    (place / "edited").write_text("first")
+    (place / "kept").write_text("kept")
+    real = module._exchange
+
+    def saved_first(stage: Path, to: Path) -> None:
+        (place / "sub").mkdir(exist_ok=True)
+        (place / "sub/late").write_text("late")
+        (place / "edited.tmp").write_text("second")
+        (place / "edited.tmp").replace(place / "edited")
+        real(stage, to)
+        if killed:
+            monkeypatch.setattr(module, "_remove", lambda *_: None)
+            raise Killed
+
+    monkeypatch.setattr(module, "_exchange", saved_first)
+    monkeypatch.setattr(module, "_taken_back", lambda _: True)
+    if not one_step:
+        monkeypatch.setattr(ctypes, "CDLL", no_exchange)
+    with pytest.raises(Killed) if killed else nullcontext():
+        write(tmp_path, {"a": {"a/x": "new"}})
+    monkeypatch.undo()
+    write(tmp_path, {"a": {"a/x": "new"}})
+    assert tree(place) == {"x": "new", "edited": "second", "kept": "kept", "sub/late": "late"}
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
 def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
