@@ -106,6 +106,11 @@ def test_what_a_package_may_import(package: str, may: set[str]) -> None:
     assert packages(arrows())[package] <= may
 
 
+@pytest.mark.parametrize("package", ["masters", "plan", "say", "targets"])
+def test_outputs_do_not_use_the_codec_that_judges_them(package: str) -> None:
+    assert "reference" not in packages(arrows())[package]
+
+
 def test_only_commands_know_of_second_readings() -> None:
     """Outputs get the counts of second readings from the model."""
     users = {

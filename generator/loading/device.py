@@ -52,6 +52,7 @@ from .only import check_alarms, check_only, only_while, set_parameters
 from .procedures import build_procedures
 from .repeated_facts import check_agreement
 from .run_time_parameters import held_in_registers
+from .samples import samples
 from .valid_parts import sound_so_far
 
 
@@ -77,7 +78,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     device = replace(device, editions=editions(raw))
     check_agreement(raw, device, report)
     check_examples(device, report)
-    return device
+    return device if report.faults() else replace(device, samples=samples(device))
 
 
 def _context(

@@ -24,7 +24,17 @@ from .device import (
     Variant,
     choices,
 )
-from .examples import CrcExample, Example, FrameExample, MeasureExample, ProcedureExample, RegisterExample, Write
+from .examples import (
+    CrcExample,
+    Example,
+    FrameExample,
+    MeasureExample,
+    ProcedureExample,
+    RegisterExample,
+    Sample,
+    Values,
+    Write,
+)
 from .facts import (
     LEFT_OUT,
     NOT_KNOWN,
@@ -171,6 +181,7 @@ __all__ = [
     "ReleasedChange",
     "Revision",
     "Rs485",
+    "Sample",
     "SendStep",
     "Signals",
     "Source",
@@ -187,6 +198,7 @@ __all__ = [
     "Timing",
     "Unused",
     "Value",
+    "Values",
     "Variant",
     "Verdict",
     "WaitStep",

@@ -9,7 +9,7 @@ from itertools import product
 from types import MappingProxyType
 from typing import TypeVar
 
-from .examples import Example
+from .examples import Example, Sample
 from .expressions import Expression
 from .facts import (
     Alarm,
@@ -317,11 +317,16 @@ class Device:
     editions: tuple[ManualEdition, ...] = ()
     edition: str = ""
     releases: tuple[Release, ...] = ()
+    samples: tuple[Sample, ...] = ()
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """Independent parameters: those that an order code sets or a register holds."""
         return tuple(item for item in self.parameters if item.equals is None and not item.alternative)
+
+    def sample_of(self, layout: Layout) -> Sample | None:
+        """Return the sample frame of a layout, or None if none could be made up."""
+        return next((item for item in self.samples if item.layout == layout.name), None)
 
     def alternatives_of(self, layout: Layout) -> tuple[Alternative, ...]:
         """Return the questions that the user must answer before a frame of this layout can be read or written."""

@@ -90,3 +90,19 @@ class MeasureExample(_Example):
 
 #: ``kind`` is the keyword in the spec language, used for printing only.
 Example = FrameExample | RegisterExample | CrcExample | ProcedureExample | MeasureExample
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """A frame that an encoder with this order code could send, for programs and pages that show one.
+
+    All values are made up, except the position if there is a ``source``. ``spoilt`` is the same frame with an active
+    flag that makes its position unusable, or None if it has no such flag.
+    """
+
+    order_code: str
+    layout: str
+    frame: int
+    values: Values
+    spoilt: int | None
+    source: Sources

@@ -33,7 +33,7 @@ PRINTED = {
             "  enable_preset: 0 (0 Enable, 1 Disable)\n"
         ),
     ],
-    "am36_ssi": ["that is 90.000 degrees\n"],
+    "am36_ssi": ["singleturn: 249109\n", f"that is {249109 / 2**19 * 360:.3f} degrees\n"],
     "amm5_biss": [
         "Preset 11h: 00 30 24 F4 00 00 00\n",
         "  position: 1000003\n",
@@ -46,13 +46,13 @@ PRINTED = {
         "Reset all errors\n3600 us: send BA\n3650 us: send BA\n",
         "4050 us: send BA\n6060 us: done\n",
     ],
-    "amm5_ssi": ["that is 90.000 degrees\n"],
+    "amm5_ssi": ["singleturn: 6016277\n", f"that is {6016277 / 2**23 * 360:.3f} degrees\n"],
     "asc85_biss": [
         "Profile ID 42h: 28 1A\n",
         "Serial number 44h: 0A 35 2C 0E\n  serial: 171256846\n",
         "  name: AS85\n",
     ],
-    "asc85_ssi": ["that is 90.000 degrees\n"],
+    "asc85_ssi": ["position: 22793493\n", f"that is {22793493 / 2**25 * 360:.3f} degrees\n"],
     "sma21_biss": [
         "  write 50: 00\n  write 51: 01\n  write 52: 86\n  write 53: A0\n  write 48: 02\n  wait 30000 us\n",
         "position: 123\n",
@@ -129,10 +129,10 @@ def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_p
 
 @pytest.mark.slow
 def test_a_program_looks_at_the_error_bit(package: Path) -> None:
-    """A made up frame of AMM5 without an error is a quarter of a turn; with its error bit 0, no angle is made of it."""
+    """Convert the position of a made-up frame of AMM5 to degrees, but not if its error bit is 0."""
     path = package / "examples" / "amm5_biss.c"
     text = path.read_text(encoding="ascii")
-    assert "that is 90.000 degrees" in ran(package, "amm5_biss")[1]
+    assert f"that is {1821973 / 2**21 * 360:.3f} degrees" in ran(package, "amm5_biss")[1]
     (made_up,) = re.findall(r"return UINT64_C\((0x[0-9A-F]+)\);", text)
     faulty = package / "examples" / "amm5_biss_faulty.c"
     # Both bits 0, and the CRC of 39 bits that goes with them.

@@ -116,11 +116,11 @@ def test_every_member_of_the_model_has_a_side(kind: str) -> None:
 
 def test_every_member_of_a_family_is_compared() -> None:
     """A new section of a family must be compared in ``walk``. Overlays and editions show in the facts that they
-    change."""
+    change, samples follow from the others."""
     assert {item.name for item in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
-        field_groups supply alternatives times_read releases overlays base editions edition""".split()
+        field_groups supply alternatives times_read releases overlays base editions edition samples""".split()
     )
 
 

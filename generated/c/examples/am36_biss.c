@@ -16,13 +16,10 @@ static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/*
- * Single cycle data, as sent by the encoder: made up, since the manual shows none: a quarter of a
- * turn.
- */
+/* Single cycle data, as sent by the encoder: made up, since the manual shows none. */
 static uint64_t receive_word(void)
 {
-    return UINT64_C(0x40000FD);
+    return UINT64_C(0x2ABCD15EF);
 }
 
 /* The registers of the encoder. */

@@ -20,11 +20,11 @@ static const lika_am36_variant encoder = LIKA_AM36_AM3619_4096_GG;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual shows none: a quarter of a turn. */
+/* SSI word, as sent by the encoder: made up, since the manual shows none. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_AM36_AM3619_4096_GG_SSI_RX_BYTES] = {
-        0x80U, 0x03U, 0x00U, 0x00U, 0x00U
+        0x81U, 0xFAU, 0x2BU, 0x9FU, 0x00U
     };
     size_t at;
     for (at = 0U; at < size; at++) {

@@ -16,13 +16,10 @@ static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/*
- * Single cycle data, as sent by the encoder: made up, since the manual shows none: a quarter of a
- * turn.
- */
+/* Single cycle data, as sent by the encoder: made up, since the manual shows none. */
 static uint64_t receive_word(void)
 {
-    return UINT64_C(0x80000F4);
+    return UINT64_C(0x55BCD15E2);
 }
 
 /* The registers of the encoder. */

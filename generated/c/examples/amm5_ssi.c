@@ -20,11 +20,11 @@ static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual shows none: a quarter of a turn. */
+/* SSI word, as sent by the encoder: made up, since the manual shows none. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_AMM5_A23_65KBG1_SSI_RX_BYTES] = {
-        0x80U, 0x00U, 0x20U, 0x00U, 0x00U, 0x00U
+        0x80U, 0x15U, 0x5BU, 0xCDU, 0x15U, 0x00U
     };
     size_t at;
     for (at = 0U; at < size; at++) {

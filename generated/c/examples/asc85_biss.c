@@ -22,13 +22,10 @@ static const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/*
- * Single cycle data, as sent by the encoder: made up, since the manual shows none: a quarter of a
- * turn.
- */
+/* Single cycle data, as sent by the encoder: made up, since the manual shows none. */
 static uint64_t receive_word(void)
 {
-    return UINT64_C(0x1000000F3);
+    return UINT64_C(0x2B79A2AC1);
 }
 
 /* The registers of the encoder. */

@@ -20,11 +20,11 @@ static const lika_asc85_variant encoder = LIKA_ASC85_25_GG1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual shows none: a quarter of a turn. */
+/* SSI word, as sent by the encoder: made up, since the manual shows none. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_ASC85_25_GG1_SSI_RX_BYTES] = {
-        0xB0U, 0x00U, 0x00U, 0x00U
+        0xFDU, 0x8AU, 0xE7U, 0xC0U
     };
     size_t at;
     for (at = 0U; at < size; at++) {

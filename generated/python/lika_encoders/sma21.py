@@ -24,8 +24,8 @@ Contents:
 A valid frame does not imply a usable position. Check the verdict before you use the position:
 
     from lika_encoders import Verdict, lookup
-    encoder = lookup("SMA21-BG1-0050")
-    frame = encoder.decode(0x179a2b)
+    encoder = lookup("SMA21-BG1-0001")
+    frame = encoder.decode(0xc43)
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 
 from ...loading.examples import example_variant
@@ -12,12 +11,10 @@ from ...model import (
     CrcExample,
     Device,
     Example,
-    Field,
     FrameExample,
     Interface,
     Layout,
     MeasureExample,
-    Measurement,
     PollStep,
     Procedure,
     ProcedureExample,
@@ -28,8 +25,6 @@ from ...model import (
     cite,
     number_from_bytes,
 )
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from ...reference import codec
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +36,15 @@ class Frame:
     about: str
 
 
+class NoFrame(Exception):
+    """The manual shows no frame of an interface, and none could be made up."""
+
+
 class Chosen:
     """The examples for one order code of an interface: the one with the most examples that are used as printed.
 
     Raises:
-        EncodeError: The manual shows no frame, and no plain one can be made up.
+        NoFrame: There is no frame to show.
     """
 
     def __init__(self, device: Device, interface: Interface) -> None:
@@ -123,49 +122,15 @@ class Chosen:
         sent = [item for item in self.interface.layouts if item.sender == "encoder"]
         # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
         sent.sort(key=lambda item: (not self.has_position(item), bool(self.device.alternatives_of(item))))
-        layout, measured = sent[0], self.has_position(sent[0])
-        placed = layout.place(self.variant.parameters)
-        fields = [field for field in layout.data_fields if not field.runs]
-        values = {field.name: _plain_value(layout, field) for field in fields}
-        if self.measurement is not None and measured:
-            counts, about = self._position(self.measurement)
-            of = self.measurement.of
-            parts = layout.names_in(of)
-            others = {name: value for name, value in values.items() if name not in parts}
-            # If the position does not fit, the frame has none.
-            with suppress(codec.EncodeError):
-                return Frame(layout, codec.encode(self.device, placed, {**others, of: counts}), about)
-        return Frame(layout, codec.encode(self.device, placed, values), "made up, since the manual shows none")
+        sample = self.device.sample_of(sent[0])
+        if sample is None:
+            raise NoFrame
+        about = "made up, since the manual shows none"
+        if sample.source:
+            about = f"made up, with the position of a worked example [{cite(sample.source)}]"
+        return Frame(sent[0], sample.frame, about)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
         members = {field.name for field in layout.data_fields} | {join.name for join in layout.joins}
         return self.measurement is not None and self.measurement.of in members
-
-    def _position(self, measurement: Measurement) -> tuple[int, str]:
-        for item in self.examples:
-            if isinstance(item, MeasureExample):
-                return item.counts, f"made up, with the position of a worked example [{cite(item.source)}]"
-        about = "made up, since the manual shows none"
-        if measurement.counts_per_turn is None:
-            return 1000, f"{about}: 1000 counts"
-        return measurement.counts_per_turn.value(self.variant.parameters) // 4, f"{about}: a quarter of a turn"
-
-
-def _plain_value(layout: Layout, field: Field) -> int | str:
-    """Return the simplest value that the field can have."""
-    if field.name == layout.selector:
-        return layout.selects[0]
-    match meaning_of(field):
-        case Named(values):
-            return values[0].value
-        case Characters():
-            return "-" * (field.widest // 8)
-        case ZeroMeans():
-            return 1
-        case Raw():
-            return 1 if field.number.power_of_two else 0
-        case TwosComplement() | Active() | DigitRuns():
-            return 0
-        case other:
-            assert_never(other)

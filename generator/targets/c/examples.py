@@ -25,12 +25,11 @@ from ...plan.codec import Part
 from ...plan.receive_lengths import SSI_AROUND, Received, received
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
-from ...reference import codec
 from ...say.name import title, words
 from ...say.words import WORTH
 from .access import Access
 from .alternatives import AlternativeCode
-from .chosen import Chosen, Frame
+from .chosen import Chosen, Frame, NoFrame
 from .comments import ascii_text
 from .device import DeviceView
 from .positions import Positions
@@ -105,7 +104,7 @@ class ExampleCode:
     """The values that the template of a program prints. ``memory`` has the initial contents of the simulated registers.
 
     Raises:
-        EncodeError: The manual shows no frame, and no plain one can be made up.
+        NoFrame: There is no frame to show.
     """
 
     def __init__(self, view: DeviceView, interface: Interface) -> None:
@@ -310,8 +309,8 @@ def _known(values: Iterable[Value]) -> str:
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
-    """Yield a program for each interface, unless no plain frame can be made up for it."""
+    """Yield a program for each interface, unless there is no frame to show for it."""
     for interface in view.device.interfaces:
         if any(layout.sender == "encoder" for layout in interface.layouts):
-            with suppress(codec.EncodeError):
+            with suppress(NoFrame):
                 yield ExampleCode(view, interface)

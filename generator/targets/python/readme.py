@@ -9,31 +9,19 @@ from math import prod
 
 from ...model import (
     CrcExample,
-    Field,
-    Layout,
     ModifyStep,
     PlacedLayout,
     PollStep,
     ProcedureExample,
     RegisterExample,
     Variant,
-    assert_never,
     number_to_bytes,
 )
 from ...plan.measurement import counts
-from ...plan.refusals import powers_of_two
 from ...plan.values import (
-    Active,
-    Characters,
-    DigitRuns,
-    Named,
-    Raw,
-    TwosComplement,
-    ZeroMeans,
     is_number,
     meaning_of,
 )
-from ...reference import codec
 from ...say.report import alarm_of, meaning
 from .codec import Coder
 from .context import Context
@@ -102,7 +90,7 @@ class Readme:
     @cached_property
     def frames(self) -> list[Shown]:
         """One frame for each interface, with invented values and with bits computed by the model."""
-        made = ((kind, self._frame(kind.coder, self._example_variant(kind.interface))) for kind in self._kinds)
+        made = ((kind, self._frame(kind.coder)) for kind in self._kinds)
         found = [
             replace(item, kind=kind.coder.name if kind.dispatch else "") if item is not None else None
             for kind, item in made
@@ -110,24 +98,19 @@ class Readme:
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted((item for item in found if item is not None), key=lambda item: not item.spoilt)
 
-    def _frame(self, coder: Coder, variant: Variant | None) -> Shown | None:
-        if variant is None:
-            return None
+    def _frame(self, coder: Coder) -> Shown | None:
         layout = coder.layout
-        placed = layout.place(variant.parameters)
-        powers = powers_of_two(coder.plan)
-        values = {
-            item.name: 1 << item.width // 2 if item.name in powers else _made_up(item.field, item.width, layout)
-            for item in placed.fields
-            if item.field.carries_data
-        }
-        number = codec.encode(self.device, placed, values)
-        plain = codec.from_gray(placed, number)
+        sample = self.device.sample_of(layout)
+        variant = next((item for item in self.device.variants if sample and item.code == sample.order_code), None)
+        if sample is None or variant is None:
+            return None
+        placed, number = layout.place(variant.parameters), sample.frame
+        joins = {join.name for join in layout.joins}
         shown = {
-            item.name: values[item.name]
-            for item in placed.fields
-            if item.field.carries_data and is_number(meaning_of(item.field)) and not coder.selects(item.field)
-        } | {join.name: codec.join_value(placed, join, plain) for join in layout.joins}
+            name: value
+            for name, value in sample.values.items()
+            if name in joins or (is_number(meaning_of(field := layout.field(name))) and not coder.selects(field))
+        }
         made = Shown(
             variant.code,
             _text(placed, number),
@@ -142,11 +125,10 @@ class Readme:
             ),
             module=self.device.name if coder.asked else "",
         )
-        if not (made.judged and coder.reports is not None and layout.spoiling_flags):
+        if not made.judged or coder.reports is None or sample.spoilt is None:
             return made
         flag = layout.spoiling_flags[0]
-        spoilt = codec.encode(self.device, placed, {**values, flag.name: True})
-        made = replace(made, spoilt=_text(placed, spoilt), reported=coder.reports.name_of(flag))
+        made = replace(made, spoilt=_text(placed, sample.spoilt), reported=coder.reports.name_of(flag))
         end = layout.crc_field
         if end is None or layout.in_bytes or coder.measured not in shown:
             return made
@@ -265,34 +247,6 @@ def _register(example: RegisterExample, coder: Coder) -> Shown:
         values.append(repr(value.upper() if named and isinstance(value, str) else value))
     code = f"{coder.name}.decode({_bytes(example.bytes)}{variant})"
     return Shown(code, "", _tuple(shown), _tuple(values), looked_up=coder.takes_variant)
-
-
-def _made_up(item: Field, width: int, layout: Layout) -> int | str | bool:
-    """Return an invented value for a field."""
-    if item.name == layout.selector:
-        return layout.selects[0]
-    match meaning_of(item):
-        case Raw():
-            return _invented(width)
-        case TwosComplement():
-            return _invented(width - 1)
-        case ZeroMeans():
-            return max(_invented(width), 1)
-        case Active():
-            return False
-        case Named(values):
-            return values[0].value
-        case DigitRuns():
-            return 1
-        case Characters():
-            return "A" * (width // 8)
-        case meaning:
-            assert_never(meaning)
-
-
-def _invented(bits: int) -> int:
-    """Return a number of this width."""
-    return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
 
 
 def _tuple(items: Sequence[str]) -> str:
