@@ -22,8 +22,9 @@ from figures.functions import LONGEST, Function, functions
 from figures.imports import cycles, graph, packages
 from figures.kinds import comparisons
 from figures.reading import Search, searches
-from figures.statements import ORIGINS, by_output, printed
-from figures.tree import COLUMNS, Checkout, unpack
+from figures.sizes import is_real, lines_without_docstrings, statements_of
+from figures.statements import ORIGINS, Printed, by_output, printed
+from figures.tree import COLUMNS, Checkout, Source, unpack
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -44,7 +45,9 @@ def measure(checkout: Checkout) -> Iterator[Figure]:
     yield _cycles("cycles of packages", cycles(packages(arrows)))
     flat = checkout.flat_modules()
     yield Figure("modules in no package", _count(flat), flat)
-    yield from _shares(checkout)
+    files = printed(checkout)
+    yield from _to_own(checkout, files)
+    yield from _shares(checkout, files)
     yield from _lines("lines of targets", checkout.lines_of_targets())
     yield from _lines("lines of templates", checkout.lines_of_templates())
     yield from _searches(checkout)
@@ -69,17 +72,44 @@ def _cycle(names: Sequence[str]) -> str:
     return ", ".join(names) if len(names) <= 3 else f"{names[0]}, {names[1]} and {len(names) - 2} more"
 
 
-def _shares(checkout: Checkout) -> Iterator[Figure]:
-    """Yield the origin of the statements, for each kind of output and for all outputs of families."""
-    counts = by_output(checkout, printed(checkout))
-    for title, count in counts.items():
-        yield Figure(f"statements wholly from Python strings: {title}", _share(count))
-    yield Figure("statements wholly from Python strings: all", _share(sum(counts.values(), Counter())))
+def _shares(checkout: Checkout, files: Mapping[str, Printed]) -> Iterator[Figure]:
+    """Yield the origin of the statements and of their letters, for each kind of output and for all of them."""
+    found = by_output(checkout, files)
+    found["all"] = [item for items in found.values() for item in items]
+    for title, items in found.items():
+        yield Figure(f"statements wholly from Python strings: {title}", _share(Counter(item.origin for item in items)))
+    for title, items in found.items():
+        letters = sum(item.letters for item in items)
+        from_python = sum(item.from_python for item in items) / (letters or 1)
+        yield Figure(f"letters of statements from Python strings: {title}", f"{from_python:.1%} of {letters:,}")
 
 
 def _share(count: Counter[str]) -> str:
     template, mixed, python = (count[item] / (count.total() or 1) for item in ORIGINS)
     return f"{python:.1%} of {count.total():,} (mixed {mixed:.1%}, template {template:.1%})"
+
+
+def _to_own(checkout: Checkout, files: Mapping[str, Printed]) -> Iterator[Figure]:
+    """Yield the size of what must be kept in mind. The runtime is ordinary source and counts apart."""
+    statements = sum(map(statements_of, checkout.modules))
+    real = sum(item.lines for item in checkout.templates if is_real(item))
+    yield Figure("statements of the generator, and lines of real templates", f"{statements + real:,}")
+    yield Figure("statements of the generator", f"{statements:,}")
+    yield Figure("lines of real templates", f"{real:,}")
+    bare = [item.path for item in checkout.templates if not is_real(item)]
+    yield Figure("templates without a template", _count(bare), bare)
+    runtime = [item for suffix in (".c", ".h", ".js", ".py") for item in checkout.files("runtime", suffix)]
+    yield Figure("lines of the runtime", f"{sum(item.lines for item in runtime):,}")
+    compared = (item.lines for item in checkout.modules if Path(item.path).parts[1] in ("changes", "readings"))
+    yield Figure("lines of changes and readings", f"{sum(compared):,}")
+    families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
+    made = {name: Source(name, file.text) for name, file in files.items() if Path(name).stem in families}
+    tables = ("_shapes", "facts")
+    modules = [item for item in made.values() if item.path.endswith(".py")]
+    bodies = (lines_without_docstrings(item) for item in modules if Path(item.path).parent.name not in tables)
+    yield Figure("lines of Python family modules without docstrings", f"{sum(bodies):,}")
+    headers = (item.lines for name, item in made.items() if name.endswith(".h"))
+    yield Figure("lines of C family headers", f"{sum(headers):,}")
 
 
 def _lines(title: str, counts: Counter[str]) -> Iterator[Figure]:

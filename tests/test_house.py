@@ -13,8 +13,9 @@ from figures.functions import functions
 from figures.imports import cycles, graph, packages
 from figures.kinds import comparisons
 from figures.reading import searches
+from figures.sizes import is_real, lines_without_docstrings, statements_of
 from figures.statements import Printed, by_output, printed, statements
-from figures.tree import Checkout, unpack
+from figures.tree import Checkout, Source, unpack
 from house import Figure, lists, table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -401,8 +402,30 @@ def test_the_origin_of_letters_survives_templates(made: Made) -> None:
         "template",
     ]
     counts = by_output(checkout, files)
-    assert counts["C, families"] == Counter({"Python": 5, "mixed": 5, "template": 3})
-    assert counts["C, shared by all"] == Counter({"template": 1})
+    assert Counter(item.origin for item in counts["C, families"]) == {"Python": 5, "mixed": 5, "template": 3}
+    assert [(item.origin, item.letters, item.from_python) for item in counts["C, shared by all"]] == [
+        ("template", len("return1"), 0)
+    ]
+
+
+def test_copied_runtime_is_not_counted_by_origin(made: Made) -> None:
+    text = "int f(void) { return 1; }\n"
+    checkout = made({"runtime/c/bits.h": text, "specs/device.yaml": ""})
+    files = {"c/bits.h": Printed(text, "p" * len(text)), "c/device.h": Printed(text + text, "p" * 2 * len(text))}
+    counts = by_output(checkout, files)
+    assert (len(counts["C, families"]), len(counts["C, shared by all"])) == (2, 0)
+
+
+def test_sizes_are_counted_by_what_a_reader_has_to_know() -> None:
+    """Count each statement, no docstring, and every other line. A template has tags in 3 % of its lines."""
+    source = Source(
+        "a.py", '"""About\n\nit."""\n\nx = 1; y = 2\n\n\ndef f():\n    """Do."""\n    if x:\n        return\n'
+    )
+    assert statements_of(source) == 5
+    assert lines_without_docstrings(source) == 7
+    plain = "int x;\n" * 32
+    found = [is_real(Source("a.jinja", plain + added)) for added in ("", "{# no tag #}\n", "{{ a }}\n")]
+    assert found == [False, False, True]
 
 
 @pytest.mark.slow

@@ -21,7 +21,6 @@ import subprocess
 import sys
 import tempfile
 import tokenize
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import StringIO
@@ -46,10 +45,12 @@ class Printed:
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement: its first line, and its origin."""
+    """A statement: its first line, its origin, and how many of its ``letters`` come from Python strings."""
 
     line: int
     origin: str
+    letters: int
+    from_python: int
 
 
 def printed(checkout: Checkout) -> dict[str, Printed]:
@@ -87,17 +88,19 @@ def _lay_out(checkout: Checkout, package: Path) -> None:
         (package / name).symlink_to(checkout.root / name)
 
 
-def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Counter[str]]:
-    """Count the origins of the statements for each kind of file."""
+def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, list[Statement]]:
+    """Return the statements of each kind of file. The runtime is copied, so it is not counted."""
     families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
-    counts = {
-        f"{language}, {sort}": Counter[str]() for language in ("C", "Python") for sort in ("families", "shared by all")
+    copied = {item.text for suffix in (".h", ".py") for item in checkout.files("runtime", suffix)}
+    found: dict[str, list[Statement]] = {
+        f"{language}, {sort}": [] for language in ("C", "Python") for sort in ("families", "shared by all")
     }
     for path, file in files.items():
         language = "C" if path.endswith(".h") else "Python"
         sort = "families" if Path(path).stem in families else "shared by all"
-        counts[f"{language}, {sort}"].update(item.origin for item in statements(path, file))
-    return counts
+        if file.text not in copied:
+            found[f"{language}, {sort}"] += statements(path, file)
+    return found
 
 
 def statements(path: str, file: Printed) -> list[Statement]:
@@ -108,7 +111,8 @@ def statements(path: str, file: Printed) -> list[Statement]:
         counted = [index for index in range(start, end) if masked[index] not in _SILENT]
         if counted:
             line = file.text.count("\n", 0, counted[0]) + 1
-            found.append(Statement(line, _who({file.origin[index] for index in counted})))
+            origins = [file.origin[index] for index in counted]
+            found.append(Statement(line, _who(set(origins)), len(origins), origins.count(PYTHON)))
     return found
 
 
