@@ -4,13 +4,30 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Callable
 from typing import TypeGuard
+
+import jinja2
+from jinja2 import meta
 
 from .tree import Source
 
 #: Share of the lines of a real template that have an expression or a statement.
 _LEAST = 0.03
 _TAG = re.compile(r"\{\{|\{%")
+#: Variables that are the same in every file of a manufacturer.
+_SAME = {"PREFIX", "generation", "header", "maker", "prefix"}
+
+
+class _Any(dict[str, Callable[..., object]]):
+    """Filters or tests of every name."""
+
+    def get(self, *_: object) -> Callable[..., object]:
+        return str
+
+
+_JINJA = jinja2.Environment()
+_JINJA.filters, _JINJA.tests = _Any(), _Any()
 
 
 def statements_of(source: Source) -> int:
@@ -29,5 +46,7 @@ def _is_text(node: ast.AST) -> TypeGuard[ast.Expr]:
 
 
 def is_real(template: Source) -> bool:
-    """Return whether enough lines of a template have an expression or a statement."""
-    return sum(map(bool, map(_TAG.search, template.text.splitlines()))) >= _LEAST * template.lines
+    """Return whether enough lines of a template have tags, and some of them differ within a manufacturer's files."""
+    used = meta.find_undeclared_variables(_JINJA.parse(template.text))
+    differs = not used <= _SAME or "{% macro" in template.text
+    return differs and sum(map(bool, map(_TAG.search, template.text.splitlines()))) >= _LEAST * template.lines
