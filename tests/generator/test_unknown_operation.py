@@ -33,6 +33,8 @@ OUTPUTS = {
     "c": ("codewheel.targets.c", "codewheel.targets.c.files"),
     "rust": ("codewheel_rust", "codewheel_rust"),
     "biss": ("codewheel.targets.biss", "codewheel.targets.biss.files"),
+    "python": ("codewheel.targets.python", "codewheel.targets.python.files"),
+    "browser": ("codewheel.targets.browser", "codewheel.targets.browser.files"),
 }
 Place = tuple[str, str]
 #: Functions that ask for one operation, by module and name: for texts, named values or signed numbers. They take all
@@ -49,6 +51,8 @@ ASKING = {
     },
     "rust": {("family", "too_wide")},
     "biss": set[Place](),
+    "python": set[Place](),
+    "browser": set[Place](),
 }
 
 TRUE = values.meaning_of
