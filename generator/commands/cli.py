@@ -81,7 +81,18 @@ def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_generate, _add_check, _add_list, _add_show, _add_decode, _add_master, _add_diff, _add_new):
+    for add in (
+        _add_generate,
+        _add_check,
+        _add_list,
+        _add_show,
+        _add_decode,
+        _add_master,
+        _add_diff,
+        _add_reread,
+        _add_facts,
+        _add_new,
+    ):
         add(commands)
     add_examples(commands)
     return parser
@@ -264,6 +275,33 @@ def _add_diff(commands: _Commands) -> None:
     add_explain(commands)
 
 
+def _add_reread(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "reread",
+        help="find what changed in a new edition of a manual",
+        description="Compare the texts of two editions of a manual, and list the facts that cite what changed.",
+        epilog="Exit codes: 0 no difference. 1 differences. 2 wrong usage, or a file that is not the text of a manual.",
+    )
+    parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
+    parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")
+    parser.add_argument("--family", metavar="FAMILY", help="whose manual it is (default: the family on its first page)")
+    _add_spec_option(parser)
+    parser.set_defaults(run=_reread)
+
+
+def _add_facts(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "facts",
+        help="list the facts from a page or section of a manual",
+        description="List the facts of a family that cite a page or a section of its manual.",
+    )
+    parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
+    parser.add_argument("--page", type=int, metavar="NUMBER", help="facts that cite this page")
+    parser.add_argument("--section", metavar="NUMBER", help="facts that cite this section, such as 6.4")
+    _add_spec_option(parser)
+    parser.set_defaults(run=_facts)
+
+
 def _add_new(commands: _Commands) -> None:
     parser = commands.add_parser(
         "new",
@@ -404,6 +442,20 @@ def _show(chosen: argparse.Namespace) -> int:
 
     print(device_text(device) if match is None else variant_text(device, match))
     return 0
+
+
+def _reread(chosen: argparse.Namespace) -> int:
+    from .reread import run
+
+    chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
+    return run(chosen)
+
+
+def _facts(chosen: argparse.Namespace) -> int:
+    from .reread import run_facts
+
+    chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
+    return run_facts(chosen)
 
 
 def _diff(chosen: argparse.Namespace) -> int:

@@ -1,0 +1,189 @@
+"""``codewheel reread`` and ``codewheel facts``: from a new edition of a manual, or a place in it, to the facts."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..loading.library import load_families
+from ..reread.citing import Citing, citing, ranked
+from ..reread.passages import Passage, changed, numbers_changed, same_language
+from ..reread.sections import WORD, Manual, NoText, read
+from ..say.words import counted
+from . import look_up
+from .terminal import Stop
+
+if TYPE_CHECKING:
+    from ..loading.library import Family
+
+JSON_VERSION = 1
+#: Facts listed for a passage, and the longest text shown of it.
+_MOST_FACTS, _LONGEST = 8, 400
+_CANNOT = (
+    "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
+    "found. Read these in the new edition."
+)
+
+
+@dataclass(frozen=True)
+class _Touched:
+    """A passage with the facts that have a value or name in it, and the number of all facts that cite its section."""
+
+    passage: Passage
+    facts: Sequence[Citing]
+    here: int
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Compare two texts. The exit code is 1 if they differ.
+
+    Raises:
+        Stop: A text cannot be read, or the family is not known.
+    """
+    try:
+        old, new = read(chosen.old), read(chosen.new)
+    except NoText as reason:
+        raise Stop(str(reason), 2) from None
+    family = _family(chosen.specs, chosen.family, old)
+    facts = citing(family.document)
+    by_words = same_language(old, new)
+    passages = changed(old, new) if by_words else numbers_changed(old, new)
+    touched = [_touched(passage, facts, old) for passage in passages]
+    if chosen.json:
+        print(json.dumps(_as_data(family, touched, by_words), indent=2, ensure_ascii=False))
+    else:
+        print("\n".join(_as_text(family, touched, facts, by_words)))
+    return 1 if touched else 0
+
+
+def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
+    families, report = load_families(specs)
+    if report:
+        raise look_up.problems(report)
+    plain = {item.device.name: item for item in families if not item.device.base}
+    if name is not None:
+        if name.lower() not in plain:
+            raise Stop(f"'{name}' is not a family; known: {', '.join(plain)}", 2)
+        return plain[name.lower()]
+    cover = {word.casefold() for section in old.sections[:1] for word in section.words}
+    found = [item for item in plain.values() if cover >= set(WORD.findall(item.device.manual.title.casefold()))]
+    if len(found) != 1:
+        wrong = "its first page names none of the families" if not found else "its first page names several families"
+        raise Stop(f"cannot tell whose manual this is: {wrong}; add --family NAME, one of {', '.join(plain)}", 2)
+    return found[0]
+
+
+def _touched(passage: Passage, facts: Sequence[Citing], old: Manual) -> _Touched:
+    sections = {passage.section.number} | _without_heading(passage.section.number, old)
+    here = [fact for fact in facts if fact.sections & sections]
+    return _Touched(passage, ranked(here, passage), len(here))
+
+
+def _without_heading(number: str, manual: Manual) -> set[str]:
+    """Return the sections whose heading is missing, and whose text therefore counts as part of this one."""
+    order = [section.number for section in manual.sections if section.number[0].isdigit()]
+    if number not in order:
+        return set()
+    following = order[order.index(number) + 1 : order.index(number) + 2]
+    end = _key(following[0]) if following else (999,)
+    return {item for item in manual.missing if _key(number) < _key(item) < end}
+
+
+def _key(number: str) -> tuple[int, ...]:
+    return tuple(map(int, number.split(".")))
+
+
+def _as_text(family: Family, touched: Sequence[_Touched], facts: Sequence[Citing], by_words: bool) -> Iterator[str]:
+    how = "" if by_words else "; the texts have few words in common, so only numbers are compared"
+    yield f"facts of {family.document.file}{how}"
+    if not touched:
+        yield "no difference"
+        return
+    section = ""
+    for item in touched:
+        if item.passage.section.shown != section:
+            section = item.passage.section.shown
+            yield f"\n{section}"
+        yield from _passage(item)
+    sections = {item.passage.section.number for item in touched}
+    citing_them = sum(1 for fact in facts if fact.sections & sections)
+    yield ""
+    places = f"{counted(len(touched), 'passage')} in {counted(len(sections), 'section')}"
+    yield f"{places}, cited by {citing_them:,} of {len(facts):,} facts"
+    yield _CANNOT
+
+
+def _passage(item: _Touched) -> Iterator[str]:
+    yield ""
+    for name, text in zip(("old", "new"), item.passage.shown, strict=True):
+        if text:
+            yield f"  {name}: {text if len(text) <= _LONGEST else text[: _LONGEST - 3] + '...'}"
+    if not item.here:
+        yield "  nothing in the spec comes from here"
+        return
+    shown = item.facts[:_MOST_FACTS]
+    yield from (f"  {fact.shown}" for fact in shown)
+    if item.here > len(shown):
+        yield f"  {_others(item.here - len(shown), bool(shown))}"
+
+
+def _others(number: int, more: bool) -> str:
+    return f"and {counted(number, 'other fact' if more else 'fact')} from this section"
+
+
+def _as_data(family: Family, touched: Sequence[_Touched], by_words: bool) -> Mapping[str, Any]:
+    return {
+        "version": JSON_VERSION,
+        "spec": family.document.file,
+        "compared": "words" if by_words else "numbers",
+        "passages": [
+            {
+                "section": item.passage.section.number,
+                "title": item.passage.section.title,
+                "old": " ".join(item.passage.old),
+                "new": " ".join(item.passage.new),
+                "facts": _listed(item.facts),
+                "facts_of_section": item.here,
+            }
+            for item in touched
+        ],
+    }
+
+
+def _listed(facts: Iterable[Citing]) -> list[Mapping[str, Any]]:
+    return [{"file": fact.file, "line": fact.line, "path": fact.path, "value": fact.value} for fact in facts]
+
+
+def run_facts(chosen: argparse.Namespace) -> int:
+    """List the facts that cite a page or a section. The exit code is 1 if there are none.
+
+    Raises:
+        Stop: There is no such family, or neither page nor section was given.
+    """
+    if chosen.page is None and chosen.section is None:
+        raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
+    families, report = load_families(chosen.specs)
+    if report:
+        raise look_up.problems(report)
+    found = next((item for item in families if item.device.name == chosen.family.lower()), None)
+    if found is None:
+        raise Stop(f"'{chosen.family}' is not a family; known: {', '.join(item.device.name for item in families)}", 2)
+    facts = [
+        fact
+        for fact in citing(found.document)
+        if (chosen.page is None or chosen.page in fact.pages)
+        and (chosen.section is None or chosen.section in fact.sections)
+    ]
+    if chosen.json:
+        print(json.dumps({"version": JSON_VERSION, "facts": _listed(facts)}, indent=2, ensure_ascii=False))
+    else:
+        place = " ".join(
+            [f"section {chosen.section}"] * (chosen.section is not None)
+            + [f"page {chosen.page}"] * (chosen.page is not None)
+        )
+        print("\n".join([*(fact.shown for fact in facts), f"{counted(len(facts), 'fact')} from {place}"]))
+    return 0 if facts else 1

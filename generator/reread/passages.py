@@ -1,0 +1,109 @@
+"""Find the passages that differ between two editions, section by section."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+
+from .sections import Manual, Section, aligned
+
+#: Differences with no more equal words between them are one passage.
+_TOGETHER = 6
+#: Words before and after a difference that belong to its passage. The name of a register is often far above.
+_BEFORE, _AFTER = 60, 20
+#: Words shown before and after a difference.
+_SHOWN = 5
+#: Least share of common words for texts in the same language.
+_SAME_LANGUAGE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """A difference: its ``section`` in the old edition, or in the new one if it is new.
+
+    ``old`` and ``new`` have the words that differ, ``around`` those near them in both editions, and ``shown`` the two
+    texts for display.
+    """
+
+    section: Section
+    old: tuple[str, ...]
+    new: tuple[str, ...]
+    around: tuple[str, ...]
+    shown: tuple[str, str]
+
+
+def same_language(old: Manual, new: Manual) -> bool:
+    """Return whether two texts have enough words in common to be compared word by word."""
+    first, second = (Counter(word for word in item.words.elements() if word.isalpha()) for item in (old, new))
+    return (first & second).total() >= _SAME_LANGUAGE * min(first.total(), second.total())
+
+
+def changed(old: Manual, new: Manual) -> Iterator[Passage]:
+    """Yield the passages that differ. Sections that were only renumbered or moved do not differ."""
+    for before, after in aligned(old, new):
+        if before is None or after is None:
+            section = before or after
+            assert section is not None
+            words = section.words
+            gone = before is not None
+            shown = f"section {section.shown}, {len(words)} words"
+            yield Passage(
+                section,
+                words if gone else (),
+                () if gone else words,
+                words,
+                (shown if gone else "", "" if gone else shown),
+            )
+        elif before.words != after.words:
+            yield from _in_section(before, after.words)
+
+
+def _in_section(section: Section, new: Sequence[str]) -> Iterator[Passage]:
+    old = section.words
+    for low, high, new_low, new_high in _groups(old, new):
+        if "".join(old[low:high]) == "".join(new[new_low:new_high]):
+            continue  # the same letters, divided otherwise at the end of a line
+        near = (*old[max(low - _BEFORE, 0) : high + _AFTER], *new[max(new_low - _BEFORE, 0) : new_high + _AFTER])
+        shown = (_text(old, low, high), _text(new, new_low, new_high))
+        yield Passage(section, tuple(old[low:high]), tuple(new[new_low:new_high]), near, shown)
+
+
+def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int, int, int]]:
+    """Yield the ranges of words that differ, with near ones joined."""
+    waiting: tuple[int, int, int, int] | None = None
+    for tag, low, high, new_low, new_high in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        if tag == "equal":
+            continue
+        if waiting is not None and low - waiting[1] <= _TOGETHER:
+            waiting = (waiting[0], high, waiting[2], new_high)
+        else:
+            if waiting is not None:
+                yield waiting
+            waiting = (low, high, new_low, new_high)
+    if waiting is not None:
+        yield waiting
+
+
+def _text(words: Sequence[str], low: int, high: int) -> str:
+    before, after = words[max(low - _SHOWN, 0) : low], words[high : high + _SHOWN]
+    return " ".join([*before, "[", *words[low:high], "]", *after]).replace("[ ]", "[]")
+
+
+def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
+    """Yield a passage for each section in which other numbers occur, for editions in two languages."""
+    for before, after in aligned(old, new):
+        if before is None or after is None:
+            continue
+        # The decimal sign depends on the language.
+        first, second = (
+            Counter(word.replace(",", ".") for word in item.words if _is_number(word)) for item in (before, after)
+        )
+        gone, added = (tuple((a - b).elements()) for a, b in ((first, second), (second, first)))
+        if gone or added:
+            yield Passage(before, gone, added, (*gone, *added), (", ".join(gone), ", ".join(added)))
+
+
+def _is_number(word: str) -> bool:
+    return any(letter.isdigit() for letter in word)

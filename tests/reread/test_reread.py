@@ -1,0 +1,141 @@
+"""A new edition of a manual leads to the facts that it touches, and another layout of the same text to none."""
+
+from __future__ import annotations
+
+import json
+import re
+import textwrap
+from pathlib import Path
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.reread import sections
+
+ROOT = Path(__file__).parents[2]
+SPECS = ROOT / "docs/example/tolvarn"
+MANUAL = (ROOT / "docs/example/manual.md").read_text(encoding="utf-8")
+
+
+def passages(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], new: str, old: str = MANUAL
+) -> list[dict[str, object]]:
+    (tmp_path / "old.txt").write_text(old, encoding="utf-8")
+    (tmp_path / "new.txt").write_text(new, encoding="utf-8")
+    files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
+    code = main(["reread", *files, "--specs", str(SPECS), "--json"])
+    found = json.loads(capsys.readouterr().out)["passages"]
+    assert code == bool(found)
+    assert isinstance(found, list)
+    return found
+
+
+EDITS = {
+    "clock": ("80 kHz to 10 MHz", "100 kHz to 10 MHz", "3", "interfaces.biss.clock.min_hz"),
+    "timeout": ("40 µs at most", "30 µs at most", "3", "interfaces.biss.timeout.at_most_ns"),
+    "wait": ("least 50 ms", "least 80 ms", "4.5", "procedures.set_preset.steps[2].at_least_ms"),
+    "polynomial": ("| 190D9h |", "| 11021h |", "3.3", "crcs.position_16.poly"),
+    "start value": ("is 5A3Ch", "is FFFFh", "3.3", "crcs.position_16.init"),
+    "width": ("| LC | 6 |", "| LC | 8 |", "3.1", "interfaces.biss.layouts.position_data.fields.life_counter.bits"),
+    "address": ("| 48h | wo |", "| 49h | wo |", "4.4", "registers.command.address"),
+    "access": ("| 44h to 47h | ro |", "| 44h to 47h | rw |", "4.4", "registers.serial_number.access"),
+    "default": ("95.0 °C | Upper", "90.0 °C | Upper", "4.3", "registers.upper_limit.default"),
+    "meaning": ("2 = long", "2 = slow", "4.2", "registers.control.fields.filter.values.long.value"),
+    "pin": ("| 3 | Clock + / MA + |", "| 3 | Clock / MA + |", "5", "connectors.m12_8.contacts.3.signal"),
+    "shaft": ("shaft of 12 mm", "shaft of 14 mm", "1", "characteristics.shaft.value"),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "section", "fact"), EDITS.values(), ids=EDITS)
+def test_a_fact_that_changes_is_among_the_first_five(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, section: str, fact: str
+) -> None:
+    assert MANUAL.count(old) == 1
+    (found,) = passages(tmp_path, capsys, MANUAL.replace(old, new))
+    assert found["section"] == section
+    assert isinstance(found["facts"], list)
+    assert fact in [item["path"] for item in found["facts"][:5]]
+
+
+def test_another_layout_of_the_same_text_is_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Other line ends, hyphens, ligatures, page numbers and running heads, and no marks of headings."""
+    lines: list[str] = []
+    for paragraph in re.sub(r"^#+ |\*\*", "", MANUAL, flags=re.MULTILINE).replace("fi", "ﬁ").splitlines():
+        is_prose = len(paragraph) > 75 and not paragraph.startswith(("|", ">", " "))
+        lines += textwrap.wrap(paragraph, 58) if is_prose else [paragraph]
+    pages = [lines[at : at + 25] for at in range(0, len(lines), 25)]
+    text = "\n".join(
+        "\n".join(["TV62 interface manual", *page, f"Tolvarn Instruments  page {number} of 9", f"{number}"])
+        for number, page in enumerate(pages, 1)
+    )
+    text = text.replace("counterclockwise", "counter-\nclockwise")
+    assert "ﬁrst" in text
+    assert passages(tmp_path, capsys, text) == []
+
+
+def test_a_section_that_moved_is_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    new = MANUAL.replace("4.6 Setting the limits", "4.7 Setting the limits")
+    assert passages(tmp_path, capsys, new) == []
+
+
+def test_a_change_that_no_fact_cites_is_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    added = "## 6 Storage\n\nStore the encoder between −20 °C and 60 °C, dry and without vibration.\n"
+    contents = "| 5 Connector | 3 |\n| 6 Storage | 4 |\n"
+    new = MANUAL.replace("| 5 Connector | 3 |\n", contents) + added
+    (found,) = passages(tmp_path, capsys, new)
+    assert (found["section"], found["facts_of_section"]) == ("6", 0)
+    files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
+    main(["reread", *files, "--specs", str(SPECS)])
+    assert "nothing in the spec comes from here" in capsys.readouterr().out
+
+
+def test_two_languages_are_compared_by_their_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Words are spelled backwards here. The decimal sign also depends on the language."""
+    foreign = re.sub(
+        r"(?<!\w)[A-Za-z]{4,}(?!\w)", lambda word: word[0][::-1], MANUAL.replace("95.0 °C | Upper", "91.0 °C | Upper")
+    )
+    foreign = re.sub(r"(?<=\d)\.(?=\d °C)", ",", foreign)
+    (found,) = passages(tmp_path, capsys, foreign)
+    assert (found["section"], found["old"], found["new"]) == ("4.3", "95.0", "91.0")
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (None, "cannot read {path}: No such file or directory"),
+        (b"\xff\xfe\x00", "{path} is not text in UTF-8; convert it, or give the PDF"),
+        (b" \n\n", "{path} has no text; a scanned manual must be recognised (OCR) first"),
+        (b"%PDF-1.4\nno more", "{path} is a PDF, which needs the package pypdf: pip install 'codewheel[pdf]'"),
+    ],
+)
+def test_a_file_that_is_no_manual_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, data: bytes | None, said: str
+) -> None:
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    monkeypatch.setattr(sections, "import_module", missing)
+    path = tmp_path / "new"
+    if data is not None:
+        path.write_bytes(data)
+    (tmp_path / "old").write_text(MANUAL, encoding="utf-8")
+    assert main(["reread", str(tmp_path / "old"), str(path), "--specs", str(SPECS)]) == 2
+    assert capsys.readouterr().err == f"codewheel: {said.format(path=path)}\n"
+
+
+def test_a_manual_of_no_family_asks_for_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "manual.txt"
+    path.write_text("Another encoder\n\n1 - Clock\n\n100 kHz\n", encoding="utf-8")
+    assert main(["reread", str(path), str(path), "--specs", str(SPECS)]) == 2
+    told = "cannot tell whose manual this is: its first page names none of the families; add --family NAME, one of tv62"
+    assert capsys.readouterr().err == f"codewheel: {told}\n"
+    assert main(["reread", str(path), str(path), "--family", "TV62", "--specs", str(SPECS)]) == 0
+    assert main(["reread", str(path), str(path), "--family", "tv63", "--specs", str(SPECS)]) == 2
+
+
+def test_facts_of_a_place(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["facts", "tv62", "--section", "4.1", "--specs", str(SPECS)]) == 0
+    printed = capsys.readouterr().out
+    assert ": registers.bank.address: 64\n" in printed
+    assert main(["facts", "tv62", "--page", "1", "--section", "5", "--specs", str(SPECS)]) == 1
+    assert capsys.readouterr().out == "0 facts from section 5 page 1\n"
+    assert main(["facts", "tv62", "--specs", str(SPECS)]) == 2
