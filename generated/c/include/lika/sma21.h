@@ -455,10 +455,10 @@ typedef enum lika_sma21_report {
     LIKA_SMA21_REPORT_STATUS_ALARM = 0x0008, /**< ea0 [7.3.2 p.38, a4: p.298]. */
     LIKA_SMA21_REPORT_STATUS_ERROR = 0x0010, /**< ea1 [7.3.2 p.38, a4: p.298]. */
     LIKA_SMA21_REPORT_STATUS_ZERO = 0x0020, /**< Status zero, unused [7.3.2 p.38, a4: p.298]. */
-    LIKA_SMA21_REPORT_OVERSPEED = 0x0040, /**< Overspeed [7.3.3.1 p.40, 7.3.2 p.38]. */
-    /** Initialization error [7.3.3.1 p.40, 7.3.3.2 p.41]. */
+    LIKA_SMA21_REPORT_OVERSPEED = 0x0040, /**< Overspeed [7.3.3.1 p.41, 7.3.2 p.38]. */
+    /** Initialization error [7.3.3.1 p.41, 7.3.3.2 p.41]. */
     LIKA_SMA21_REPORT_INITIALIZATION_ERROR = 0x0080,
-    LIKA_SMA21_REPORT_HARDWARE_ERROR = 0x0100, /**< Hardware error [7.3.3.1 p.40, 7.3.2 p.38]. */
+    LIKA_SMA21_REPORT_HARDWARE_ERROR = 0x0100, /**< Hardware error [7.3.3.1 p.41, 7.3.2 p.38]. */
     /** Encoder inharmonious error [7.3.3 p.39, 7.3.3.1 p.40]. */
     LIKA_SMA21_REPORT_ENCODER_INHARMONIOUS_ERROR = 0x0200,
     /** Higher track error [7.3.3 p.39, 7.3.3.1 p.40]. */
@@ -534,7 +534,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "Overspeed",
             "speed too high",
             "Reset the errors with data ID B",
-            "7.3.3.1 p.40, 7.3.2 p.38"
+            "7.3.3.1 p.41, 7.3.2 p.38"
         },
         {
             "initialization_error",
@@ -542,14 +542,14 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
             "error during the initialization, or absolute position not found",
             "Reset the errors with data ID B after the initialization is complete and normal "
             "operation has started again",
-            "7.3.3.1 p.40, 7.3.3.2 p.41"
+            "7.3.3.1 p.41, 7.3.3.2 p.41"
         },
         {
             "hardware_error",
             "Hardware error",
             "error in the EEPROM",
             "Reset the errors with data ID B",
-            "7.3.3.1 p.40, 7.3.2 p.38"
+            "7.3.3.1 p.41, 7.3.2 p.38"
         },
         {
             "encoder_inharmonious_error",
@@ -3901,7 +3901,7 @@ static inline lika_result lika_sma21_reset_position(
 #define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U
 
 /**
- * Hardware error: There is an error in the EEPROM [7.3.3.1 p.40, 7.3.2 p.38].
+ * Hardware error: There is an error in the EEPROM [7.3.3.1 p.41, 7.3.2 p.38].
  * Flag: hardware_error in ALMC.
  * Detected: At power-on.
  * Stays active until it is reset.
@@ -3912,7 +3912,7 @@ static inline lika_result lika_sma21_reset_position(
 
 /**
  * Initialization error: One of the alarms that the manual lists before this one occurred during the
- * initialization, or the absolute position cannot be found [7.3.3.1 p.40, 7.3.3.2 p.41].
+ * initialization, or the absolute position cannot be found [7.3.3.1 p.41, 7.3.3.2 p.41].
  * Flag: initialization_error in ALMC.
  * Detected: During the initialization right after power-on or after a reset ID.
  * Stays active until it is reset.
@@ -3923,7 +3923,7 @@ static inline lika_result lika_sma21_reset_position(
 #define LIKA_SMA21_ALARM_INITIALIZATION_ERROR_MASK 0x02U
 
 /**
- * Overspeed: The speed is too high [7.3.3.1 p.40, 7.3.2 p.38].
+ * Overspeed: The speed is too high [7.3.3.1 p.41, 7.3.2 p.38].
  * Flag: overspeed in ALMC.
  * Detected: In operation.
  * Stays active until it is reset.

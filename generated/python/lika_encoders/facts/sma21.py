@@ -456,7 +456,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="speed too high",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40, 7.3.2 p.38",
+            source="7.3.3.1 p.41, 7.3.2 p.38",
         ),
         Report(
             name="initialization_error",
@@ -467,7 +467,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "started again"
             ),
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40, 7.3.3.2 p.41",
+            source="7.3.3.1 p.41, 7.3.3.2 p.41",
         ),
         Report(
             name="hardware_error",
@@ -475,7 +475,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="error in the EEPROM",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40, 7.3.2 p.38",
+            source="7.3.3.1 p.41, 7.3.2 p.38",
         ),
         Report(
             name="encoder_inharmonious_error",
@@ -1258,7 +1258,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the errors with data ID B",
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40, 7.3.2 p.38",
+        source="7.3.3.1 p.41, 7.3.2 p.38",
     ),
     Alarm(
         name="initialization_error",
@@ -1275,7 +1275,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
             "again"
         ),
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40, 7.3.3.2 p.41",
+        source="7.3.3.1 p.41, 7.3.3.2 p.41",
     ),
     Alarm(
         name="overspeed",
@@ -1286,7 +1286,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the errors with data ID B",
         cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40, 7.3.2 p.38",
+        source="7.3.3.1 p.41, 7.3.2 p.38",
     ),
 )
 
