@@ -408,7 +408,7 @@ def _exchange(stage: Path, place: Path) -> None:
         if rename(_AT_FDCWD, os.fsencode(stage), _AT_FDCWD, os.fsencode(place), _RENAME_EXCHANGE) == 0:
             return
     except (AttributeError, OSError, TypeError):
-        _save_late_files(left, place)
+        pass
     # If the system cannot exchange folders, rename twice, and undo the first rename if the second fails.
     old = stage.with_name(_OLD)
     os.rename(place, old)
