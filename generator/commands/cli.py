@@ -31,8 +31,8 @@ _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "spec files, or folders, in which all .yaml files with the keys of a spec are read (default: the specs in the "
-    "current folder, or those shipped with codewheel if it has none)"
+    "spec files, or folders. In a folder, all .yaml files with the keys of a spec are read (default: the specs in the "
+    "current folder, or if there are none, those shipped with codewheel)"
 )
 JSON_VERSION = 1
 
@@ -119,7 +119,7 @@ def _add_generate(commands: _Commands) -> None:
         action="append",
         default=[],
         metavar="FAMILY=EDITION",
-        help="also generate another edition of a family, given by revision or date (may be repeated)",
+        help="also generate another edition of a family, selected by revision or date (may be repeated)",
     )
     parser.add_argument(
         "--unchecked", action="store_true", help="write even if second readings disagree or coverage is out of date"
@@ -134,13 +134,13 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
         "--templates",
         type=a_path,
         metavar="DIR",
-        help="folder of your own templates, DIR/TARGET/NAME, which override the built-in ones",
+        help="folder with your own templates, which override the built-in ones: DIR/TARGET/NAME",
     )
     parser.add_argument(
         "--biss-dtd",
         type=a_path,
         metavar="FILE",
-        help="your copy of idbiss.dtd: exit 1 if an idbiss file does not validate against it",
+        help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
     )
 
 
@@ -195,11 +195,11 @@ def _add_show(commands: _Commands) -> None:
 
 
 _ABOUT_FRAMES = (
-    "FRAME is hex bytes for RS-485. For SSI and BiSS it is one number, first bit sent = most significant: 0b... with "
-    "every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 "
-    "done. 1 a frame with an error, or a register value that does not match this encoder. 2 wrong usage, text that is "
-    "not a frame, or a frame that needs --choose. 3 a valid frame whose position is not usable. With several frames, "
-    "the worst one decides: 2, then 1, then 3."
+    "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI and BiSS, it is one number whose most significant "
+    "bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. With -, empty lines and text after # are "
+    "skipped. The exit code is 0 on success, 1 for a frame with an error or a register value that this encoder cannot "
+    "have, 2 for wrong usage, text that is not a frame, or a missing --choose, and 3 for a valid frame whose position "
+    "is not usable. With several frames, the exit code is that of the worst one, in the order 2, 1, 3."
 )
 
 
@@ -212,13 +212,13 @@ def _add_decode(commands: _Commands) -> None:
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
-        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments (- reads one frame per line)"
+        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments, or - to read one frame per line"
     )
     parser.add_argument(
         "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
     )
     _add_register_option(parser)
-    _add_choose_option(parser, "frames that depend on it are not decoded")
+    _add_choose_option(parser, "frames that depend on the answer are not decoded")
     _add_edition_option(parser)
     parser.add_argument(
         "--layout",
@@ -227,7 +227,11 @@ def _add_decode(commands: _Commands) -> None:
         " data channel)",
     )
     parser.add_argument(
-        "--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)"
+        "--from",
+        dest="sender",
+        choices=("encoder", "master"),
+        default="encoder",
+        help="sender of the frame (default: encoder)",
     )
     _add_spec_option(parser)
     parser.set_defaults(run=_decode)
@@ -242,7 +246,9 @@ def _add_master(commands: _Commands) -> None:
     parser.add_argument(
         "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
     )
-    parser.add_argument("--master", metavar="NAME", help="only this master (exit 1 if it cannot use the encoder)")
+    parser.add_argument(
+        "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"
+    )
     parser.add_argument(
         "--masters",
         action="append",
@@ -252,7 +258,7 @@ def _add_master(commands: _Commands) -> None:
         help="your own descriptions of masters, as files or folders",
     )
     _add_register_option(parser)
-    _add_choose_option(parser, "no settings if they depend on it")
+    _add_choose_option(parser, "no settings if they depend on the answer")
     _add_edition_option(parser)
     parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
     _add_spec_option(parser)
@@ -300,7 +306,8 @@ def _add_choose_option(parser: argparse.ArgumentParser, otherwise: str) -> None:
         action="append",
         default=[],
         metavar="NAME=ANSWER",
-        help=f"answer a question that the manual leaves open (show lists them); may be repeated (default: {otherwise})",
+        help="answer a question that the manual leaves open. show lists these questions (may be repeated, default: "
+        f"{otherwise})",
     )
 
 

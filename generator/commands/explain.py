@@ -34,7 +34,7 @@ def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
     parser = commands.add_parser(
         "explain",
         help="explain a rule of check or diff",
-        description="Explain a rule of check with an example, or a rule of diff by its impact and reason.",
+        description="Explain a rule of check with an example, or a rule of diff with its impact and the reason for it.",
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
     parser.set_defaults(run=_explain)

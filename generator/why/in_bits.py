@@ -398,7 +398,7 @@ def _kind(codes: Sequence[str]) -> str:
 
 def _sender(variant: Variant, codes: Sequence[str]) -> str:
     if not codes:
-        return f"the frame of {variant.code} with other widths in its registers"
+        return f"the frame that {variant.code} sends when its registers select other widths"
     return f"the frame of {codes[0]}" + (
         f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else ""
     )
