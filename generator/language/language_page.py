@@ -20,8 +20,8 @@ Shape = Mapping[str, Any]
 
 _INTRODUCTION = """\
 A spec is one YAML file for one manual. It is read side by side with the manual, so it keeps the manual's order and
-names. Do not write values that can be calculated, such as masks and totals. The tool calculates them. Scalars follow YAML 1.2: `7:0` is
-text, `no` is text, `0x1F` is a number. Duplicate keys are errors.
+names. Do not write values that can be calculated, such as masks and totals. The tool calculates them. Scalars follow
+YAML 1.2: `7:0` is text, `no` is text, `0x1F` is a number. Duplicate keys are errors.
 
 A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
