@@ -73,7 +73,7 @@ def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
 
 
 def read_line(paths: Sequence[Path], devices: Sequence[Device], report: Report) -> str:
-    """Return one line about the specs that were read, which reveals a forgotten path."""
+    """Return one line that names the specs that were read, so that users notice a forgotten path."""
     if not paths:
         return f"read the specs shipped with codewheel: {', '.join(device.name for device in devices)}"
     passed_over = [file for file in report.passed_over if file not in report.files]

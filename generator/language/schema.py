@@ -30,7 +30,7 @@ MAX_PROBLEMS = 200
 
 
 class FileKind(Enum):
-    """Kinds of files, each with a schema of its name. The one of second readings is derived from that of devices."""
+    """Kind of file. Each kind has a schema of the same name. The schema of second readings is derived from ``device``."""
 
     DEVICE = "device"
     SECOND = "second"
@@ -115,7 +115,7 @@ def keys_of(kind: str) -> frozenset[str]:
 
 
 def _kind(data: dict[str, Any]) -> FileKind | None:
-    """Return the kind of a file. Any key of devices only makes it one, even if ``device`` is missing or misspelt."""
+    """Return the kind of a file. A key that only device files have makes it a device file, even without ``device``."""
     shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
         return FileKind.MASTER
@@ -221,7 +221,7 @@ def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
 
 
 def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
-    """Return one finding for each place, without those of the reader, and not many more than are shown."""
+    """Return one finding for each place, except places that the reader reported, and limit their number."""
     found: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
@@ -259,7 +259,7 @@ def shape_of(kind: str) -> dict[str, Any]:
 
 
 def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
-    """Return the schema with every reference replaced by its definition, which halves the time. None is recursive."""
+    """Return the schema with each reference replaced by its definition, which halves the time. No definition recurs."""
     if isinstance(schema, list):
         return [_inlined(item, definitions) for item in schema]
     if not isinstance(schema, dict):

@@ -24,7 +24,7 @@ def set_parameters(raw: Raw) -> list[str]:
 
 
 def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Report an ``only`` that no order code matches, and one of a flag without a distinguishing parameter."""
+    """Report an ``only`` that no order code matches, and an ``only`` of a flag that no parameter distinguishes."""
     if not variants:
         return
     for path, owner in _owners(raw, ()):
