@@ -117,7 +117,7 @@ def _is_device(keys: frozenset[str] | None) -> bool:
 
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
-    """Return True for two or more keys that only devices have. Other tools may use one of them, such as ``parameters``."""
+    """Return True for two or more keys that only devices have. Other tools may use one, such as ``parameters``."""
     return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
 
 

@@ -30,7 +30,7 @@ MAX_PROBLEMS = 200
 
 
 class FileKind(Enum):
-    """Kind of file. Each kind has a schema of the same name. The schema of second readings is derived from ``device``."""
+    """Kind of file. Each kind has a schema of its name. The schema of second readings is derived from ``device``."""
 
     DEVICE = "device"
     SECOND = "second"

@@ -113,7 +113,7 @@ class Try:
 
     @property
     def question(self) -> tuple[object, ...]:
-        """Key of the try. Tries with the same key match the same frames. With init 0, leading zeros make no difference."""
+        """Key of the try. Tries with the same key match the same frames. With init 0, leading zeros do not matter."""
         return self.crc, self.data, self.bits if self.crc.init else 0, self.received, self.known
 
 
