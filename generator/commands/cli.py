@@ -19,9 +19,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, metres, parse
-from .diff import add_diff
-from .diff import run as run_diff
-from .explain import add_explain
 from .terminal import Stop, prepare, release
 
 if TYPE_CHECKING:
@@ -64,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        chosen = parse(_parser(), arguments)
+        chosen = parse(_parser(sys.argv[1:] if arguments is None else arguments), arguments)
         if getattr(chosen, "looks_up", False) and getattr(chosen, "order_code", "") is not None:
             chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
         prepare(as_json=getattr(chosen, "json", False))
@@ -77,12 +74,14 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(stop.code or 0)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+    """Return the parser for these arguments: with the command that they begin with, or else with all commands."""
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_generate, _add_check, _add_list, _add_show, _add_decode, _add_master, _add_diff, _add_new):
-        add(commands)
+    first = arguments[0] if arguments else ""
+    for name in [first] if first in _COMMANDS else () if first == "--version" else _COMMANDS:
+        _COMMANDS[name](commands)
     add_examples(commands)
     return parser
 
@@ -266,7 +265,14 @@ def _add_master(commands: _Commands) -> None:
 
 
 def _add_diff(commands: _Commands) -> None:
+    from .diff import add_diff
+
     add_diff(commands).set_defaults(run=_diff)
+
+
+def _add_explain(commands: _Commands) -> None:
+    from .explain import add_explain
+
     add_explain(commands)
 
 
@@ -281,6 +287,20 @@ def _add_new(commands: _Commands) -> None:
         "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
     )
     parser.set_defaults(run=_new)
+
+
+#: The commands, in the order of the help.
+_COMMANDS = {
+    "generate": _add_generate,
+    "check": _add_check,
+    "list": _add_list,
+    "show": _add_show,
+    "decode": _add_decode,
+    "master": _add_master,
+    "diff": _add_diff,
+    "explain": _add_explain,
+    "new": _add_new,
+}
 
 
 def _add_specs(parser: argparse.ArgumentParser) -> None:
@@ -414,7 +434,9 @@ def _show(chosen: argparse.Namespace) -> int:
 
 
 def _diff(chosen: argparse.Namespace) -> int:
-    return run_diff(
+    from .diff import run
+
+    return run(
         chosen,
         lambda old, new: import_module(f"{__package__}.changed_files").changed_files(old, new),
         lambda families: import_module(f"{__package__}.coverage").refuse_unproved(families, "recorded"),

@@ -9,11 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from ..changes.impact import IMPACTS, Impact
-from ..say.words import counted
 from . import look_up
 from .arguments import Parser
 from .terminal import Stop
@@ -146,8 +144,11 @@ def _record(found: Found, after: _Side) -> Found:
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
+    from tempfile import TemporaryDirectory
+
     from ..changes.revisions import RevisionError, lay_out, named
     from ..loading.library import load_families, sound_families
+    from ..say.words import counted
 
     place = named(text)
     with ExitStack() as stack:
@@ -192,6 +193,8 @@ def _show(problems: Sequence[Problem]) -> None:
 
 
 def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
+    from ..say.words import counted
+
     _show(problems)
     count = counted(len(problems), "problem")
     if not is_old:

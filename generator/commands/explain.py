@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import textwrap
-from importlib.resources import files
 from typing import TypedDict
 
 from .arguments import Parser
@@ -66,6 +65,8 @@ def explain(name: str | None) -> str:
 
 def rules_of_check() -> dict[str, Example]:
     """Read the rules of ``check``, each with an example."""
+    from importlib.resources import files
+
     examples: dict[str, Example] = json.loads(
         files("codewheel.language").joinpath("rules.json").read_text(encoding="utf-8")
     )

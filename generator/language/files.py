@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from .schema import keys_of
+from .schema_files import keys_of
 from .second_reading import is_second
 
 SUFFIXES = (".yaml", ".yml")

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..say.markdown import anchor, code, link, paragraph, table, text
-from .schema import load_schema
+from .schema_files import load_schema
 from .second_reading import NO_FACTS, PROSE
 
 Shape = Mapping[str, Any]

@@ -7,21 +7,20 @@ validator talk about instances and properties to someone who is transcribing a m
 from __future__ import annotations
 
 import functools
-import json
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from importlib import resources
 from types import MappingProxyType
-from typing import Any
-
-from jsonschema import Draft202012Validator, ValidationError, validators
+from typing import TYPE_CHECKING, Any
 
 from .document import Document
 from .messages import Finding, explain
 from .problems import WORDS_ONLY, Path, Report
-from .second_reading import facts_only
+from .schema_files import load_schema
+
+if TYPE_CHECKING:
+    from jsonschema import ValidationError
 
 #: A source that passes every rule.
 _SOME_SOURCE = "Cover"
@@ -96,22 +95,6 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
     places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
     return _cut_out(validator, document, places | set(map(holder, cut)), kind)
-
-
-@functools.cache
-def load_schema(kind: str) -> dict[str, Any]:
-    """Load the JSON Schema of this name, such as ``device``. Do not modify the result."""
-    if kind == FileKind.SECOND.value:
-        return facts_only(load_schema(FileKind.DEVICE.value))
-    text = resources.files("codewheel.language").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
-    return schema
-
-
-@functools.cache
-def keys_of(kind: str) -> frozenset[str]:
-    """Return the keys allowed at the top level of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
-    return frozenset(load_schema(kind)["properties"])
 
 
 def _kind(data: dict[str, Any]) -> FileKind | None:
@@ -235,6 +218,7 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
 @functools.cache
 def _validator(kind: str) -> Any:
     """Return a validator that is stricter than JSON Schema in two points."""
+    from jsonschema import Draft202012Validator, ValidationError, validators
 
     def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
         # JSON Schema searches for the pattern, so that a name could end in a line break.
