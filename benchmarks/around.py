@@ -60,7 +60,7 @@ PARTS = (
         160,
     ),
     Part(
-        "receive: RS-485 byte by byte, after a refused reply too",
+        "receive: RS-485 byte by byte, also after a rejected reply",
         ("receive",),
         "lika_rs485_line *line, uint8_t byte, uint32_t now",
         "if (byte == 0U) { lika_rs485_resume(line); } "
@@ -75,13 +75,13 @@ PARTS = (
     ),
     Part("tracker: its speed", ("tracker",), "const lika_tracker *axis", "return (uint32_t)lika_tracker_speed(axis);"),
     Part(
-        "angle: of a power of two that is fixed",
+        "angle: counts are a constant power of two",
         ("angle",),
         "const uint64_t *position",
         "return lika_angle(*position, 8388608U);",
     ),
     Part(
-        "angle: of any number of steps",
+        "angle: any number of counts",
         ("angle",),
         "const uint64_t *position, const uint64_t *steps",
         "return lika_angle(*position, *steps);",
@@ -94,19 +94,19 @@ PARTS = (
     ),
     Part("angle: thousandths of a degree", ("angle",), "uint32_t angle", "return lika_angle_millidegrees(angle);"),
     Part(
-        "runner: next step, and its end",
+        "runner: start and end of a step",
         ("runner",),
         "lika_runner *runner, int32_t error, uint32_t now",
         "lika_runner_done(runner, error, now); return (uint32_t)lika_runner_next(runner, now);",
     ),
     Part(
-        "BiSS master: a bit in step",
+        "BiSS master: control bit and answer in the same frame",
         ("biss",),
         "lika_biss_master *master, bool cds",
         "return lika_biss_master_next(master, cds) ? 1U : 0U;",
     ),
     Part(
-        "BiSS master: a bit a frame late",
+        "BiSS master: answer one frame after the control bit",
         ("biss",),
         "lika_biss_master *master, bool cds",
         "return lika_biss_master_next_late(master, cds) ? 1U : 0U;",

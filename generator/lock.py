@@ -46,7 +46,7 @@ else:
         return os.open(folder, os.O_RDONLY)
 
     def _take(handle: int, folder: Path) -> bool:
-        """Lock the open folder. Return False if another process has it, or ``folder`` is now another one."""
+        """Lock the open folder. Return False if another process holds the lock, or if ``folder`` has been replaced."""
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..language.problems import suggestion
+from .. import __version__
 from .terminal import Stop
 
 _WIDTH = 79
@@ -55,6 +55,8 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
+            from ..language.problems import suggestion
+
             kind = "command" if isinstance(action, argparse._SubParsersAction) else "choice"
             choices = list(map(str, action.choices))
             near = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
@@ -62,15 +64,13 @@ class Parser(argparse.ArgumentParser):
 
 
 class ShowVersion(argparse.Action):
-    """The action of ``--version``, which looks up the version only when asked."""
+    """The action of ``--version``."""
 
     def __init__(self, option_strings: Sequence[str], dest: str, help: str | None = None) -> None:
         super().__init__(option_strings, argparse.SUPPRESS, nargs=0, help=help)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from importlib.metadata import version
-
-        print(f"codewheel {version('codewheel')}")
+        print(f"codewheel {__version__}")
         parser.exit()
 
 
@@ -119,6 +119,8 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> a
 
 
 def _left_over(parser: argparse.ArgumentParser, text: str) -> str:
+    from ..language.problems import suggestion
+
     options = sorted(name for action in parser._actions for name in action.option_strings)
     if text.startswith("-"):
         return f"there is no option '{text}'{suggestion(text.partition('=')[0], options)}"

@@ -19,9 +19,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, metres, parse
-from .diff import add_diff
-from .diff import run as run_diff
-from .explain import add_explain
 from .terminal import Stop, prepare, release
 
 if TYPE_CHECKING:
@@ -31,8 +28,8 @@ _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "spec files, or folders, in which all .yaml files with the keys of a spec are read (default: the specs in the "
-    "current folder, or those shipped with codewheel if it has none)"
+    "spec files, or folders. In a folder, all .yaml files with the keys of a spec are read (default: the specs in the "
+    "current folder, or if there are none, those shipped with codewheel)"
 )
 JSON_VERSION = 1
 
@@ -64,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        chosen = parse(_parser(), arguments)
+        chosen = parse(_parser(sys.argv[1:] if arguments is None else arguments), arguments)
         if getattr(chosen, "looks_up", False) and getattr(chosen, "order_code", "") is not None:
             chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
         prepare(as_json=getattr(chosen, "json", False))
@@ -77,23 +74,14 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(stop.code or 0)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+    """Return the parser for these arguments: with the command that they begin with, or else with all commands."""
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (
-        _add_generate,
-        _add_check,
-        _add_list,
-        _add_show,
-        _add_decode,
-        _add_master,
-        _add_diff,
-        _add_reread,
-        _add_facts,
-        _add_new,
-    ):
-        add(commands)
+    first = arguments[0] if arguments else ""
+    for name in [first] if first in _COMMANDS else () if first == "--version" else _COMMANDS:
+        _COMMANDS[name](commands)
     add_examples(commands)
     return parser
 
@@ -130,7 +118,7 @@ def _add_generate(commands: _Commands) -> None:
         action="append",
         default=[],
         metavar="FAMILY=EDITION",
-        help="also generate another edition of a family, given by revision or date (may be repeated)",
+        help="also generate another edition of a family, selected by revision or date (may be repeated)",
     )
     parser.add_argument(
         "--unchecked", action="store_true", help="write even if second readings disagree or coverage is out of date"
@@ -145,13 +133,13 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
         "--templates",
         type=a_path,
         metavar="DIR",
-        help="folder of your own templates, DIR/TARGET/NAME, which override the built-in ones",
+        help="folder with your own templates, which override the built-in ones: DIR/TARGET/NAME",
     )
     parser.add_argument(
         "--biss-dtd",
         type=a_path,
         metavar="FILE",
-        help="your copy of idbiss.dtd: exit 1 if an idbiss file does not validate against it",
+        help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
     )
 
 
@@ -206,11 +194,11 @@ def _add_show(commands: _Commands) -> None:
 
 
 _ABOUT_FRAMES = (
-    "FRAME is hex bytes for RS-485. For SSI and BiSS it is one number, first bit sent = most significant: 0b... with "
-    "every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 "
-    "done. 1 a frame with an error, or a register value that does not match this encoder. 2 wrong usage, text that is "
-    "not a frame, or a frame that needs --choose. 3 a valid frame whose position is not usable. With several frames, "
-    "the worst one decides: 2, then 1, then 3."
+    "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI and BiSS, it is one number whose most "
+    "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. With -, empty lines and text "
+    "after # are skipped. The exit code is 0 on success, 1 for a frame with an error or a register value that this "
+    "encoder cannot have, 2 for wrong usage, text that is not a frame, or a missing --choose, and 3 for a valid frame "
+    "whose position is not usable. With several frames, the exit code is that of the worst one, in the order 2, 1, 3."
 )
 
 
@@ -223,13 +211,13 @@ def _add_decode(commands: _Commands) -> None:
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
-        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments (- reads one frame per line)"
+        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments, or - to read one frame per line"
     )
     parser.add_argument(
         "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
     )
     _add_register_option(parser)
-    _add_choose_option(parser, "frames that depend on it are not decoded")
+    _add_choose_option(parser, "frames that depend on the answer are not decoded")
     _add_edition_option(parser)
     parser.add_argument(
         "--layout",
@@ -238,7 +226,11 @@ def _add_decode(commands: _Commands) -> None:
         " data channel)",
     )
     parser.add_argument(
-        "--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)"
+        "--from",
+        dest="sender",
+        choices=("encoder", "master"),
+        default="encoder",
+        help="sender of the frame (default: encoder)",
     )
     _add_spec_option(parser)
     parser.set_defaults(run=_decode)
@@ -253,7 +245,9 @@ def _add_master(commands: _Commands) -> None:
     parser.add_argument(
         "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
     )
-    parser.add_argument("--master", metavar="NAME", help="only this master (exit 1 if it cannot use the encoder)")
+    parser.add_argument(
+        "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"
+    )
     parser.add_argument(
         "--masters",
         action="append",
@@ -263,7 +257,7 @@ def _add_master(commands: _Commands) -> None:
         help="your own descriptions of masters, as files or folders",
     )
     _add_register_option(parser)
-    _add_choose_option(parser, "no settings if they depend on it")
+    _add_choose_option(parser, "no settings if they depend on the answer")
     _add_edition_option(parser)
     parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
     _add_spec_option(parser)
@@ -271,7 +265,14 @@ def _add_master(commands: _Commands) -> None:
 
 
 def _add_diff(commands: _Commands) -> None:
+    from .diff import add_diff
+
     add_diff(commands).set_defaults(run=_diff)
+
+
+def _add_explain(commands: _Commands) -> None:
+    from .explain import add_explain
+
     add_explain(commands)
 
 
@@ -315,6 +316,22 @@ def _add_new(commands: _Commands) -> None:
     parser.set_defaults(run=_new)
 
 
+#: The commands, in the order of the help.
+_COMMANDS = {
+    "generate": _add_generate,
+    "check": _add_check,
+    "list": _add_list,
+    "show": _add_show,
+    "decode": _add_decode,
+    "master": _add_master,
+    "diff": _add_diff,
+    "reread": _add_reread,
+    "facts": _add_facts,
+    "explain": _add_explain,
+    "new": _add_new,
+}
+
+
 def _add_specs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
     parser.add_argument(
@@ -338,7 +355,8 @@ def _add_choose_option(parser: argparse.ArgumentParser, otherwise: str) -> None:
         action="append",
         default=[],
         metavar="NAME=ANSWER",
-        help=f"answer a question that the manual leaves open (show lists them); may be repeated (default: {otherwise})",
+        help="answer a question that the manual leaves open. show lists these questions (may be repeated, default: "
+        f"{otherwise})",
     )
 
 
@@ -459,7 +477,9 @@ def _facts(chosen: argparse.Namespace) -> int:
 
 
 def _diff(chosen: argparse.Namespace) -> int:
-    return run_diff(
+    from .diff import run
+
+    return run(
         chosen,
         lambda old, new: import_module(f"{__package__}.changed_files").changed_files(old, new),
         lambda families: import_module(f"{__package__}.coverage").refuse_unproved(families, "recorded"),

@@ -9,11 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from ..changes.impact import IMPACTS, Impact
-from ..say.words import counted
 from . import look_up
 from .arguments import Parser
 from .terminal import Stop
@@ -146,8 +144,11 @@ def _record(found: Found, after: _Side) -> Found:
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
+    from tempfile import TemporaryDirectory
+
     from ..changes.revisions import RevisionError, lay_out, named
     from ..loading.library import load_families, sound_families
+    from ..say.words import counted
 
     place = named(text)
     with ExitStack() as stack:
@@ -170,14 +171,16 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
         _show(problems)
         count = counted(len(problems), "problem")
         said = (
-            f"{text} has {count} in the current spec language. The faulty parts are left out and may be listed as new"
+            f"{text} has {count} according to the current spec language. The faulty parts are left out and may be "
+            "listed as new"
         )
         return _Side(tuple(families), frozenset(), (said,))
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
-    said = f"not compared, with {counted(len(problems), 'problem')} in the current spec language: {', '.join(left_out)}"
+    count = counted(len(problems), "problem")
+    said = f"not compared, because of {count} according to the current spec language: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 
@@ -190,12 +193,14 @@ def _show(problems: Sequence[Problem]) -> None:
 
 
 def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
+    from ..say.words import counted
+
     _show(problems)
     count = counted(len(problems), "problem")
     if not is_old:
         return Stop(f"{text} has {count} and is not compared", 1)
     return Stop(
-        f"{text} has {count} in the current spec language and is not compared. It may use an older form of the "
-        "language: add --lenient, use a later revision, or run the version of codewheel from that time",
+        f"{text} has {count} according to the current spec language and is not compared. It may use an older form of "
+        "the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import textwrap
-from importlib.resources import files
 from typing import TypedDict
 
 from .arguments import Parser
@@ -34,7 +33,7 @@ def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
     parser = commands.add_parser(
         "explain",
         help="explain a rule of check or diff",
-        description="Explain a rule of check with an example, or a rule of diff by its impact and reason.",
+        description="Explain a rule of check with an example, or a rule of diff with its impact and the reason for it.",
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
     parser.set_defaults(run=_explain)
@@ -66,6 +65,8 @@ def explain(name: str | None) -> str:
 
 def rules_of_check() -> dict[str, Example]:
     """Read the rules of ``check``, each with an example."""
+    from importlib.resources import files
+
     examples: dict[str, Example] = json.loads(
         files("codewheel.language").joinpath("rules.json").read_text(encoding="utf-8")
     )

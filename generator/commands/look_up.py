@@ -8,8 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..language.files import SUFFIXES, own_specs
-from ..say.words import counted
 from .terminal import Stop
 
 if TYPE_CHECKING:
@@ -66,6 +64,8 @@ def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
         Stop: A path does not exist. The exit code is 2.
     """
     refuse_missing(paths)
+    from ..language.files import own_specs
+
     own = list(paths) or own_specs(Path())
     if say and own and not paths:
         print(f"codewheel: using the specs in this folder: {_listed([str(path) for path in own])}", file=sys.stderr)
@@ -73,7 +73,9 @@ def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
 
 
 def read_line(paths: Sequence[Path], devices: Sequence[Device], report: Report) -> str:
-    """Return one line about the specs that were read, which reveals a forgotten path."""
+    """Return one line that names the specs that were read, so that users notice a forgotten path."""
+    from ..say.words import counted
+
     if not paths:
         return f"read the specs shipped with codewheel: {', '.join(device.name for device in devices)}"
     passed_over = [file for file in report.passed_over if file not in report.files]
@@ -139,6 +141,7 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
 
 def _unknown(devices: Sequence[Device], text: str) -> str:
     """Return the message for text that is not an order code."""
+    from ..language.files import SUFFIXES
     from ..order_codes.labels import nearest_codes
 
     device = _family(devices, text)
@@ -170,6 +173,8 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
             raise problems(report) from None
         raise
     if report:
+        from ..say.words import counted
+
         files = list(dict.fromkeys(problem.file for problem in report.problems))
         left_out = f"skipped, with {counted(len(report), 'problem')}: {_listed(files)}; run codewheel check"
         print(f"codewheel: {left_out}", file=sys.stderr)
@@ -177,6 +182,8 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
 
 def problems(report: Report) -> Stop:
     """Print all problems to standard error, and return the ``Stop`` to raise."""
+    from ..say.words import counted
+
     for problem in report.problems:
         print(problem.format(), file=sys.stderr)
     return Stop(counted(len(report), "problem"), 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
 
-from ..language.schema import load_schema
+from ..language.schema_files import load_schema
 
 Shape = Mapping[str, Any]
 

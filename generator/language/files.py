@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from .schema import keys_of
+from .schema_files import keys_of
 from .second_reading import is_second
 
 SUFFIXES = (".yaml", ".yml")
@@ -117,7 +117,7 @@ def _is_device(keys: frozenset[str] | None) -> bool:
 
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
-    """Return True for two or more keys of devices only. Other tools may share one, such as ``parameters``."""
+    """Return True for two or more keys that only devices have. Other tools may use one, such as ``parameters``."""
     return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
 
 

@@ -13,21 +13,21 @@ from pathlib import Path
 from typing import Any
 
 from ..say.markdown import anchor, code, link, paragraph, table, text
-from .schema import load_schema
+from .schema_files import load_schema
 from .second_reading import NO_FACTS, PROSE
 
 Shape = Mapping[str, Any]
 
 _INTRODUCTION = """\
 A spec is one YAML file for one manual. It is read side by side with the manual, so it keeps the manual's order and
-names. Leave anything that can be calculated, such as masks and totals, to the tool. Scalars follow YAML 1.2: `7:0` is
-text, `no` is text, `0x1F` is a number. Duplicate keys are errors.
+names. Do not write values that can be calculated, such as masks and totals. The tool calculates them. Scalars follow
+YAML 1.2: `7:0` is text, `no` is text, `0x1F` is a number. Duplicate keys are errors.
 
 A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
 part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
 
-With the first line of a file, editors can complete and explain keys while you type:
+If a file begins with the following line, editors can complete and explain keys while you type:
 
 ```yaml
 # yaml-language-server: $schema=../../generator/language/device.schema.json
@@ -38,9 +38,9 @@ With the first line of a file, editors can complete and explain keys while you t
 
 _SECOND = """\
 `FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
-another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two.
-It contains only facts, so it has all the keys above except `manufacturer`, the keys for prose, and parts that explain
-or calculate.
+another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two
+files. A second reading contains only facts. It has all the keys above except `manufacturer`, the keys for prose, and
+the parts that explain or calculate.
 
 Omitted keys for prose: {prose}.
 

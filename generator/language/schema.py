@@ -7,21 +7,20 @@ validator talk about instances and properties to someone who is transcribing a m
 from __future__ import annotations
 
 import functools
-import json
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from importlib import resources
 from types import MappingProxyType
-from typing import Any
-
-from jsonschema import Draft202012Validator, ValidationError, validators
+from typing import TYPE_CHECKING, Any
 
 from .document import Document
 from .messages import Finding, explain
 from .problems import WORDS_ONLY, Path, Report
-from .second_reading import facts_only
+from .schema_files import load_schema
+
+if TYPE_CHECKING:
+    from jsonschema import ValidationError
 
 #: A source that passes every rule.
 _SOME_SOURCE = "Cover"
@@ -30,7 +29,7 @@ MAX_PROBLEMS = 200
 
 
 class FileKind(Enum):
-    """Kinds of files, each with a schema of its name. The one of second readings is derived from that of devices."""
+    """Kind of file. Each kind has a schema of its name. The schema of second readings is derived from ``device``."""
 
     DEVICE = "device"
     SECOND = "second"
@@ -98,24 +97,8 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     return _cut_out(validator, document, places | set(map(holder, cut)), kind)
 
 
-@functools.cache
-def load_schema(kind: str) -> dict[str, Any]:
-    """Load the JSON Schema of this name, such as ``device``. Do not modify the result."""
-    if kind == FileKind.SECOND.value:
-        return facts_only(load_schema(FileKind.DEVICE.value))
-    text = resources.files("codewheel.language").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
-    return schema
-
-
-@functools.cache
-def keys_of(kind: str) -> frozenset[str]:
-    """Return the keys allowed at the top level of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
-    return frozenset(load_schema(kind)["properties"])
-
-
 def _kind(data: dict[str, Any]) -> FileKind | None:
-    """Return the kind of a file. Any key of devices only makes it one, even if ``device`` is missing or misspelt."""
+    """Return the kind of a file. A key that only device files have makes it a device file, even without ``device``."""
     shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
         return FileKind.MASTER
@@ -221,7 +204,7 @@ def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
 
 
 def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
-    """Return one finding for each place, without those of the reader, and not many more than are shown."""
+    """Return one finding for each place, except places that the reader reported, and limit their number."""
     found: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
@@ -235,6 +218,7 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
 @functools.cache
 def _validator(kind: str) -> Any:
     """Return a validator that is stricter than JSON Schema in two points."""
+    from jsonschema import Draft202012Validator, ValidationError, validators
 
     def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
         # JSON Schema searches for the pattern, so that a name could end in a line break.
@@ -259,7 +243,7 @@ def shape_of(kind: str) -> dict[str, Any]:
 
 
 def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
-    """Return the schema with every reference replaced by its definition, which halves the time. None is recursive."""
+    """Return the schema with each reference replaced by its definition, which halves the time. No definition recurs."""
     if isinstance(schema, list):
         return [_inlined(item, definitions) for item in schema]
     if not isinstance(schema, dict):

@@ -71,7 +71,7 @@ def _last_quoted(text: str, mark: Any) -> Any:
 
 def _about_quote(token: Any) -> str:
     if token.end_mark.line > token.start_mark.line:
-        return f"the quote that opens here closes only on line {token.end_mark.line + 1}; close it on this line"
+        return f"the quote that opens here does not close until line {token.end_mark.line + 1}; close it on this line"
     if token.style == "'":
         return "an apostrophe inside '...' ends the text; put the text in double quotes"
     return 'a quote inside "..." ends the text; put the text in single quotes, or write \\" for the quote inside'

@@ -253,7 +253,7 @@ class _Parser:
                 event,
                 path,
                 "number-too-long",
-                f"a number of {len(text)} digits is too long; quote it if it is text",
+                f"a number of {len(text)} digits is too long; put it in quotes if it is text",
             )
         value = _resolved(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):

@@ -1,4 +1,4 @@
-"""Editions of a manual: the family as before a revision, or with the published facts of a later one.
+"""Editions of a manual: the family as it was before a revision, or with the published facts of a later one.
 
 The spec transcribes one revision. Its ``editions`` are applied to it step by step: the changes ``before`` each revision
 on the way back to an older one, or those of ``then`` on the way to a newer one.
@@ -202,6 +202,6 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
 
 
 def runs_of(register: Any) -> list[str]:
-    """Return the names of the fields of a register, and of the runs of digits in them."""
+    """Return the names of a register's fields, and of the groups of digits in these fields."""
     names = [item.name for item in register.layout.fields]
     return names + [run.name for item in register.layout.fields for run in getattr(item.kind, "runs", ())]

@@ -319,7 +319,7 @@ def _said_of_gaps(raw: Raw, context: Context) -> str:
 def _gaps(
     fields: Sequence[Field], bits: Expression
 ) -> Iterable[tuple[Field | None, Field | None, Expression, Expression]]:
-    """Yield the gaps between fields, from the lowest up: the field below, the field above, first bit, width."""
+    """Yield each gap between fields, from the lowest up: the field below, the field above, its first bit and width."""
     position, below = ZERO, None
     for field in fields:
         if (rest := field.low - position) != ZERO:

@@ -24,7 +24,7 @@ def set_parameters(raw: Raw) -> list[str]:
 
 
 def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Report an ``only`` that no order code matches, and one of a flag without a distinguishing parameter."""
+    """Report an ``only`` that no order code matches, and an ``only`` of a flag that no parameter distinguishes."""
     if not variants:
         return
     for path, owner in _owners(raw, ()):
@@ -55,7 +55,7 @@ def check_alarms(raw: Raw, report: DocumentReport) -> None:
         flag = next((item for item in fields if item.get("name") == alarm.get("field", "")), None)
         if flag is None or alarm.get("only", "") == flag.get("only", ""):
             continue
-        wrong = f"the alarm applies to {_quoted(alarm)}, but its flag {quoted(flag['name'])} to {_quoted(flag)}"
+        wrong = f"the alarm applies to {_quoted(alarm)}, but its flag {quoted(flag['name'])} applies to {_quoted(flag)}"
         path: Path = ("alarms", index, "only") if "only" in alarm else ("alarms", index)
         report.add("only-alarm", path, f"{wrong}; give both the same 'only'")
 

@@ -106,7 +106,8 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
             if not any(number in _quantities(device, variant) for variant in codes for number in named):
                 sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 wrong = (
-                    f"the meaning of '{text}' says {named[0]:,}, but with {sets} its order codes have no such number"
+                    f"the meaning of '{text}' contains {named[0]:,}, but with {sets}, its order codes do not have this"
+                    " number"
                 )
                 report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
 
@@ -135,14 +136,14 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                 report.add(
                     "selector-place",
                     path,
-                    f"the place of '{layout.selector}' depends on the order code; bits that identify a frame must have"
-                    " a fixed place",
+                    f"the position of '{layout.selector}' depends on the order code; bits that identify a frame must"
+                    " have a fixed position",
                 )
                 continue
             name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
             if pieces != field.pieces:
                 wrong = (
-                    f"'{layout.selector}' is not at the same place as in '{name}'; all frames of a sender must be"
-                    " distinguished by the same bits"
+                    f"'{layout.selector}' is not at the same position as in '{name}'; the same bits must distinguish"
+                    " all frames of a sender"
                 )
                 report.add("selector-place", path, wrong)

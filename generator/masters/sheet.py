@@ -332,7 +332,7 @@ def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
 
 
 def _best_of_any(clock: Raw, record: Record) -> int:
-    """Return the fastest clock that both support, for a master with any clock."""
+    """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
     slowest, fastest = _bounds(record)
     best = min(fastest, int(clock.get("at_most_hz", fastest)))
     if best < max(slowest, clock.get("at_least_hz", 0)):

@@ -233,7 +233,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
 
 
 def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
-    """Return the same as plain data, in the shape of ``language/master_settings.schema.json``."""
+    """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
         "order_code": record.code,

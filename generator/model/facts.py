@@ -219,7 +219,7 @@ class Erratum:
 
 @dataclass(frozen=True, slots=True)
 class EditionTest:
-    """A register that identifies older encoders, where its digits ``run`` are out of bounds for this edition."""
+    """A register that identifies older encoders, because the digits ``run`` may have an impossible value there."""
 
     register: str
     run: str

@@ -50,7 +50,7 @@ class Digits:
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An integer, in two's complement if ``signed``. If all bits are 0, it means ``zero_means``."""
+    """An integer, in two's complement if ``signed``. If all bits are 0, the value is ``zero_means``."""
 
     signed: bool = False
     zero_means: int = 0

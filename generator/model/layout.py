@@ -141,7 +141,7 @@ class Field:
 
     @property
     def fills_gap(self) -> bool:
-        """True if it consists of zeros that are not in the spec, between two fields or next to one."""
+        """True if the field consists of zeros that the spec does not list, between two fields or next to one."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
 

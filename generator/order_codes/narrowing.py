@@ -138,7 +138,7 @@ def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
 
 
 def _holds_for(example: Example, interfaces: Collection[str], device: Device, kept: Mapping[str, set[str]]) -> bool:
-    """Return whether an example is about a part of the interfaces, and its order code has one of them."""
+    """Return whether an example is about a part of these interfaces, and its order code has one of the interfaces."""
     match example:
         case FrameExample():
             found = example.layout in {"", *kept["layouts"]}

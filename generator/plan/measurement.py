@@ -47,7 +47,7 @@ class Cases(Generic[T]):
 
 
 def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
-    """Return the results of ``value`` for each interface. It returns None for an interface without a value."""
+    """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
     kinds: dict[T, list[str]] = {}
     for interface in device.interfaces:
         found = value(interface)

@@ -25,7 +25,7 @@ class TwosComplement:
 
 @dataclass(frozen=True, slots=True)
 class ZeroMeans:
-    """An unsigned number. If all bits are 0, it is ``number``.
+    """An unsigned number, except that the value is ``number`` if all bits are 0.
 
     The inverse writes 0 for ``number`` if that does not fit, and rejects 0.
     """

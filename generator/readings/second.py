@@ -98,7 +98,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
 
 
 def _report(errata: Errata, outcome: Comparison, spec: Document, second: Document, report: Report) -> None:
-    """Report each disagreement that no erratum explains, at both places."""
+    """Report both locations of each disagreement that no erratum explains."""
     for item in outcome.disagreements:
         if errata.explain(item):
             outcome.read[item.sort, item.place or ("second", *item.second)] = Read.EXPLAINED

@@ -20,8 +20,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")
         if told:
             raise RegisterError(told)
-        known = ", ".join(registers) or "none"
-        raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
+        known = f"it has: {', '.join(registers)}" if registers else "it has none"
+        raise RegisterError(f"{variant.code} has no register '{name}'; {known}")
     if len(data) != register.length:
         raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
     return codec.decode(device, register.layout.place(variant.parameters), number_from_bytes(register.layout, data))

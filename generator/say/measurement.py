@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from ..model import Measurement
-from ..model.expressions import Expression
-from .text import Said, parted, said
+from .text import Amount, Said, parted, said
 
 
 def measurement(item: Measurement) -> Said:
     """Return the counts and revolutions, or the step, and the range."""
-    revolutions = " revolution" if item.turns == Expression(1) else " revolutions"
     members = (
-        (item.counts_per_turn, " counts per revolution"),
-        (item.turns, revolutions),
-        (item.step_um, " µm per count"),
-        (item.modulus, " counts in total"),
+        (item.counts_per_turn, "counts", " per revolution"),
+        (item.turns, "revolutions", ""),
+        (item.step_um, "µm", " per count"),
+        (item.modulus, "counts", " in total"),
     )
-    known = [(value, words) for value, words in members if value is not None]
+    known = [(Amount(value, unit), words) for value, unit, words in members if value is not None]
     highest = [("maximum ", item.highest)] if item.highest is not None else []
     return said(*parted([*known, *highest]), source=item.source)

@@ -8,7 +8,7 @@ from enum import Enum
 
 from ..model import Sources, cite
 from ..model.expressions import Expression
-from .words import number, sentence
+from .words import number, sentence, with_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +44,14 @@ class Hex:
     digits: int = 2
 
 
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """Number with its unit in the plural: ``1 revolution``, ``65,536 revolutions``."""
+
+    number: Expression
+    unit: str
+
+
 class Level(Enum):
     """State of a flag, which some outputs write as a Boolean."""
 
@@ -54,7 +62,7 @@ class Level(Enum):
 
 
 #: An expression with parameters is a part of its own, because some outputs have values for the parameters.
-Part = str | Code | Ref | Expression | Hex | Level
+Part = str | Code | Ref | Expression | Amount | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +165,8 @@ class Style:
                 return self.ref(part)
             case Expression():
                 return self.number(part)
+            case Amount(expression, unit):
+                return with_unit(self.number(expression), self.text(unit))
             case Hex(expression, digits):
                 found = self.resolve(expression)
                 return f"{found.constant:0{digits}X}h" if found.is_constant else self.code(found.render())

@@ -33,6 +33,12 @@ def counted(count: int | str, thing: str) -> str:
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
+def with_unit(value: int | str, unit: str) -> str:
+    """Return a value with a unit that specs give in the plural: ``1 revolution``, ``8 revolutions``, ``50 µm``."""
+    is_word = len(unit) > 3  # unlike ms, µs and ns
+    return f"{value} {unit.removesuffix('s') if is_word and str(value) == '1' else unit}".rstrip()
+
+
 def hertz(value: int) -> str:
     """Return a frequency in its shortest unit."""
     for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):

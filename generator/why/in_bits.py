@@ -352,7 +352,7 @@ def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: 
 
 
 def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Yield tries with the frame of another order code, or of this one with other widths in its registers.
+    """Yield tries with the frame of another order code, or with the frame that results from other register values.
 
     The frame is complete, read too long, or truncated.
     """
@@ -398,14 +398,14 @@ def _kind(codes: Sequence[str]) -> str:
 
 def _sender(variant: Variant, codes: Sequence[str]) -> str:
     if not codes:
-        return f"the frame of {variant.code} with other widths in its registers"
+        return f"the frame that {variant.code} sends when its registers select other widths"
     return f"the frame of {codes[0]}" + (
         f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else ""
     )
 
 
 def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
-    """Return the layout in every other length that it can have, by length, shortest first.
+    """Return the layout in each other length that is possible for it, by length, shortest first.
 
     Those of one length differ in their fixed bits, such as zeros above the position.
     """

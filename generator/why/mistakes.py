@@ -116,7 +116,7 @@ def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:
 
 
 def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, ...]:
-    """Return the frame as given, which is known not to match, so that equivalent mistakes are not tried."""
+    """Return the frame as given. It is known not to match, so equivalent mistakes need not be tried."""
     if text.bits > placed.bits or (text.exact and text.bits != placed.bits):
         return ()
     return (in_bits.as_sent(placed, crc, text.number),)
@@ -188,7 +188,7 @@ def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explan
 
 
 def _stuck(number: int, bits: int, has_crc: bool) -> Why | None:
-    """Explain a frame whose bits are all equal, which rules out other mistakes."""
+    """Explain a frame whose bits are all equal. No other mistake is tried for such a frame."""
     if bits < _LEAST_STUCK or number not in (0, (1 << bits) - 1):
         return None
     level = 1 if number else 0

@@ -103,7 +103,7 @@ class Try:
 
     @property
     def one_in(self) -> int:
-        """Number of random frames of which one matches."""
+        """Average number of random frames among which one matches."""
         return 1 << (self.known + self.demanded)
 
     @property
@@ -113,7 +113,7 @@ class Try:
 
     @property
     def question(self) -> tuple[object, ...]:
-        """Key of the try. Two tries with the same key match the same frames. Leading zeros do not matter for init 0."""
+        """Key of the try. Tries with the same key match the same frames. With init 0, leading zeros do not matter."""
         return self.crc, self.data, self.bits if self.crc.init else 0, self.received, self.known
 
 

@@ -471,7 +471,7 @@ def test_what_c_cannot_express_has_its_place_and_stops_no_other_target(
     wrong = (
         f"words.yaml:{line}:9: c-target: the text 'text' does not begin at a byte boundary, which the C target does not"
         " support; "
-        "'generate --target' writes the other outputs\n"
+        "use 'generate --target' to write the other outputs\n"
     )
     assert wrong in capsys.readouterr().err
     assert main(["check", str(tmp_path)]) == 1

@@ -15,7 +15,8 @@ from codewheel.language.document import Document
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.schema import MAX_PROBLEMS, check_schema, load_schema
+from codewheel.language.schema import MAX_PROBLEMS, check_schema
+from codewheel.language.schema_files import load_schema
 from codewheel.language.second_reading import is_second
 from codewheel.loading.device import build_device
 from codewheel.model import Manufacturer

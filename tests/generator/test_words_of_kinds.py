@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from codewheel.language.schema import load_schema
+from codewheel.language.schema_files import load_schema
 from codewheel.loading.examples import _EXAMPLES
 from codewheel.loading.interfaces import _INTERFACES
 from codewheel.loading.procedures import _STEPS

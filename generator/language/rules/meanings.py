@@ -114,8 +114,8 @@ def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for kind, pattern in _INTERFACES.items():
                 if len(named) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
                     wrong = (
-                        f"the meaning of {quoted(text)} names {named.pop().replace('BISS', 'BiSS')}, but it selects"
-                        f" {value['interface']}"
+                        f"the meaning of {quoted(text)} mentions {named.pop().replace('BISS', 'BiSS')}, but the"
+                        f" value selects {value['interface']}"
                     )
                     report.add("interface-mismatch", (*path, "values", text, "interface"), wrong)
                     break

@@ -100,7 +100,7 @@ def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that a procedure named like a value of a register that it writes, a command, writes that value."""
+    """Check that a procedure with the name of a command writes the value of that command to the register."""
     registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
     for path, procedure in items(spec, "procedures"):
         name = procedure["name"]

@@ -117,7 +117,9 @@ def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentRepor
     if not values:
         wrong = f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     elif width is None or width > _MOST_RESERVED_BITS:
-        wrong = f"'others' names every value, so 'bits' of {name} must be a plain number up to {_MOST_RESERVED_BITS}"
+        wrong = (
+            f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {_MOST_RESERVED_BITS}"
+        )
     elif fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
         wrong = f"{name} is written by a master, which does not write reserved values; leave 'others' out"
     taken = {f"{RESERVED}_{value}" for value in range(1 << _MOST_RESERVED_BITS)} & {

@@ -251,7 +251,8 @@ def _check_piece(
         )
         message = (
             f"{shown} is not a valid source; {forms}. "
-            "Separate several sources with semicolons, and begin those in other documents with its key and a colon"
+            "Separate several sources with semicolons, and prefix those in other documents with the document's key and"
+            " a colon"
         )
         report.add("bad-source", path, message)
 

@@ -69,7 +69,10 @@ _ASCII = str.maketrans(
 
 _EACH = "each"
 _BY_CODE = Option(
-    "order-codes", "each: also a file per order code, with numbers instead of expressions", "none", ("none", _EACH)
+    "order-codes",
+    "each: also write a file for each order code, with numbers instead of expressions",
+    "none",
+    ("none", _EACH),
 )
 
 

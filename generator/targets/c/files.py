@@ -101,7 +101,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             try:
                 headers.append((device, DeviceView(device).names))
             except TargetError as error:
-                said = f"{error}; 'generate --target' writes the other outputs"
+                said = f"{error}; use 'generate --target' to write the other outputs"
                 yield TargetProblem(device, "c-target", error.place or ("device",), said)
         for device, clash in clashes(headers, shared_names(maker.name, has_biss(devices))):
             other = () if clash.other[:1] == ("device",) else clash.other

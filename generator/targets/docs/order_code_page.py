@@ -14,6 +14,7 @@ from ...order_codes.with_numbers import applied
 from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import field_at
+from ...say.words import with_unit
 from ..file_names import names_of_codes
 from .interface_page import OverValues, over_values
 from .interface_sections import Sections, sections
@@ -127,7 +128,6 @@ def _quantity_rows(alike: Alike) -> Iterator[Row]:
 
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
-    unit = f" {text(item.unit)}" if item.unit else ""
     held = f"factory default, held in {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
     held = held or ("factory default, set by registers" if is_held else "")
-    return code(item.name), shown + unit, joined([text(item.meaning), held]), cited(item.source)
+    return code(item.name), with_unit(shown, text(item.unit)), joined([text(item.meaning), held]), cited(item.source)

@@ -52,7 +52,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class LimitsFunction:
-    """Function that returns the limits of a register. They apply to the meaning ``when`` if there are several."""
+    """Function that returns the limits of a register. Of several meanings, the member ``when`` names the one meant."""
 
     name: str
     when: str
