@@ -340,7 +340,7 @@ def _best_of_any(clock: Raw, record: Record) -> int:
         own = f"clocks of at least {hertz(least or 0)}"
         if most is not None and most < slowest:
             own = f"clocks of at most {hertz(most)}"
-        raise _Refused(f"It supports {own}, but the encoder needs {hertz(slowest)} to {_fastest(record)}")
+        raise _Refused(f"The master supports {own}, but the encoder needs {hertz(slowest)} to {_fastest(record)}")
     return best
 
 

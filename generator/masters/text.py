@@ -179,7 +179,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines += [
             "",
             wrapped(
-                f"Not described for {INTERFACES[record.words['interface']].title}: {'; '.join(silent)}.",
+                f"These masters are not described for {INTERFACES[record.words['interface']].title}: {'; '.join(silent)}.",
                 WIDTH,
                 "  ",
                 "",

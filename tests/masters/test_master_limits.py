@@ -139,7 +139,7 @@ def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf
     ]
     fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
     assert [item.reason for item in fast.refusals] == [
-        "It supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
+        "The master supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
     ]
 
 
