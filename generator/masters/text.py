@@ -176,15 +176,8 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         ]
     silent = [item.master.title for item in sheets if not item.speaks]
     if silent:
-        lines += [
-            "",
-            wrapped(
-                f"These masters are not described for {INTERFACES[record.words['interface']].title}: {'; '.join(silent)}.",
-                WIDTH,
-                "  ",
-                "",
-            ),
-        ]
+        title = INTERFACES[record.words["interface"]].title
+        lines += ["", wrapped(f"These masters are not described for {title}: {'; '.join(silent)}.", WIDTH, "  ", "")]
     if taking and len(sheets) > 1:
         lines += ["", f"--master NAME shows one of them with its documents, such as {taking[0].master.name}."]
     return "\n".join(lines)
