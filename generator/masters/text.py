@@ -13,9 +13,10 @@ from ..say.lines import WIDTH, pairs, wrapped
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts
+from .places import Place, place_lines
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
-from .writing import Writing
+from .writing import Writing, write_order
 
 VERSION = 1
 
@@ -111,6 +112,8 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
     used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
     used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
+    if len(sheets) == 1:  # only then are places shown
+        used |= {place.standing for rule in sheets[0].settings for place in rule.places}
     inferred = " * = derived, not stated there." if "inferred" in used else ""
     tried = "Not yet tested on hardware."
     if "tried" in used:
@@ -139,10 +142,32 @@ def condition(rule: Writing) -> str:
 
 
 def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
-    """Yield the conditions for this setting alone, after the advice to leave a factory default unchanged."""
-    if setting.is_default:
+    """Yield the conditions for this setting alone, after the advice to leave a protected factory default unchanged."""
+    own = sheet.writing_of(setting)
+    if setting.is_default and any(rule.needs for rule in own):
         yield f"{setting.text} is the factory default. Leave it unless it was changed."
-    yield from (condition(item) for item in sheet.writing_of(setting))
+    yield from (condition(item) for item in own)
+
+
+def _written(rule: Writing, indent: str) -> list[str]:
+    """Return the places of the values that a condition needs."""
+    return [
+        wrapped(f"{write.title}: {found}", WIDTH, f"{indent}  ", indent)
+        for write in (*rule.needs, *rule.then)
+        for found in _places(write.places, write.text)
+    ]
+
+
+def _places(places: Sequence[Place], text: str) -> Iterator[str]:
+    """Yield the places of a value in words, with the factory default in the notation of the value."""
+
+    def shown(default: int | bool | str) -> str:
+        if isinstance(default, bool):
+            return str(default).upper()
+        in_hex = text.startswith("0x") and isinstance(default, int)
+        return f"0x{default:02X}" if in_hex else str(default)
+
+    return place_lines(places, shown)
 
 
 def _shown(setting: Setting) -> str:
@@ -197,7 +222,13 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
         if item.note:
             lines.append(wrapped(item.note, WIDTH, "      "))
         lines += [wrapped(found, WIDTH, "      ") for found in conditions(item, sheet)]
-    lines += [wrapped(condition(item), WIDTH, "    ", "  - ") for item in sheet.shared_writing]
+        if with_documents:
+            lines += [wrapped(found, WIDTH, "        ", "      ") for found in _places(item.places, item.text)]
+            for rule in sheet.writing_of(item):
+                lines += _written(rule, "      ")
+    for rule in sheet.shared_writing:
+        lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
+        lines += _written(rule, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
     for document in sheet.master.documents if with_documents else ():
         where = f"{document.title}, {document.url}" if document.url else document.title
@@ -258,6 +289,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
                 "refusals": [asdict(reason) for reason in item.refusals],
                 "settings": [asdict(setting) for setting in item.settings],
                 "writing": [asdict(rule) for rule in item.writing],
+                "write_order": list(write_order([setting.name for setting in item.settings], item.writing)),
                 "notes": list(item.notes),
                 "documents": [asdict(document) for document in item.master.documents],
             }

@@ -127,7 +127,7 @@ def test_the_fastest_clock_that_both_have(
     found = sheet(
         masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
     )
-    assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042"] == clock
+    assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042 and EP7041-4032"] == clock
 
 
 def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf) -> None:
@@ -156,7 +156,7 @@ def test_the_module_with_fewer_clocks(
 
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
     found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
-    clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042")
+    clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042 and EP7041-4032")
     assert (clock.value, clock.text) == (
         None,
         "unknown: not in the encoder's manual (fastest clock of the encoder, in Hz)",
