@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
 from ..language.master_items import TYPES
+from ..language.problems import listed
+from ..say.words import counted
 
 Raw = Mapping[str, Any]
 
@@ -154,40 +156,69 @@ def misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -
     return ""
 
 
-def place_lines(places: Sequence[Place], shown: Callable[[int | bool | str], str]) -> Iterator[str]:
-    """Yield the places in words, those with the same data on several devices or channels as one line."""
+@dataclass(frozen=True, slots=True)
+class PlaceWords:
+    """A place in words, for all devices and channels with the same data. Texts that no document gives are empty."""
 
-    def rest(place: Place) -> str:
-        type_ = place.type.replace("_", " ") or "data type not given"
-        if place.type == "bits":
-            type_ = f"{place.bits} bits" if place.bits != 1 else "1 bit"
-        unit = {"": "unit not given", "none": ""}.get(place.unit, f"unit {place.unit}")
-        bounds = [] if place.minimum is None else [f"at least {place.minimum}"]
-        bounds += [] if place.maximum is None else [f"at most {place.maximum}"]
-        if len(bounds) == 2:
-            bounds = [f"{place.minimum} to {place.maximum}"]
-        default = "factory default not given"
-        if place.default is not None:
-            default = f"factory default {shown(place.default)}{', leave it' if place.is_default else ''}"
-        mark = " *" if place.standing == "inferred" else ""
-        return f"{', '.join(filter(None, [type_, unit, *bounds, default]))}{mark} [{place.source.replace('; ', ', ')}]"
-
-    by_device = [
-        (device, locations, rest(group[0]))
-        for device, run in groupby(places, key=lambda item: item.device)
-        for group in [list(run)]
-        for locations in [_locations(group)]
-    ]
-    several = len({place.device for place in places}) > 1 or len(by_device) > 1
-    lines: dict[tuple[str, str], list[str]] = {}
-    for device, locations, text in by_device:
-        lines.setdefault((locations, text), []).append(device)
-    for (locations, text), names in lines.items():
-        on = f"{', '.join(names)}: " if several else ""
-        yield f"{on}{locations or 'place not given'}, {text}"
+    devices: str
+    location: str
+    type: str
+    unit: str
+    range: str
+    default: str
+    is_default: bool
+    mark: str
+    source: str
 
 
-def _locations(group: Sequence[Place]) -> str:
-    return ", ".join(
-        f"{place.location} ({place.channel})" if place.channel else place.location for place in group if place.location
+def place_words(places: Sequence[Place], value: str, devices: Sequence[Device]) -> Iterator[PlaceWords]:
+    """Yield the places of a value in words, with factory defaults in its notation. No devices means all of them."""
+    found: dict[PlaceWords, list[str]] = {}
+    in_hex = value.startswith("0x")
+    for device, run in groupby(places, key=lambda item: item.device):
+        group = list(run)
+        found.setdefault(_words(group, in_hex), []).append(device)
+    for words, names in found.items():
+        yield replace(words, devices=", ".join(names) if len(names) < len(devices) else "")
+
+
+def place_lines(places: Sequence[Place], value: str, devices: Sequence[Device]) -> Iterator[str]:
+    """Yield the places of a value as lines of text."""
+    for found in place_words(places, value, devices):
+        unit = f"unit {found.unit}" if found.unit not in ("", "none") else ""
+        default = f"factory default {found.default}" if found.default else ""
+        leave = "leave it" if found.is_default else ""
+        facts = list(filter(None, (found.location, found.type, unit, found.range, default, leave)))
+        names = {"place": found.location, "data type": found.type, "unit": found.unit, "factory default": found.default}
+        missing = [name for name, given in names.items() if not given]
+        facts += [f"{listed(missing)} not given"] if missing else []
+        on = f"{found.devices}: " if found.devices else ""
+        yield f"{on}{', '.join(facts)}{found.mark} [{found.source}]"
+
+
+def _words(group: Sequence[Place], in_hex: bool) -> PlaceWords:
+    """Return the words for the channels of one device, which differ only in their locations."""
+    place = group[0]
+    kind = counted(place.bits or 0, "bit") if place.type == "bits" else place.type.replace("signed_n", "signed n")
+    default = "" if place.default is None else str(place.default)
+    if isinstance(place.default, bool):
+        default = default.upper()
+    elif isinstance(place.default, int) and in_hex:
+        default = f"0x{place.default:02X}"
+    return PlaceWords(
+        "",
+        ", ".join(f"{item.location} ({item.channel})" if item.channel else item.location for item in group),
+        kind,
+        place.unit,
+        "" if place.minimum is None and place.maximum is None else _range(place.minimum, place.maximum),
+        default,
+        place.is_default,
+        " *" if place.standing == "inferred" else "",
+        place.source.replace("; ", ", "),
     )
+
+
+def _range(least: int | None, most: int | None) -> str:
+    if least is None:
+        return f"at most {most}"
+    return f"at least {least}" if most is None else f"{least} to {most}"

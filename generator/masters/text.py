@@ -13,7 +13,7 @@ from ..say.lines import WIDTH, pairs, wrapped
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts
-from .places import Place, place_lines
+from .places import place_lines
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
 from .writing import Writing, write_order
@@ -107,13 +107,13 @@ def _crc(record: Record) -> str:
     )
 
 
-def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
+def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return the meaning of the marks, and the settings tested on hardware."""
     used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
     used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
-    if len(sheets) == 1:  # only then are places shown
-        used |= {place.standing for rule in sheets[0].settings for place in rule.places}
+    if with_places:
+        used |= {place.standing for sheet in sheets for rule in sheet.settings for place in rule.places}
     inferred = " * = derived, not stated there." if "inferred" in used else ""
     tried = "Not yet tested on hardware."
     if "tried" in used:
@@ -149,25 +149,13 @@ def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
     yield from (condition(item) for item in own)
 
 
-def _written(rule: Writing, indent: str) -> list[str]:
+def _written(rule: Writing, master: Master, indent: str) -> list[str]:
     """Return the places of the values that a condition needs."""
     return [
         wrapped(f"{write.title}: {found}", WIDTH, f"{indent}  ", indent)
         for write in (*rule.needs, *rule.then)
-        for found in _places(write.places, write.text)
+        for found in place_lines(write.places, write.text, master.devices)
     ]
-
-
-def _places(places: Sequence[Place], text: str) -> Iterator[str]:
-    """Yield the places of a value in words, with the factory default in the notation of the value."""
-
-    def shown(default: int | bool | str) -> str:
-        if isinstance(default, bool):
-            return str(default).upper()
-        in_hex = text.startswith("0x") and isinstance(default, int)
-        return f"0x{default:02X}" if in_hex else str(default)
-
-    return place_lines(places, shown)
 
 
 def _shown(setting: Setting) -> str:
@@ -186,7 +174,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += pairs(facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
-    lines += ["", wrapped(legend([item.master for item in sheets], sheets), WIDTH)]
+    lines += ["", wrapped(legend([item.master for item in sheets], sheets, len(sheets) == 1), WIDTH)]
     taking = [item for item in sheets if not item.refusals]
     for item in taking:
         lines += ["", *_taken(item, with_documents=len(sheets) == 1)]
@@ -223,12 +211,13 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
             lines.append(wrapped(item.note, WIDTH, "      "))
         lines += [wrapped(found, WIDTH, "      ") for found in conditions(item, sheet)]
         if with_documents:
-            lines += [wrapped(found, WIDTH, "        ", "      ") for found in _places(item.places, item.text)]
+            places = place_lines(item.places, item.text, sheet.master.devices)
+            lines += [wrapped(found, WIDTH, "        ", "      ") for found in places]
             for rule in sheet.writing_of(item):
-                lines += _written(rule, "      ")
+                lines += _written(rule, sheet.master, "      ")
     for rule in sheet.shared_writing:
         lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
-        lines += _written(rule, "    ") if with_documents else []
+        lines += _written(rule, sheet.master, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
     for document in sheet.master.documents if with_documents else ():
         where = f"{document.title}, {document.url}" if document.url else document.title

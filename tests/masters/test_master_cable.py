@@ -51,7 +51,10 @@ def test_biss(capsys: pytest.CaptureFixture[str], code: str, metres: str, kilohe
 def test_a_list_of_clocks(capsys: pytest.CaptureFixture[str]) -> None:
     """Below 400 kHz the terminal has only 19, 250 kHz. The other master has 300 kHz, which is 2."""
     settings = told(capsys, "AM3619/4096-GG", "beckhoff_el5042", "--cable", "30")["settings"]
-    assert (settings["Clock Frequency, EL5042 and EP7041-4032"]["value"], settings["Clock Frequency, EJ5042"]["value"]) == (19, 19)
+    assert (
+        settings["Clock Frequency, EL5042 and EP7041-4032"]["value"],
+        settings["Clock Frequency, EJ5042"]["value"],
+    ) == (19, 19)
     assert told(capsys, "AM3619/4096-GG", "omron_nx", "--cable", "30")["settings"]["Baud Rate"]["value"] == 2
 
 

@@ -135,7 +135,7 @@ def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf
     slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
     assert [item.reason for item in slow.refusals] == [
         f"Clock Frequency, {item}: no clock is between 50 kHz and 249.999 kHz, the limits of the encoder."
-        for item in ("EL5042", "EJ5042")
+        for item in ("EL5042 and EP7041-4032", "EJ5042")
     ]
     fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
     assert [item.reason for item in fast.refusals] == [
@@ -191,7 +191,10 @@ title: {title}
 takes: [biss]
 documents: {{manual: {{title: A manual}}}}
 settings:
-  - {{name: Less, value: position_bits - 100, source: manual}}
+  - name: Less
+    value: position_bits - 100
+    places: [{{where: not_given, type: not_given, unit: bits, default: not_given, source: manual}}]
+    source: manual
 """
 
 

@@ -309,7 +309,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "beckhoff_ax8000",
             "SMA21-SC1-0050",
             {
-                "Measuring step length": "50 µm",
+                "Measuring step length": 50_000_000,
                 "Position bit count": 20,
                 "Fill bit count left": 4,
                 "Fill bit count right": 0,
