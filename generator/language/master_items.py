@@ -1,4 +1,4 @@
-"""The items of a master record: the names used in master descriptions, and their meaning."""
+"""Names used in master descriptions, and their meaning: the items of a master record, and data types."""
 
 from __future__ import annotations
 
@@ -37,6 +37,22 @@ NUMBERS: Mapping[str, str] = {
     "counts_per_turn": "counts per revolution",
     "turns": "distinguishable revolutions",
     "step_um": "length of one count, in µm",
+    "step_pm": "length of one count, in pm",
     "supply_min_mv": "lowest supply voltage of the encoder, in mV",
     "supply_max_mv": "highest supply voltage of the encoder, in mV",
+}
+
+#: Kind and width in bits of each data type that a master's document names. The width of some is not given.
+TYPES: Mapping[str, tuple[str, int | None]] = {
+    **dict.fromkeys(("BOOLEAN", "BOOL", "bool"), ("boolean", 1)),
+    **dict.fromkeys(("UINT8", "USINT", "Unsigned8", "uint8_t"), ("unsigned", 8)),
+    **dict.fromkeys(("UINT16", "UINT", "Unsigned16", "uint16_t"), ("unsigned", 16)),
+    **dict.fromkeys(("UINT32", "UDINT", "uint32_t"), ("unsigned", 32)),
+    **dict.fromkeys(("UINT64",), ("unsigned", 64)),
+    **dict.fromkeys(("INT64",), ("signed", 64)),
+    **dict.fromkeys(("int32_t",), ("signed", 32)),
+    "bits": ("unsigned", None),
+    "signed_number": ("signed", None),
+    "float": ("float", None),
+    "text": ("text", None),
 }

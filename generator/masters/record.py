@@ -317,6 +317,7 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
     if known["turns"] is not None:
         # Registers may set fewer bits than needed for the revolutions in other registers at their factory defaults.
         known["turns"] = min(known["turns"], 1 << multiturn_bits)
+    known["step_pm"] = known["step_um"] * 1_000_000 if known["step_um"] is not None else None
     return known
 
 

@@ -19,6 +19,7 @@ from ..loading.library import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
 from ..say.words import hertz
+from .places import Device, Place, devices_of, misfit, places_of
 from .record import Part, Record
 from .writing import Writing, writing_of
 
@@ -35,6 +36,7 @@ class Master:
     title: str
     takes: tuple[str, ...]
     documents: tuple[Document, ...]
+    devices: tuple[Device, ...]
     standing: str
     limits: tuple[Raw, ...]
     settings: tuple[Raw, ...]
@@ -57,12 +59,12 @@ class Setting:
     standing: str
     source: str
     note: str
-    default: int | str | None = None
+    places: tuple[Place, ...]
 
     @property
     def is_default(self) -> bool:
-        """True if the value is the master's factory default."""
-        return self.default is not None and self.default == self.value
+        """True if the value is the factory default on every device."""
+        return all(place.is_default for place in self.places)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +154,13 @@ def _master(data: Raw) -> Master:
     documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
     rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes"))
     return Master(
-        data["master"], data["title"], tuple(data["takes"]), documents, data.get("standing", "documented"), *rules
+        data["master"],
+        data["title"],
+        tuple(data["takes"]),
+        documents,
+        devices_of(data),
+        data.get("standing", "documented"),
+        *rules,
     )
 
 
@@ -180,11 +188,14 @@ def sheet(master: Master, record: Record) -> Sheet:
             settings.append(_setting(item, master, record))
         except _Refused as reason:
             refusals.append(Refusal(f"{reason}.", item.get("standing", master.standing), item["source"]))
+    if not refusals:
+        wrongs = ((misfit(item.name, item.value, item.places), item) for item in settings)
+        refusals = [Refusal(f"{wrong}.", item.standing, item.source) for wrong, item in wrongs if wrong]
     if refusals:
         return Sheet(master, tuple(refusals), (), ())
     notes = tuple(_filled(item["text"], record) for item in master.notes if _applies(item, record))
     rules = [_named(item, record) for item in master.writing if _applies(item, record)]
-    writing = writing_of(rules, [item.name for item in settings], master.standing)
+    writing = writing_of(rules, [item.name for item in settings], master.devices, master.standing)
     return Sheet(master, (), tuple(settings), notes, writing)
 
 
@@ -231,7 +242,8 @@ def _setting(item: Raw, master: Master, record: Record) -> Setting:
     name, at = _filled(item["name"], record), _filled(item.get("at", ""), record)
     note = " ".join(filter(None, [item.get("note", ""), _cable_note(item, value, record)]))
     standing = item.get("standing", master.standing)
-    return Setting(name, at, value, text, bound, standing, item["source"], note, item.get("default"))
+    places = places_of(item, value, master.devices, master.standing, lambda symbol: _filled(symbol, record))
+    return Setting(name, at, value, text, bound, standing, item["source"], note, places)
 
 
 def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
@@ -340,7 +352,7 @@ def _best_of_any(clock: Raw, record: Record) -> int:
         own = f"clocks of at least {hertz(least or 0)}"
         if most is not None and most < slowest:
             own = f"clocks of at most {hertz(most)}"
-        raise _Refused(f"It supports {own}, but the encoder needs {hertz(slowest)} to {_fastest(record)}")
+        raise _Refused(f"The master supports {own}, but the encoder needs {hertz(slowest)} to {_fastest(record)}")
     return best
 
 

@@ -13,9 +13,10 @@ from ..say.lines import WIDTH, pairs, wrapped
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts
+from .places import place_lines
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
-from .writing import Writing
+from .writing import Writing, write_order
 
 VERSION = 1
 
@@ -106,11 +107,13 @@ def _crc(record: Record) -> str:
     )
 
 
-def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
+def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return the meaning of the marks, and the settings tested on hardware."""
     used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
     used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
+    if with_places:
+        used |= {place.standing for sheet in sheets for rule in sheet.settings for place in rule.places}
     inferred = " * = derived, not stated there." if "inferred" in used else ""
     tried = "Not yet tested on hardware."
     if "tried" in used:
@@ -139,10 +142,20 @@ def condition(rule: Writing) -> str:
 
 
 def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
-    """Yield the conditions for this setting alone, after the advice to leave a factory default unchanged."""
-    if setting.is_default:
+    """Yield the conditions for this setting alone, after the advice to leave a protected factory default unchanged."""
+    own = sheet.writing_of(setting)
+    if setting.is_default and any(rule.needs for rule in own):
         yield f"{setting.text} is the factory default. Leave it unless it was changed."
-    yield from (condition(item) for item in sheet.writing_of(setting))
+    yield from (condition(item) for item in own)
+
+
+def _written(rule: Writing, master: Master, indent: str) -> list[str]:
+    """Return the places of the values that a condition needs."""
+    return [
+        wrapped(f"{write.title}: {found}", WIDTH, f"{indent}  ", indent)
+        for write in (*rule.needs, *rule.then)
+        for found in place_lines(write.places, write.text, master.devices)
+    ]
 
 
 def _shown(setting: Setting) -> str:
@@ -161,7 +174,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += pairs(facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
-    lines += ["", wrapped(legend([item.master for item in sheets], sheets), WIDTH)]
+    lines += ["", wrapped(legend([item.master for item in sheets], sheets, len(sheets) == 1), WIDTH)]
     taking = [item for item in sheets if not item.refusals]
     for item in taking:
         lines += ["", *_taken(item, with_documents=len(sheets) == 1)]
@@ -176,15 +189,8 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         ]
     silent = [item.master.title for item in sheets if not item.speaks]
     if silent:
-        lines += [
-            "",
-            wrapped(
-                f"Not described for {INTERFACES[record.words['interface']].title}: {'; '.join(silent)}.",
-                WIDTH,
-                "  ",
-                "",
-            ),
-        ]
+        title = INTERFACES[record.words["interface"]].title
+        lines += ["", wrapped(f"These masters are not described for {title}: {'; '.join(silent)}.", WIDTH, "  ", "")]
     if taking and len(sheets) > 1:
         lines += ["", f"--master NAME shows one of them with its documents, such as {taking[0].master.name}."]
     return "\n".join(lines)
@@ -204,7 +210,14 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
         if item.note:
             lines.append(wrapped(item.note, WIDTH, "      "))
         lines += [wrapped(found, WIDTH, "      ") for found in conditions(item, sheet)]
-    lines += [wrapped(condition(item), WIDTH, "    ", "  - ") for item in sheet.shared_writing]
+        if with_documents:
+            places = place_lines(item.places, item.text, sheet.master.devices)
+            lines += [wrapped(found, WIDTH, "        ", "      ") for found in places]
+            for rule in sheet.writing_of(item):
+                lines += _written(rule, sheet.master, "      ")
+    for rule in sheet.shared_writing:
+        lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
+        lines += _written(rule, sheet.master, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
     for document in sheet.master.documents if with_documents else ():
         where = f"{document.title}, {document.url}" if document.url else document.title
@@ -265,6 +278,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
                 "refusals": [asdict(reason) for reason in item.refusals],
                 "settings": [asdict(setting) for setting in item.settings],
                 "writing": [asdict(rule) for rule in item.writing],
+                "write_order": list(write_order([setting.name for setting in item.settings], item.writing)),
                 "notes": list(item.notes),
                 "documents": [asdict(document) for document in item.master.documents],
             }

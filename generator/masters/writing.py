@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ..language.problems import listed
+from .places import Device, Place, places_of
 
 Raw = Mapping[str, Any]
 
@@ -19,6 +20,7 @@ class Write:
     name: str
     value: int | str
     text: str
+    places: tuple[Place, ...]
 
     @property
     def title(self) -> str:
@@ -53,27 +55,45 @@ class Writing:
     text: str
 
 
-def writing_of(rules: Iterable[Raw], names: Collection[str], standing: str) -> tuple[Writing, ...]:
+def writing_of(
+    rules: Iterable[Raw], names: Collection[str], devices: Sequence[Device], standing: str
+) -> tuple[Writing, ...]:
     """Return the conditions for writing the settings ``names`` of a sheet."""
     found = []
     for rule in rules:
         of, after = (tuple(item for item in rule.get(key, ()) if item in names) for key in ("of", "after"))
         if ("of" in rule and not of) or ("after" in rule and not after):
             continue
-        found.append(_writing(rule, of, after, standing))
+        found.append(_writing(rule, of, after, devices, standing))
     return tuple(found)
 
 
-def _writing(rule: Raw, of: tuple[str, ...], after: tuple[str, ...], standing: str) -> Writing:
-    needs, then = (tuple(_write(item) for item in rule.get(key, ())) for key in ("needs", "then"))
+def _writing(
+    rule: Raw, of: tuple[str, ...], after: tuple[str, ...], devices: Sequence[Device], standing: str
+) -> Writing:
+    needs, then = (tuple(_write(item, devices, standing) for item in rule.get(key, ())) for key in ("needs", "then"))
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
     text = _sentence(of, needs, after, then, effect)
     return Writing(of, needs, after, then, effect, rule.get("standing", standing), rule["source"], text)
 
 
-def _write(item: Raw) -> Write:
+def _write(item: Raw, devices: Sequence[Device], standing: str) -> Write:
     value = item["value"]
-    return Write(item["object"], item.get("name", ""), value, f"0x{value:X}" if item.get("as") == "hex" else str(value))
+    text = f"0x{value:X}" if item.get("as") == "hex" else str(value)
+    places = places_of(item, value, devices, standing, str)
+    return Write(item["object"], item.get("name", ""), value, text, places)
+
+
+def write_order(names: Sequence[str], rules: Iterable[Writing]) -> tuple[str, ...]:
+    """Return the settings in an order that follows every ``after``, and otherwise their own order."""
+    later = {name: set[str]() for name in names}
+    for rule in rules:
+        for name in rule.of:
+            later[name].update(rule.after)
+    order: list[str] = []
+    while len(order) < len(names):
+        order.append(next(name for name in names if name not in order and later[name] <= set(order)))
+    return tuple(order)
 
 
 def _sentence(

@@ -14,8 +14,8 @@ from codewheel.model import Device
         # 4.1.3 and 4.1.4 have A and B without a sign; SMA21 4.2 has A (REQ+ / SD+).
         ("amm5", "rs485_polarity", True, "without + or -", "connectors.rs485_connector"),
         # Neither 7.2 has a time between request and reply.
-        ("amm5", "rs485_reply_time", True, "without the time", "interfaces.rs485.data_ids"),
-        ("sma21", "rs485_reply_time", True, "without the time", "interfaces.rs485.data_ids"),
+        ("amm5", "rs485_reply_time", True, "not the time between", "interfaces.rs485.data_ids"),
+        ("sma21", "rs485_reply_time", True, "not the time between", "interfaces.rs485.data_ids"),
         # 5.3: at least 20 µs and Tp > 20 µs; 16 µs in SMA21.
         ("amm5", "ssi_pause", True, "Tp > 20 µs", "interfaces.ssi.pause"),
         ("sma21", "ssi_pause", True, "Tp > 16 µs", "interfaces.ssi.pause"),

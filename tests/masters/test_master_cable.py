@@ -51,7 +51,10 @@ def test_biss(capsys: pytest.CaptureFixture[str], code: str, metres: str, kilohe
 def test_a_list_of_clocks(capsys: pytest.CaptureFixture[str]) -> None:
     """Below 400 kHz the terminal has only 19, 250 kHz. The other master has 300 kHz, which is 2."""
     settings = told(capsys, "AM3619/4096-GG", "beckhoff_el5042", "--cable", "30")["settings"]
-    assert (settings["Clock Frequency, EL5042"]["value"], settings["Clock Frequency, EJ5042"]["value"]) == (19, 19)
+    assert (
+        settings["Clock Frequency, EL5042 and EP7041-4032"]["value"],
+        settings["Clock Frequency, EJ5042"]["value"],
+    ) == (19, 19)
     assert told(capsys, "AM3619/4096-GG", "omron_nx", "--cable", "30")["settings"]["Baud Rate"]["value"] == 2
 
 
@@ -59,14 +62,14 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
     ssi = told(capsys, "AMM5A21/65KBG1", "beckhoff_el5042")
     assert ssi["record"]["cable_lengths"][0] == {"metres": 50, "hz": 400_000, "is_below": True}
     assert ssi["record"]["cable_errata"] == ["ssi_cable_400_m", "ssi_cable_50_m"]
-    note = ssi["settings"]["Clock Frequency, EL5042"]["note"]
+    note = ssi["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
     assert (
         "the encoder's manual: a cable shorter than 50 m needs a clock below 400 kHz, and a longer one needs a lower "
         "clock." in note
     )
     biss = told(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
     assert (
-        biss["settings"]["Clock Frequency, EL5042"]["note"]
+        biss["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
         == "For a cable up to 10 m, according to the table in AN15 of iC-Haus, revision A3, for RS-422."
     )
     assert len(biss["record"]["cable_lengths"]) == 7

@@ -64,7 +64,7 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
 def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet_of: SheetOf) -> None:
     """A long name or value moves what follows it in its own line, and no other line."""
     found = sheet_of("linuxcnc_hostmot2", "SMA21-SC1-0050")
-    one = replace(found.settings[0], at="place", note="", standing="documented", default=None)
+    one = replace(found.settings[0], at="place", note="", standing="documented", places=())
     long = [
         replace(one, name="n" * 41, text="1"),
         replace(one, name="m", text="v" * 19),
@@ -146,7 +146,8 @@ def test_a_broken_master_of_ones_own(capsys: pytest.CaptureFixture[str], tmp_pat
     path.write_text(
         (
             "codewheel: 1\nmaster: mine\ntitle: Mine\ntakes: [biss]\ndocuments: {a: {title: A}}\n"
-            "settings: [{name: B, value: bits, source: a}]\n"
+            "settings: [{name: B, value: bits, source: a, "
+            "places: [{where: not_given, type: not_given, unit: none, default: not_given, source: a}]}]\n"
         ),
         encoding="utf-8",
     )

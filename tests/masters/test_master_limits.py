@@ -127,7 +127,7 @@ def test_the_fastest_clock_that_both_have(
     found = sheet(
         masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
     )
-    assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042"] == clock
+    assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042 and EP7041-4032"] == clock
 
 
 def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf) -> None:
@@ -135,11 +135,11 @@ def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf
     slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
     assert [item.reason for item in slow.refusals] == [
         f"Clock Frequency, {item}: no clock is between 50 kHz and 249.999 kHz, the limits of the encoder."
-        for item in ("EL5042", "EJ5042")
+        for item in ("EL5042 and EP7041-4032", "EJ5042")
     ]
     fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
     assert [item.reason for item in fast.refusals] == [
-        "It supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
+        "The master supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
     ]
 
 
@@ -156,7 +156,7 @@ def test_the_module_with_fewer_clocks(
 
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
     found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
-    clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042")
+    clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042 and EP7041-4032")
     assert (clock.value, clock.text) == (
         None,
         "unknown: not in the encoder's manual (fastest clock of the encoder, in Hz)",
@@ -191,7 +191,10 @@ title: {title}
 takes: [biss]
 documents: {{manual: {{title: A manual}}}}
 settings:
-  - {{name: Less, value: position_bits - 100, source: manual}}
+  - name: Less
+    value: position_bits - 100
+    places: [{{where: not_given, type: not_given, unit: bits, default: not_given, source: manual}}]
+    source: manual
 """
 
 

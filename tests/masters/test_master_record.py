@@ -50,6 +50,7 @@ def test_every_item(record_of: RecordOf) -> None:
         "counts_per_turn": None,
         "turns": None,
         "step_um": 50,
+        "step_pm": 50_000_000,
         "supply_min_mv": 4750,
         "supply_max_mv": 5250,
     }

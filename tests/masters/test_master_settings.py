@@ -32,7 +32,7 @@ Told = Callable[[str, str], dict[str, Any]]
 # Beckhoff: bits as they are; zero bits on the right are "Offset LSB"; clock 0 is 10 MHz, 9 is 1 MHz, 4 is 2 MHz,
 # the most for SSI. The EJ5042 has 0, 2, 3, 17 (500 kHz) and 19 only.
 BECKHOFF_BISS = {"Mode": 0, "Disable Status Bits": False, "CRC Invert": True, "CRC Polynomial": 0x43, "Coding": 0}
-BECKHOFF_CLOCKS = {"Clock Frequency, EL5042": 0, "Clock Frequency, EJ5042": 0}
+BECKHOFF_CLOCKS = {"Clock Frequency, EL5042 and EP7041-4032": 0, "Clock Frequency, EJ5042": 0}
 BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
 
 
@@ -73,7 +73,7 @@ def test_beckhoff_ssi(
         "Singleturn [Bit]": singleturn,
         "Offset LSB Bit [Bit]": offset,
     }
-    clocks = {"Clock Frequency, EL5042": clock, "Clock Frequency, EJ5042": 17}
+    clocks = {"Clock Frequency, EL5042 and EP7041-4032": clock, "Clock Frequency, EJ5042": 17}
     supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
     assert told("beckhoff_el5042", code) == {**BECKHOFF_SSI, **bits, **clocks, **supply}
 
@@ -309,7 +309,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "beckhoff_ax8000",
             "SMA21-SC1-0050",
             {
-                "Measuring step length": "50 µm",
+                "Measuring step length": 50_000_000,
                 "Position bit count": 20,
                 "Fill bit count left": 4,
                 "Fill bit count right": 0,

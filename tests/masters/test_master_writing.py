@@ -27,7 +27,7 @@ def test_supply_of_el5042(sheet_of: SheetOf) -> None:
     for code in ("AMM5A21/65KSC1", "SMA21-SC4-0050"):
         found = sheet_of("beckhoff_el5042", code)
         voltage = next(item for item in found.settings if item.name == "Supply Voltage")
-        assert (voltage.at, voltage.value, voltage.default) == ("8008:12", 50, 50)
+        assert (voltage.at, voltage.value, voltage.is_default) == ("8008:12", 50, True)
         rules = about(found, "Supply Voltage")
         assert [(item.object, item.value) for rule in rules for item in rule.needs] == [
             ("F008", int.from_bytes(b"user", "little"))
@@ -94,7 +94,8 @@ def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", "AMM5A21/65KSC1", "--master", "beckhoff_el5042", "--json"]) == 0
     data: dict[str, Any] = json.loads(capsys.readouterr().out)["masters"][0]
     voltage = next(item for item in data["settings"] if item["name"] == "Supply Voltage")
-    assert voltage["default"] == voltage["value"] == 50
+    assert voltage["value"] == 50
+    assert [(place["default"], place["is_default"]) for place in voltage["places"]] == [(50, True), (50, True)]
     rules = [item for item in data["writing"] if item["of"] == ["Supply Voltage"]]
     assert [item["value"] for rule in rules for item in rule["needs"]] == [0x72657375]
     assert [rule["takes_effect"]["in_state"] for rule in rules if rule["takes_effect"]] == ["INIT"]

@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import Any
 
 from ...model.expressions import Expression, ExpressionError
+from ...say.words import counted
 from ..master_items import NUMBERS, WORDS
 from ..problems import DocumentReport, Path, listed, quoted, suggestion
 
@@ -17,6 +18,7 @@ Raw = Mapping[str, Any]
 _ITEMS = (*WORDS, *NUMBERS)
 _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _WRITING = ("needs", "after", "then", "takes_effect")
+_PLACES = ("index", "symbol", "register", "address", "where")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
@@ -31,6 +33,9 @@ def check_master(data: Raw, report: DocumentReport) -> None:
             _limit(node, path, report)
     for index, note in enumerate(data.get("notes", ())):
         _braces(note["text"], _ITEMS, ("notes", index, "text"), report)
+    for path, node in _nodes(data, ()):
+        for index, place in enumerate(node.get("places", ())):
+            _place(place, (*path, "places", index), data, report)
     for index, setting in enumerate(data.get("settings", ())):
         _setting(setting, _written(index, report), ("settings", index), report)
     _writing(data, report)
@@ -125,8 +130,6 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
     for key in ("as", "bound"):
         if key in setting and "value" not in written:
             report.add("setting-shape", (*path, key), f"'{key}' needs 'value'", at_key=True)
-    if "default" in setting and not {"value", "choice", "clocks"} & written.keys():
-        report.add("setting-shape", (*path, "default"), "'default' needs 'value', 'choice' or 'clocks'", at_key=True)
     if setting.get("as") == "boolean" and "bound" in setting:
         report.add("setting-shape", (*path, "bound"), "a boolean cannot be a bound", at_key=True)
     if "value" in setting:
@@ -144,6 +147,37 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
             (*path, "any_clock", "at_most_hz"),
             f"'at_most_hz' is less than 'at_least_hz', which is {clock['at_least_hz']}",
         )
+
+
+def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+    """Check that a place is given once, on known devices, and with one entry for each of their channels."""
+    given = [key for key in _PLACES if key in place]
+    if not given:
+        report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
+    if "where" in given and len(given) > 1:
+        wrong = f"'where' says that no place is given, but there is {quoted(given[0])}; keep one of them"
+        report.add("setting-shape", (*path, "where"), wrong, at_key=True)
+    if ("index" in place) != ("subindex" in place):
+        report.add("setting-shape", path, "'index' and 'subindex' need each other")
+    if (place.get("type") == "bits") != ("bits" in place):
+        report.add("setting-shape", path, "the type 'bits' and the key 'bits' need each other")
+    if place.get("min", 0) > place.get("max", place.get("min", 0)):
+        report.add("value-clash", (*path, "max"), f"'max' is less than 'min', which is {place['min']}")
+    channels = {item["name"]: len(item.get("channels", ("",))) for item in data.get("devices", ())}
+    channels = channels or {data.get("title", ""): 1}
+    for index, name in enumerate(place.get("on", ())):
+        if name not in channels:
+            wrong = f"there is no device {quoted(name)}{suggestion(name, channels)}"
+            report.add("undefined-reference", (*path, "on", index), wrong)
+    for key in ("index", "subindex", "symbol", "register", "address"):
+        found = place.get(key)
+        for name, number in channels.items():
+            if isinstance(found, list) and name in place.get("on", channels) and len(found) != number:
+                wrong = f"there must be one for each channel of {name}, which has {counted(number, 'channel')}"
+                report.add("setting-shape", (*path, key), wrong, at_key=True)
+    symbols = place.get("symbol", [])
+    for text in symbols if isinstance(symbols, list) else [symbols]:
+        _braces(text, _ITEMS, (*path, "symbol"), report)
 
 
 def _writing(data: Raw, report: DocumentReport) -> None:

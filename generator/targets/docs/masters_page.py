@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from math import prod
 from typing import Annotated, Any, TypedDict
 
+from ...masters.places import Device as MasterDevice
+from ...masters.places import Place, place_words
 from ...masters.record import NoRecord, Record, Undecided, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
 from ...masters.text import bound, cited, condition, conditions, facts, legend, mark
@@ -55,7 +57,7 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
     sheets = [found for _, _, told in parts for _, rows in told for _, found in rows]
     return {
         "device": device,
-        "legend": text(legend(masters, sheets)),
+        "legend": text(legend(masters, sheets, with_places=True)),
         "interfaces": [_interface(device, *part) for part in parts],
     }
 
@@ -169,6 +171,7 @@ def _master(master: Master, sheets: Told) -> dict[str, Any]:
         "tables": tables,
         "row_notes": _row_notes(columns, {row[0] for row in same}),
         "refused": list(_refused(sheets)),
+        "places": list(_places(taken)),
         "notes": list(_notes(taken)),
         "documents": document_rows(master.documents),
     }
@@ -179,6 +182,25 @@ def _row(item: Setting, sheet: Sheet) -> Row:
     name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
     value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
     return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(cited(item.source))
+
+
+def _places(taken: Told) -> Iterator[Row]:
+    """Yield the places of each setting and of each value that a condition needs, once for all order codes."""
+    found: dict[tuple[str, str], tuple[Sequence[Place], str, Sequence[MasterDevice]]] = {}
+    for _, item in taken:
+        devices = item.master.devices
+        for setting in item.settings:
+            found.setdefault((setting.name, setting.at), (setting.places, setting.text, devices))
+        for rule in item.writing:
+            for write in (*rule.needs, *rule.then):
+                found.setdefault((write.title, ""), (write.places, write.text, devices))
+    for (name, _), places in found.items():
+        for words in place_words(*places):
+            place = ": ".join(filter(None, (words.devices, words.location or "not given")))
+            unit = words.unit if words.unit != "none" else ""
+            data = ", ".join(filter(None, (words.type or "not given", unit, words.range)))
+            source = f"{words.source}{words.mark}"
+            yield tuple(map(text, (name, place, data, words.default or "not given", source)))
 
 
 def _mark(rule: Setting | Refusal) -> str:
