@@ -1,5 +1,4 @@
-{# python/<package>/biss.py: BiSS C control frames, the same for all families. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Register access over BiSS C: control frames for masters and slaves.
 
 A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the level of MA during the
@@ -48,20 +47,21 @@ from enum import Enum
 from operator import index
 from typing import Final
 
-from ._codec import ConstantError, CrcError, Data, LengthError, RangeError, as_bytes, check_width, whole_number
+from .codec import Data, as_bytes, check_width, whole_number
+from .errors import ConstantError, CrcError, LengthError, RangeError
 
 __all__ = [
+    "IDS",
+    "REGISTERS",
+    "ZEROS",
     "AccessError",
     "Answer",
-    "IDS",
     "Master",
     "Outcome",
-    "REGISTERS",
     "RegisterBus",
     "Request",
     "Slave",
     "Wants",
-    "ZEROS",
     "crc",
     "decode_byte",
     "encode_byte",

@@ -1,5 +1,4 @@
-{# python/<package>/_shape.py: describes frames for decode_many and encode_many. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Descriptions of frames for ``decode_many`` and ``encode_many``."""
 
 from __future__ import annotations
@@ -8,8 +7,8 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
-from ._reports import Verdict
-from ._table import Fault
+from .reports import Verdict
+from .table import Fault
 
 
 class Column(NamedTuple):
@@ -180,7 +179,7 @@ def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
     for items in found.values():
         first = min(items)
         masks = [((1 << item.width) - 1 << item.low - first.low, item.low - first.low) for item in items]
-        value = sum(mask & item.value << low for (mask, low), item in zip(masks, items))
+        value = sum(mask & item.value << low for (mask, low), item in zip(masks, items, strict=False))
         groups.append((first.low, sum(mask for mask, _ in masks), value, first.place))
     return tuple(groups)
 

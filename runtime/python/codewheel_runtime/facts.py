@@ -1,5 +1,4 @@
-{# python/<package>/_facts.py: the classes of the facts of a manual. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Classes for the facts of the manuals, other than frames and registers.
 
 ``source`` is the section and page of the manual. An empty text, an empty tuple or None means that the manual does not
@@ -12,8 +11,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from ._codec import Interface
-from ._reports import ReadOnly
+from .reports import Interface, ReadOnly
 
 _NO_NAMES: ReadOnly[str] = ReadOnly({})
 

@@ -1,5 +1,4 @@
-{# python/<package>/_input.py: types shared by the readers of files. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Types that the readers of files share, and the check of the first frames of a file."""
 
 from __future__ import annotations

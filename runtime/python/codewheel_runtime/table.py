@@ -1,5 +1,4 @@
-{# python/<package>/_table.py: the columns of many frames. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Columns of many decoded frames, and conversions of them."""
 
 from __future__ import annotations
@@ -10,10 +9,10 @@ from importlib import import_module
 from math import tau
 from typing import Any, Final, Literal
 
-from ._codec import RangeError, unwrap
-from ._encoder import Encoder
-from ._reports import Verdict
-
+from .codec import unwrap
+from .encoder import Encoder
+from .errors import RangeError
+from .reports import Verdict
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
@@ -161,8 +160,9 @@ class Table(Mapping[str, Any]):
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
         np: Any = import_module("numpy")
-        modulus: int = getattr(self.encoder, "modulus")
-        highest: int = getattr(self.encoder, "highest", modulus - 1)
+        encoder: Any = self.encoder
+        modulus: int = encoder.modulus
+        highest: int = getattr(encoder, "highest", modulus - 1)
         good = np.flatnonzero(self.usable)
         position = self.position.astype(np.int64)
         if not len(good):
@@ -226,10 +226,11 @@ class Table(Mapping[str, Any]):
         """Return the size of one count in a unit, as numerator and denominator."""
         if unit == "counts":
             return 1, 1
+        encoder: Any = self.encoder
         if unit in _OF_A_TURN:
-            per_turn: int = getattr(self.encoder, "from_turns")(1)
+            per_turn: int = encoder.from_turns(1)
             return _OF_A_TURN[unit], per_turn
-        micrometres: int = getattr(self.encoder, "micrometres")(1)
+        micrometres: int = encoder.micrometres(1)
         return micrometres, _OF_A_LENGTH[unit]
 
     def hidden(self, name: str) -> Any:

@@ -1,5 +1,4 @@
-{# python/<package>/_sinks.py: writes columns of frames to files. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Writes columns of decoded frames to Parquet, Arrow or CSV files, and converts them for other libraries."""
 
 from __future__ import annotations
@@ -13,8 +12,8 @@ from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
-from ._reports import Verdict
-from ._table import Fault, Table
+from .reports import Verdict
+from .table import Fault, Table
 
 TargetKind = Literal["parquet", "arrow", "csv"]
 _SUFFIXES: Final[dict[str, TargetKind]] = {
@@ -236,14 +235,15 @@ class CsvSink:
                         if name in kept
                         else self._cells(name, table[name][rows], hidden[name], rows)
                         for name in self._plan.names
-                    )
+                    ),
+                    strict=False,
                 )
             )
 
     @staticmethod
     def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
         if hidden is not None:
-            cells = zip(column.tolist(), hidden[rows].tolist())
+            cells = zip(column.tolist(), hidden[rows].tolist(), strict=False)
             return ["" if is_hidden else cell for cell, is_hidden in cells]
         if name in _WORDS:
             words = _WORDS[name]
