@@ -7,9 +7,9 @@ the templates, and names and expressions from this package.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
+from runpy import run_path
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer
@@ -77,15 +77,11 @@ def _runtime_files(folder: str) -> dict[str, str]:
 
 def runtime_version() -> str:
     """Return the major and minor number of the runtime's version. A package needs at least this runtime."""
-    text = (RUNTIME / "codewheel_runtime" / "version.py").read_text(encoding="utf-8")
-    found = re.search(r'^__version__: Final = "([0-9]+\.[0-9]+)\.[0-9]+"$', text, re.MULTILINE)
-    assert found is not None, "the runtime has no version"
-    return found[1]
+    version: str = run_path(str(RUNTIME / "codewheel_runtime" / "version.py"))["__version__"]
+    return version[: version.rindex(".")]
 
 
-def _package(
-    maker: Manufacturer, devices: tuple[Device, ...], library: Library, others: list[str]
-) -> dict[str, str]:
+def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library, others: list[str]) -> dict[str, str]:
     package = maker.python_package
     modules = [Module(device) for device in devices]
     biss = (BISS,) if has_biss(devices) else ()

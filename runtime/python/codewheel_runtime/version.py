@@ -17,12 +17,15 @@ from typing import Final
 __version__: Final = "1.0.0"
 
 
-def require(package: str, needed: str) -> None:
+def require(package: str, needed: str) -> str:
     """Check that this runtime fits a package.
 
     Args:
         package: Name of the package, for the error.
         needed: Major and minor number of the runtime that the package was generated for, such as ``1.0``.
+
+    Returns:
+        The version of this runtime.
 
     Raises:
         ImportError: The runtime has another major version, or is older.
@@ -31,6 +34,7 @@ def require(package: str, needed: str) -> None:
     if found[0] != lowest[0] or found < lowest:
         message = f"{package} needs codewheel-runtime {needed} or a later {lowest[0]}.x, but {__version__} is installed"
         raise ImportError(message, name="codewheel_runtime")
+    return __version__
 
 
 def _numbers(version: str) -> tuple[int, int]:

@@ -6,4 +6,4 @@ import sys
 from codewheel_runtime.command import main
 
 if __name__ == "__main__":
-    sys.exit(main(__package__))
+    sys.exit(main(str(__package__)))
