@@ -24,6 +24,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "generated" / "python"
+PATHS = [str(PACKAGE), str(PACKAGE / "runtime")]
 ROUNDS, CALLS, MANY = 15, 4_000, 1_000_000
 Candidates = dict[str, Callable[[], object]]
 
@@ -32,7 +33,7 @@ SERIAL, REPLY = "AMM5A23/65KJP1", bytes.fromhex("02 00 C7 D1 6A 7E")
 
 
 def main() -> None:
-    sys.path.insert(0, str(PACKAGE))
+    sys.path[:0] = PATHS
     print(f"Python {sys.version.split()[0]}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n")
     compare("one BiSS frame of 45 bits, ns", {**biss_by_hand(), **peers_of_biss()}, CALLS, 1)
     compare("one RS-485 reply of 6 bytes, ns", {**serial_by_hand(), **peers_of_serial()}, CALLS, 1)
@@ -298,7 +299,7 @@ def loading() -> None:
     cases = ("pass", "import typing, enum", "import lika_encoders", *(f"import lika_encoders.{n}" for n in families()))
     best = dict.fromkeys(cases, float("inf"))
     with tempfile.TemporaryDirectory() as folder:
-        setting = {**os.environ, "PYTHONPATH": str(PACKAGE), "PYTHONPYCACHEPREFIX": folder}
+        setting = {**os.environ, "PYTHONPATH": os.pathsep.join(PATHS), "PYTHONPYCACHEPREFIX": folder}
         setting.pop("PYTHONDONTWRITEBYTECODE", None)
         for _ in range(ROUNDS):
             for case in cases:

@@ -86,14 +86,15 @@ def run(package: Path, *arguments: str) -> Run:
 
 def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
     """Measure the command for a file of ``size`` bytes."""
-    sys.path.insert(0, str(package))
+    paths = [str(package), str(package / "runtime")]
+    sys.path[:0] = paths
     try:
         from lika_encoders import lookup  # type: ignore[import-not-found, unused-ignore]
 
         encoder = lookup(code)
         block = frames(encoder)
     finally:
-        sys.path.remove(str(package))
+        del sys.path[: len(paths)]
     source, target = folder / "frames.bin", folder / "frames.parquet"
     try:
         write(source, block, size, (encoder.frame_bits + 7) // 8)
@@ -108,7 +109,7 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
 
 def child(package: str, *arguments: str) -> int:
     """Run the command and report its memory. The parent must be small, because a process starts with its memory."""
-    environment = {**os.environ, "PYTHONPATH": package}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([package, os.path.join(package, "runtime")])}
     done = subprocess.run([sys.executable, "-m", "lika_encoders", "decode", *arguments], env=environment)
     print("peak", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
     return done.returncode

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from python_path import python_path
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -171,7 +172,7 @@ def test_the_tests_that_are_named_are_there() -> None:
 def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[Path, ModuleType]) -> None:
     """In a folder with what they read: an own spec under version control, a document type, captured frames."""
     _prepare(tmp_path)
-    environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": f"{generated_python[0]}", "PYTHONIOENCODING": "utf-8"}
+    environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": python_path(generated_python[0]), "PYTHONIOENCODING": "utf-8"}
     for line in block.lines:
         command = line.removeprefix("$ ").partition(" #")[0].partition(" | ")[0].strip()
         words = shlex.split(command.replace(".venv/bin/codewheel", "codewheel"))

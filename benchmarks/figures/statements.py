@@ -54,7 +54,7 @@ class Statement:
 
 
 def printed(checkout: Checkout) -> dict[str, Printed]:
-    """Return the headers and modules that a checkout generates from its own specs.
+    """Return the headers and modules that a checkout generates from its own specs, without the runtime that it copies.
 
     Raises:
         RuntimeError: The checkout generates no files.
@@ -75,7 +75,8 @@ def printed(checkout: Checkout) -> dict[str, Printed]:
         if done.returncode:
             raise RuntimeError(f"{checkout.root} generates nothing:\n{done.stderr.strip()}")
         found = json.loads(result.read_text(encoding="utf-8"))
-    return {path: Printed(text, origin) for path, (text, origin) in found.items()}
+    runtime = {path.read_bytes() for path in (checkout.root / "runtime").rglob("*.*") if path.is_file()}
+    return {path: Printed(text, origin) for path, (text, origin) in found.items() if text.encode() not in runtime}
 
 
 def _lay_out(checkout: Checkout, package: Path) -> None:
@@ -84,8 +85,9 @@ def _lay_out(checkout: Checkout, package: Path) -> None:
     for item in (checkout.root / "generator").iterdir():
         if item.name != "__pycache__":
             (package / item.name).symlink_to(item)
-    for name in ("templates", "specs"):
-        (package / name).symlink_to(checkout.root / name)
+    for name in ("templates", "runtime", "specs"):
+        if (checkout.root / name).exists():
+            (package / name).symlink_to(checkout.root / name)
 
 
 def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, list[Statement]]:

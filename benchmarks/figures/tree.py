@@ -13,7 +13,7 @@ from io import BytesIO
 from pathlib import Path
 
 #: Folders with handwritten sources, and the extensions of their files.
-WRITTEN = ("generator", "templates", "tests", "benchmarks")
+WRITTEN = ("generator", "runtime", "templates", "tests", "benchmarks")
 #: Longest line that the formatter allows.
 COLUMNS = 120
 

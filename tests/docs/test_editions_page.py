@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -17,6 +18,7 @@ from codewheel.language.problems import Report
 from codewheel.loading import library as loading
 from codewheel.loading.library import in_edition
 from codewheel.model import Device
+from python_path import python_path
 
 pytestmark = pytest.mark.slow
 
@@ -205,7 +207,8 @@ for label, module in unknown.items():
     raise AssertionError(label)
 assert lika.identify({"manufacturer_id": b"Li"}) == tuple(dict.fromkeys(lika.identify({"manufacturer_id": b"Li"})))
 """
-    subprocess.run([sys.executable, "-c", program], cwd=generated / "python", check=True)
+    environment = {**os.environ, "PYTHONPATH": python_path(generated / "python")}
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
 
 
 @pytest.mark.slow

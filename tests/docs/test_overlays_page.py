@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
+from python_path import python_path
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "overlays.md").read_text(encoding="utf-8")
@@ -103,7 +105,8 @@ except ValueError:
 else:
     raise AssertionError("1500 is above what the standard models take")
 """
-    subprocess.run([sys.executable, "-c", program], cwd=generated / "python", check=True)
+    environment = {**os.environ, "PYTHONPATH": python_path(generated / "python")}
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
 
 
 @pytest.mark.slow

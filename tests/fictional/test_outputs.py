@@ -49,7 +49,8 @@ def test_python_is_strict(generated: Path) -> None:
         "--no-incremental",
         str(generated / "python" / "tolvarn_encoders"),
     ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    environment = {**os.environ, "MYPYPATH": str(generated / "python" / "runtime")}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert done.returncode == 0, done.stdout
 
 

@@ -247,7 +247,7 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
         ("master SMA21-SC4-0050", set()),
         ("diff specs specs", set()),
         ("generate --check --target docs", {"docs", "file_names", "licence", "registry"}),
-        ("generate --check --target python", {"licence", "python", "registry"}),
+        ("generate --check --target python", {"licence", "python", "registry", "runtime"}),
         ("check --target biss specs", {"biss", "file_names", "licence", "registry"}),
     ],
 )

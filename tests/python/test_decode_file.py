@@ -22,8 +22,12 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 import pytest
+from codewheel_runtime import inputs
+from codewheel_runtime.command import main
+from codewheel_runtime.table import Fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from python_path import python_path
 
 CODE = "AMM5A21/65KSC1"
 #: The frame of AMM5's manual page: 42 revolutions, 1821973 counts; its last bits are the CRC.
@@ -51,11 +55,10 @@ def decode(
     capsys: pytest.CaptureFixture[str],
 ) -> Command:
     """The command, in this process and in a folder of its own."""
-    main: Callable[[Sequence[str]], int] = __import__("lika_encoders.__main__", fromlist=["main"]).main
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> Done:
-        code = main(["decode", *arguments])
+        code = main("lika_encoders", ["decode", *arguments])
         return Done(code, *capsys.readouterr())
 
     return run
@@ -203,7 +206,6 @@ def test_parts_make_the_whole(
 ) -> None:
     """Whatever falls on the edge of what is read at once."""
     lika = generated_python[1]
-    sources = __import__("lika_encoders._input", fromlist=["CHUNK"])
     source = random.Random(5)
     words = [GOOD ^ (source.getrandbits(45) if source.random() < 0.3 else 0) for _ in range(1000)]
     whole = lika.lookup(CODE).decode_many(words)
@@ -211,8 +213,8 @@ def test_parts_make_the_whole(
     (tmp_path / "it.csv").write_text("".join(f"{word:#x}\n" for word in words))
     pyarrow.parquet.write_table(pyarrow.table({"word": words}), tmp_path / "it.parquet", row_group_size=7)
     for size in (1, 7, 999, 1000, 1001):
-        monkeypatch.setattr(sources, "CHUNK", size)
-        monkeypatch.setattr(sources, "ROWS", size)
+        monkeypatch.setattr(inputs, "CHUNK", size)
+        monkeypatch.setattr(inputs, "ROWS", size)
         for name in ("it.bin", "it.csv", "it.parquet") if size > 1 else ("it.bin",):
             for limit in (None, 0, 5, 7, 1000, 2000):
                 out = tmp_path / "out.arrow"
@@ -221,7 +223,7 @@ def test_parts_make_the_whole(
                 count = min(limit if limit is not None else 1000, 1000)
                 assert (told.frames, found.num_rows) == (count, count)
                 assert found["position"].to_pylist() == whole.usable_position[:count].tolist()
-                faults = [lika._table.Fault[item.upper()] for item in found["fault"].to_pylist()]
+                faults = [Fault[item.upper()] for item in found["fault"].to_pylist()]
                 assert faults == whole.fault[:count].tolist()
 
 
@@ -392,7 +394,7 @@ def test_no_damaged_parquet_crashes_it(decode: Command, tmp_path: Path, data: st
 @pytest.fixture(scope="module")
 def start(generated_python: tuple[Path, ModuleType]) -> Callable[..., subprocess.Popen[str]]:
     def run(*arguments: str, cwd: Path, **how: Any) -> subprocess.Popen[str]:
-        environment = {**os.environ, "PYTHONPATH": str(generated_python[0]), "PYTHONDONTWRITEBYTECODE": "1"}
+        environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0]), "PYTHONDONTWRITEBYTECODE": "1"}
         command = [sys.executable, "-m", "lika_encoders", "decode", *arguments]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how}
         # Whoever runs the tests in the background has interrupts ignored, and hands that down.
@@ -553,7 +555,7 @@ def test_bytes_that_are_left_over_are_told_before_anything_is_done(
     decode: Command,
 ) -> None:
     """Of a pipe nobody knows the length: there it is told at the end, and nothing is written either."""
-    monkeypatch.setattr(__import__("lika_encoders._input", fromlist=["CHUNK"]), "CHUNK", 1)
+    monkeypatch.setattr(inputs, "CHUNK", 1)
     (tmp_path / "it.bin").write_bytes(packed([GOOD] * 9) + b"x")
     steps: list[tuple[object, ...]] = []
     with pytest.raises(ValueError, match="offset 54: 9 complete frames of 6 bytes end here, and 1 more byte follows"):

@@ -153,7 +153,7 @@ def test_importing_it_says_nothing(families: dict[str, Family], capsys: pytest.C
     """A library speaks by its logger, and leaves it to the program what is done with that."""
     import logging
 
-    assert logging.getLogger("lika_encoders").handlers == []
-    assert logging.getLogger("lika_encoders").level == logging.NOTSET
+    assert logging.getLogger("codewheel_runtime").handlers == []
+    assert logging.getLogger("codewheel_runtime").level == logging.NOTSET
     assert sys.modules["lika_encoders"].__doc__
     assert capsys.readouterr() == ("", "")

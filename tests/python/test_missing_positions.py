@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import io
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,6 +14,8 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 import pytest
+from codewheel_runtime import inputs
+from codewheel_runtime.command import main
 
 CODE = "AMM5A21/65KSC1"
 #: The frame of AMM5's manual page, 42 revolutions and 1821973 counts; with a wrong bit; with an active error bit.
@@ -33,11 +34,10 @@ def decode(
     lika: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., tuple[int, str, str]]:
     """The command, in this process and in a folder of its own: exit code, standard output and standard error."""
-    main: Callable[[Sequence[str]], int] = importlib.import_module("lika_encoders.__main__").main
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> tuple[int, str, str]:
-        code = main(["decode", *arguments])
+        code = main("lika_encoders", ["decode", *arguments])
         return code, *capsys.readouterr()
 
     return run
@@ -166,7 +166,7 @@ def test_a_cell_that_is_no_number_is_counted(
     lika: Any, decode: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The type of a column follows from its first part; nothing that is left out later is left out silently."""
-    monkeypatch.setattr(importlib.import_module("lika_encoders._input"), "ROWS", 4)
+    monkeypatch.setattr(inputs, "ROWS", 4)
     (tmp_path / "it.csv").write_text("time,word\n" + "".join(f"{time},{GOOD:#x}\n" for time in (1, 2, 3, "x", "", 4.5)))
     code, out, _ = decode(CODE, "it.csv", "-o", "it.parquet")
     assert (code, "2 cells of other columns left empty" in out) == (0, True)

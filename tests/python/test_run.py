@@ -276,7 +276,7 @@ def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, wrong: int) -> N
 
 
 def test_steps_are_logged(lika: Any, caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.DEBUG, logger="lika_encoders"):
+    with caplog.at_level(logging.DEBUG, logger="codewheel_runtime"):
         lika.run([lika.Write(5, 6, "it")], Memory())
         with pytest.raises(lika.StepError):
             lika.run([lika.Write(5, 6, "it")], Memory(fails_at=0))

@@ -192,6 +192,7 @@ def programs(folder: Path, texts: Mapping[str, str]) -> list[Path]:
 def package(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> Path:
     """A folder with the package, for programs that use it."""
     shutil.copytree(generated_python[0] / "lika_encoders", tmp_path / "lika_encoders")
+    shutil.copytree(generated_python[0] / "runtime" / "codewheel_runtime", tmp_path / "codewheel_runtime")
     return tmp_path
 
 
@@ -202,7 +203,7 @@ def test_examples_of_every_readme_pass_mypy(package: Path) -> None:
 
 
 def test_the_package_itself_passes_pyright(package: Path) -> None:
-    modules = (package / "lika_encoders").rglob("*.py")
+    modules = [*(package / "lika_encoders").rglob("*.py"), *(package / "codewheel_runtime").rglob("*.py")]
     assert pyright(package, *modules, setting=INSIDE) == []
 
 

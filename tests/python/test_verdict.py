@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+import os
 import pickle
 import random
 import subprocess
@@ -20,6 +21,7 @@ from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.say.report import alarm_of, meaning, remedy
 from codewheel.targets.python.context import Context
+from python_path import python_path
 
 #: The manual's only reply to data ID 5, with a bit in SF that the manual has at 0 (7.3.4).
 DATA_ID_5 = bytes.fromhex("2A 02 DA 04 00 43 25 00 90")
@@ -273,7 +275,8 @@ sound, wrong = (encoder.decode(amm5.SingleCycleData(encoder, 0, 5, error=error).
 print(sound.reports, wrong.verdict.name, "_items" in vars(amm5.REPORTS))
 print(len(wrong.reports), "_items" in vars(amm5.REPORTS))
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=generated_python[0])
+    environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
     assert (done.stdout, done.stderr) == ("() NOT_USABLE False\n1 True\n", "")
 
 

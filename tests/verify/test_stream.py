@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from python_path import python_path
 from stream import LIMIT, measured
 
 #: The frame with which the README begins: 42 revolutions and 1821973 counts; and one with another CRC.
@@ -59,7 +60,7 @@ def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], capt
     text = program(folder, engine)
     (captures / "program.py").write_text(text, encoding="utf-8")
     command = [sys.executable, "program.py"]
-    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    environment = {**os.environ, "PYTHONPATH": python_path(folder)}
     done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     if engine == "duckdb":
@@ -96,7 +97,7 @@ if __name__ == "__main__":
         print(type(error).__name__, error)
 """
     (captures / "program.py").write_text(text, encoding="utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(generated_python[0])}
+    environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
     command = [sys.executable, "program.py"]
     done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,4 @@
-"""The Python target: one installable, typed package without dependencies for each manufacturer.
+"""The Python target: one installable, typed package for each manufacturer, and the runtime that all of them share.
 
 A layout becomes a NamedTuple with ``decode`` and ``encode``. A register of one choice becomes an IntEnum with the same
 methods. A procedure becomes a function that returns its steps. Their operations come from the plan, the statements from
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from runpy import run_path
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer
@@ -16,15 +17,19 @@ from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from ..licence import licence_in
+from ..runtime import copied, our_runtime
 from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import fact_imports, imports
 from .module import Module
-from .names import BISS, FOLDERS, SHARED
+from .names import BISS
 from .readme import Shown, start
 
 #: Files that each package has once, next to its folder and in it.
 _BESIDE = ("README.md", "pyproject.toml")
-_INSIDE = ("__init__", *SHARED)
+_INSIDE = ("__init__", "_codes")
+#: Source files that are copied: the runtime with its package, and files that every manufacturer's package needs.
+RUNTIME = our_runtime("python")
+_PROJECT = RUNTIME / "project"
 
 
 class Package(TypedDict):
@@ -39,12 +44,10 @@ class Package(TypedDict):
     families: Annotated[list[str], "the names of all modules of families"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the endings of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
+    runtime: Annotated[str, "the version of the runtime that the package needs, as major and minor number"]
+    neighbours: Annotated[list[str], "the folders of the other manufacturers' packages in the same tree"]
     public: Annotated[list[str], "the names of all public modules"]
     identified: Annotated[list[str], "the modules of the families that registers identify"]
-
-
-class Folder(Package):
-    folder: Annotated[str, "the name of the folder"]
 
 
 class Family(Package):
@@ -55,18 +58,30 @@ class Family(Package):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return the files of every manufacturer's package. If there are several, each has its own folder."""
-    files: dict[str, str] = {}
+    """Return the runtime and the files of every manufacturer's package. If there are several, each has its folder."""
+    files = _runtime_files("python/runtime")
     makers = library.by_manufacturer()
     for maker, devices in makers:
         folder = "python" if len(makers) == 1 else f"python/{maker.python_package}"
         files |= licence_in(folder)
-        for path, text in _package(maker, devices, library).items():
+        others = [other.python_package for other, _ in makers if other is not maker]
+        for path, text in _package(maker, devices, library, others).items():
             files[f"{folder}/{path}"] = text
     return files
 
 
-def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library) -> dict[str, str]:
+def _runtime_files(folder: str) -> dict[str, str]:
+    files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in _BESIDE}
+    return files | licence_in(folder) | copied(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
+
+
+def runtime_version() -> str:
+    """Return the major and minor number of the runtime's version. A package needs at least this runtime."""
+    version: str = run_path(str(RUNTIME / "codewheel_runtime" / "version.py"))["__version__"]
+    return version[: version.rindex(".")]
+
+
+def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library, others: list[str]) -> dict[str, str]:
     package = maker.python_package
     modules = [Module(device) for device in devices]
     biss = (BISS,) if has_biss(devices) else ()
@@ -84,17 +99,18 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
             (module.name, item.special) for module in modules for item in module.device.overlays if item.special
         ],
         "biss": biss,
+        "runtime": runtime_version(),
+        "neighbours": others,
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
     own = library.own_templates
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
-    files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
-    files[f"{package}/py.typed"] = ""
-    for folder in FOLDERS:
-        files[f"{package}/{folder}/__init__.py"] = TEMPLATES.render(
-            "folder.py.jinja", {**values, "folder": folder}, own
-        )
+    files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in _INSIDE}
+    files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
+    files |= copied(_PROJECT / "package", package)
+    if not biss:
+        del files[f"{package}/{BISS}.py"]
     for module in modules:
         files |= {f"{package}/{name}": made for name, made in _family(module, values, own)}
     return files
@@ -136,9 +152,8 @@ TEMPLATES = Templates(
     values={
         "device.py.jinja": Family,
         "facts.py.jinja": Family,
-        "folder.py.jinja": Folder,
         "shapes.py.jinja": Family,
-        **{f"{name}.jinja": Package for name in (*_BESIDE, *(f"{name}.py" for name in (*_INSIDE, BISS)))},
+        **{f"{name}.jinja": Package for name in (*_BESIDE, *(f"{name}.py" for name in _INSIDE))},
     },
     filters=FILTERS,
     tests=TESTS,
@@ -146,7 +161,7 @@ TEMPLATES = Templates(
 )
 TARGET = Target(
     name="python",
-    summary="an installable, typed package without dependencies for each manufacturer",
+    summary="an installable, typed package for each manufacturer, and the runtime that they share",
     files=generate,
     templates=TEMPLATES,
 )

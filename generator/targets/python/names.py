@@ -30,39 +30,36 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
     ),
 }
 PACKAGE: Mapping[str, tuple[str, ...]] = {
-    module: tuple(names.split())
+    f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
-        "._codec": """BitField ConstantError CrcError Data FrameError Interface LengthError RangeError Rows Word
-            Words as_bytes as_word by_class check_bits check_encoder check_kind check_limits check_power_of_two
-            check_signed check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed
-            text_number to_gray too_long unwrap whole_number wrong_encoder zero_for""",
-        "._encoder": "Encoder fact",
-        "._order_codes": "checked",
-        "._registers": "Held agrees held_bytes held_parameters held_text whole",
-        "._reports": "Family Movement Report Verdict",
-        "._steps": "Modify Poll Read Send Step Verify Wait writes",
+        "codec": """BitField Data Rows Word Words as_bytes as_word by_class check_bits check_encoder check_kind
+            check_limits check_power_of_two check_signed check_width choice crc_by_xor crc_of_bits crc_of_bytes
+            crc_tables decided from_gray made signed text_number to_gray too_long unwrap whole_number wrong_encoder
+            zero_for""",
+        "encoder": "Encoder fact",
+        "errors": "ConstantError CrcError FrameError LengthError RangeError",
+        "order_codes": "checked",
+        "registers": "Held agrees held_bytes held_parameters held_text whole",
+        "reports": "Family Interface Movement Report Verdict",
+        "steps": "Modify Poll Read Send Step Verify Wait writes",
     }.items()
 }
 
 #: Names that the facts of a device can import, by source module.
 FACTS: Mapping[str, tuple[str, ...]] = {
-    module: tuple(names.split())
+    f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
-        ".._codec": "Interface",
-        ".._facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
+        "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
             ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum FieldFacts Input Led LedState
             LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Register RegisterMeaning
             Revision Rs485Facts Severity SsiFacts Status Table Timeout TimeoutRule Timing""",
-        ".._order_codes": "OrderCode Part PartValue SpelledValue Spelling",
-        ".._reports": "ReadOnly Report Reports Verdict",
+        "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
+        "reports": "Interface ReadOnly Report Reports Verdict",
     }.items()
 }
 
 #: Modules of the package that do not belong to a device.
-SHARED = tuple(
-    """__main__ _arrow _codec _codes _encoder _facts _input _make _many _order_codes _registers _reports _run _shape
-    _sinks _sources _steps _stream _table _text _why""".split()
-)
+SHARED = ("__main__", "_codes")
 #: Subpackages whose modules, one per device, are loaded on first use.
 FOLDERS = ("facts", "_shapes")
 #: Module for register access over BiSS, in packages with a BiSS family.

@@ -1,5 +1,4 @@
-{# python/<package>/_encoder.py: the base classes of all encoders and of the frames that they send. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Base classes of all encoders and of the frames that they send."""
 
 from __future__ import annotations
@@ -7,8 +6,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, ClassVar, NoReturn, Protocol, TypeVar, runtime_checkable
 
-from ._codec import Interface
-from ._reports import Family, Report, Verdict
+from .reports import Family, Interface, Report, Verdict
 
 _Same = TypeVar("_Same", bound="Encoder")
 
@@ -18,7 +16,7 @@ class Frame(Protocol):
 
     @property
     def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder in this frame."""
+        """Encoder reports in this frame."""
         ...
 
     def encode(self) -> int | bytes:

@@ -1,5 +1,4 @@
-{# python/<package>/_order_codes.py: reads order codes from labels. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Order codes, as printed on the labels of encoders."""
 
 from __future__ import annotations
@@ -8,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from ._reports import ReadOnly
+from .reports import ReadOnly
 
 #: Highest number of characters in a label.
 LONGEST = 100
@@ -176,7 +175,7 @@ class OrderCode(NamedTuple):
         """Return the parts of the first listed code with these values. None represents an unlisted value."""
         names = [part.name for part in self.parts]
         for values in codes.values():
-            found = dict(zip(names, values))
+            found = dict(zip(names, values, strict=False))
             if any(value not in (None, found[name]) for name, value in known.items()):
                 continue
             open_parts = [part for part in self.parts if known[part.name] is None]

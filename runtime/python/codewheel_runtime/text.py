@@ -1,5 +1,4 @@
-{# python/<package>/_text.py: reads frames from text and CSV. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Reads frames from text, and from CSV files in chunks."""
 
 from __future__ import annotations
@@ -11,10 +10,22 @@ from collections.abc import Generator, Iterable, Iterator
 from itertools import islice
 from typing import BinaryIO, Final, TypeVar
 
-from . import _input
-from ._input import FIRST, DigitKind, InputError, Part, Share, Source, Stored, check_form, kept_columns, listed
-from ._input import named_place, short
-from ._shape import Shape
+from . import inputs
+from .inputs import (
+    FIRST,
+    DigitKind,
+    InputError,
+    Part,
+    Share,
+    Source,
+    Stored,
+    check_form,
+    kept_columns,
+    listed,
+    named_place,
+    short,
+)
+from .shape import Shape
 
 _Item = TypeVar("_Item")
 #: Limit for the length of a line. A longer one means that the file is not CSV.
@@ -28,7 +39,7 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame in a text, which contains hex bytes or a number. Raises ValueError if there is none."""
+    """Return the frame that a text contains as hex bytes or as a number. Raises ValueError if there is none."""
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
         packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
@@ -46,7 +57,7 @@ def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
 
 
 class Cells:
-    """Reader of frames in cells of text. An empty cell, or one without a frame, yields None.
+    """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
 
     ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. ``place``
     and ``said`` are the location and the error message of the first of these.
@@ -132,7 +143,7 @@ class _Table:
     ) -> None:
         self.text, self.lines, self.rows, self.place, self.columns = text, lines, rows, place, columns
         # Cells take memory, so more columns mean fewer rows at once.
-        self.count = max(_input.ROWS // (1 + len(columns)), 1)
+        self.count = max(inputs.ROWS // (1 + len(columns)), 1)
         self._before = ""
 
     def take(self) -> tuple[list[str], list[int], dict[str, list[str]]]:
@@ -162,7 +173,7 @@ def _parts(table: _Table, name: str, stored: Stored, shape: Shape, share: Share)
             texts, numbers, others = table.take()
             if not texts:
                 return
-            frames = [cells.read(*item) for item in zip(texts, numbers)]
+            frames = [cells.read(*item) for item in zip(texts, numbers, strict=False)]
             if is_first:
                 _check_first(cells, texts[:FIRST], name, stored, shape, share)
                 is_first = False

@@ -1,5 +1,4 @@
-{# python/<package>/_many.py: decodes many frames into columns. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Decodes many frames into NumPy arrays. Loaded only by ``decode_many`` and ``encode_many``."""
 
 from __future__ import annotations
@@ -9,12 +8,24 @@ from functools import lru_cache, reduce
 from importlib import import_module
 from typing import Any, Final, cast
 
-from ._codec import as_bytes, whole_number
-from ._encoder import Encoder
-from ._reports import Verdict
-from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, measured, smallest, sound, unused_bits
-from ._shape import unused_groups, width_of
-from ._table import Fault, Table
+from .codec import as_bytes, whole_number
+from .encoder import Encoder
+from .reports import Verdict
+from .shape import (
+    Check,
+    Column,
+    CrcOf,
+    Shape,
+    kinds,
+    late_fields,
+    measured,
+    smallest,
+    sound,
+    unused_bits,
+    unused_groups,
+    width_of,
+)
+from .table import Fault, Table
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
@@ -202,7 +213,11 @@ def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: M
 def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     """Return arrays that are nonzero for frames that fail a check other than the CRC."""
     look = sound(shape)
-    found = [limb & np.uint64(mask) ^ np.uint64(value) for limb, (mask, value) in zip(chunk.limbs, look.fixed) if mask]
+    found = [
+        limb & np.uint64(mask) ^ np.uint64(value)
+        for limb, (mask, value) in zip(chunk.limbs, look.fixed, strict=False)
+        if mask
+    ]
     for place, values in look.bytes:
         byte = chunk.byte(place)
         found.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))

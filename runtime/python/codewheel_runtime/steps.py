@@ -1,12 +1,11 @@
-{# python/<package>/_steps.py: the steps of a procedure. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Steps of a procedure: the actions of a master, as data."""
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, Union
+from typing import Literal, NamedTuple
 
-from ._codec import by_class
+from .codec import by_class
 
 
 @by_class
@@ -86,13 +85,9 @@ class Verify(NamedTuple):
     order: Literal["little", "big"] = "little"
 
 
-{% for name, does in (
-    ("Modify", "Read a register, replace its bits in ``mask`` by those of ``value``, and write it."),
-    ("Poll", "Read a register until its bits in ``mask`` equal ``value``."),
-) %}
 @by_class
-class {{ name }}(NamedTuple):
-    """{{ does }}
+class Modify(NamedTuple):
+    """Read a register, replace its bits in ``mask`` by those of ``value``, and write it.
 
     ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
     ``int.from_bytes``.
@@ -107,8 +102,24 @@ class {{ name }}(NamedTuple):
     order: Literal["little", "big"] = "little"
 
 
-{% endfor %}
-Step = Union[Write, Wait, Send, Read, Modify, Poll, Verify]
+@by_class
+class Poll(NamedTuple):
+    """Read a register until its bits in ``mask`` equal ``value``.
+
+    ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
+    ``int.from_bytes``.
+    """
+
+    address: int
+    length: int
+    register: str
+    mask: int
+    value: int
+    meaning: str = ""
+    order: Literal["little", "big"] = "little"
+
+
+Step = Write | Wait | Send | Read | Modify | Poll | Verify
 
 
 def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:

@@ -1,5 +1,4 @@
-{# python/<package>/_make.py: encodes many frames from columns. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Encodes many frames from columns. Loaded only by ``encode_many``."""
 
 from __future__ import annotations
@@ -7,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ._codec import RangeError
-from ._many import CHUNK, Chunk, crc_difference, np
-from ._shape import Check, Column, Join, Shape, width_of
+from .bulk_decode import CHUNK, Chunk, crc_difference, np
+from .errors import RangeError
+from .shape import Check, Column, Join, Shape, width_of
 
 
 class RowError(RangeError):
@@ -75,7 +74,7 @@ def _given(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     arrays = {name: np.asarray(columns[name]) for name in wanted}
     longest = max((item.size for item in arrays.values() if item.ndim), default=1)
     for name, item in arrays.items():
-        if item.ndim > 1 or item.ndim == 1 and len(item) != longest:
+        if item.ndim > 1 or (item.ndim == 1 and len(item) != longest):
             raise ValueError(f"column {name} has the shape {item.shape}, but others have {longest} rows")
         if item.dtype.kind not in ("SU" if name in needed and needed[name].kind == "text" else "uib"):
             raise TypeError(f"column {name} has the type {item.dtype}, which does not fit the field")
@@ -153,8 +152,7 @@ def _number(values: Any, item: Column, refused: Refused) -> Any:
     if item.zero_means:
         refused.add(values == 0, item.name, values, f"1 to {item.zero_means}")
         values = np.where(values == item.zero_means, values.dtype.type(0), values)
-    bits = _unsigned(values, refused, item.name, (1 << item.width) - 1)
-    return bits
+    return _unsigned(values, refused, item.name, (1 << item.width) - 1)
 
 
 def _unsigned(values: Any, refused: Refused, name: str, most: int) -> Any:

@@ -1,5 +1,4 @@
-{# python/<package>/_run.py: runs procedures on a bus. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Runs procedures on any object that reads and writes registers, or that sends requests."""
 
 from __future__ import annotations
@@ -8,7 +7,7 @@ from collections.abc import Callable, Sequence
 from time import monotonic, sleep
 from typing import NamedTuple, Protocol, cast
 
-from ._steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
+from .steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
 
 
 class Bus(Protocol):
@@ -237,7 +236,7 @@ def run(
     """
     from logging import getLogger
 
-    logger, going = getLogger(__package__), _Run(bus, poll_s, wait)
+    logger, going = getLogger("codewheel_runtime"), _Run(bus, poll_s, wait)
     for at, step in enumerate(steps):
         logger.debug("step %d of %d: %r", at + 1, len(steps), step)
         try:

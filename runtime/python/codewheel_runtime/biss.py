@@ -1,5 +1,4 @@
-{# python/<package>/biss.py: BiSS C control frames, the same for all families. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Register access over BiSS C: control frames for masters and slaves.
 
 A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the level of MA during the
@@ -36,7 +35,7 @@ Therefore:
 Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. CTS in the CRC, the
 frame in which each answer comes, and P before a further S follow published masters: lenzencoders/BISS-C
 (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk (source/position_sense/bissc). Inferred: the
-end of a chain at which ID 0 is, and the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested
+end of the chain that has ID 0, and the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested
 on hardware. Commands (CTS = 0) are not covered: a :class:`Slave` ignores them.
 """
 
@@ -48,20 +47,21 @@ from enum import Enum
 from operator import index
 from typing import Final
 
-from ._codec import ConstantError, CrcError, Data, LengthError, RangeError, as_bytes, check_width, whole_number
+from .codec import Data, as_bytes, check_width, whole_number
+from .errors import ConstantError, CrcError, LengthError, RangeError
 
 __all__ = [
+    "IDS",
+    "REGISTERS",
+    "ZEROS",
     "AccessError",
     "Answer",
-    "IDS",
     "Master",
     "Outcome",
-    "REGISTERS",
     "RegisterBus",
     "Request",
     "Slave",
     "Wants",
-    "ZEROS",
     "crc",
     "decode_byte",
     "encode_byte",
@@ -410,7 +410,7 @@ class Master:
         return 0
 
     def _header(self, cds: int) -> int:
-        """Return the bits of steps 2 and 3, CTS to W, and S once R W is answered."""
+        """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
         self._answers = self._answers << 1 | cds
         self._at += 1
         if self._at <= 17:
@@ -531,14 +531,14 @@ class Slave:
     """BiSS C slave, for simulators and test benches.
 
     Call :meth:`next` once in every BiSS frame, then check ``wants``. To answer S in time, the slave requests a byte
-    before it is certain that the master reads it: after W, and in a sequence after P. Registers with side effects on
-    reading must allow for that.
+    before it is certain that the master reads it: after W, and after P if several registers are read. Registers with
+    side effects on reading must allow for that.
 
     Attributes:
         readable: Addresses that a master may read. Others are refused.
         writable: Addresses that a master may write. Others are refused.
         wants: Request of the slave.
-        address: Address that the request is about.
+        address: Address of the register in the request.
         value: Value to store.
         slave_id: ID in the last control frame, or None.
     """
@@ -560,7 +560,7 @@ class Slave:
         self._received = 0
 
     def give(self, value: int) -> None:
-        """Provide the byte of the register that the slave requests. No effect if no byte is requested.
+        """Provide the byte of the register that the slave requests. This has no effect if no byte is requested.
 
         Args:
             value: The byte.
@@ -574,7 +574,7 @@ class Slave:
             self._given = bits
 
     def stored(self) -> None:
-        """Confirm that the value has been stored. No effect if nothing is to be stored."""
+        """Confirm that the value has been stored. This has no effect if nothing is to be stored."""
         if self.wants is Wants.STORE:
             self.wants = Wants.NOTHING
 
@@ -612,7 +612,7 @@ class Slave:
         return self._current in (self.writable if self._writes else self.readable)
 
     def _fetch(self) -> None:
-        """Request the byte of the current register, unless a written one is not stored yet."""
+        """Request the byte from the current register, unless a previous write has not been stored yet."""
         if not self._writes and self._given is None and self.wants is Wants.NOTHING:
             self.wants = Wants.BYTE
             self.address = self._current

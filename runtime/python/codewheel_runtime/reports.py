@@ -1,6 +1,5 @@
-{# python/<package>/_reports.py: families, reports and verdicts. #}
-{{ header }}
-"""Families of encoders, the reports of their frames, and verdicts on positions."""
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Interfaces and families of encoders, the reports of their frames, and verdicts on positions."""
 
 from __future__ import annotations
 
@@ -31,6 +30,19 @@ class ReadOnly(Mapping[str, _Value]):
 
     def __repr__(self) -> str:
         return repr(self._items)
+
+
+class Interface(Enum):
+    """Interface of an encoder."""
+
+    SSI = "ssi"
+    BISS = "biss"
+    RS485 = "rs485"
+
+    @property
+    def title(self) -> str:
+        """Name as it is usually printed."""
+        return {"ssi": "SSI", "biss": "BiSS", "rs485": "RS-485"}[self.value]
 
 
 class Movement(Enum):
@@ -70,7 +82,7 @@ class Verdict(Enum):
 
 
 class Report(NamedTuple):
-    """Report of an encoder in a frame: an active flag, or unused bits that differ from the manual.
+    """Encoder report in a frame: an active flag, or unused bits that differ from the manual.
 
     Attributes:
         name: Name of the report.

@@ -1,5 +1,4 @@
-{# python/<package>/_sources.py: reads frames from files in chunks. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Reads frames from binary, CSV and Parquet files in chunks. Loaded only by ``decode_file`` and related functions."""
 
 from __future__ import annotations
@@ -13,12 +12,24 @@ from os import fspath
 from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
 
-from . import _input
-from ._arrow import parquet
-from ._input import FIRST, WORDS, FileKind, InputError, Part, Share, Source, Stored, UsageError, WordKind
-from ._input import check_form, numbers
-from ._shape import Shape
-from ._text import csv_rows
+from . import inputs
+from .arrow import parquet
+from .inputs import (
+    FIRST,
+    WORDS,
+    FileKind,
+    InputError,
+    Part,
+    Share,
+    Source,
+    Stored,
+    UsageError,
+    WordKind,
+    check_form,
+    numbers,
+)
+from .shape import Shape
+from .text import csv_rows
 
 np: Any = import_module("numpy")
 
@@ -85,7 +96,7 @@ def _binary(
     file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
 ) -> Generator[Part, None, None]:
     length, done = shape.length or _length(stored.words, shape), 0
-    while data := _read(file, length * _input.CHUNK):
+    while data := _read(file, length * inputs.CHUNK):
         if not done and not shape.length:
             head = data[: 8 * FIRST]
             forms = ((f"--words {words}", _first(head, words, shape)) for words in _other_forms(stored.words, shape))

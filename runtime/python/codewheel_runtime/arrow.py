@@ -1,5 +1,4 @@
-{# python/<package>/_arrow.py: reads frames from Arrow columns and Parquet files. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Reads frames from Arrow columns, and from Parquet files in chunks."""
 
 from __future__ import annotations
@@ -9,11 +8,11 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, BinaryIO, Final
 
-from . import _input
-from ._input import DigitKind, InputError, Part, Source, Stored, column_of, kept_columns, numbers, short
-from ._many import of_floats
-from ._shape import Shape
-from ._text import Cells
+from . import inputs
+from .bulk_decode import of_floats
+from .inputs import DigitKind, InputError, Part, Source, Stored, column_of, kept_columns, numbers, short
+from .shape import Shape
+from .text import Cells
 
 np: Any = import_module("numpy")
 
@@ -41,7 +40,7 @@ def _batches(
     done = 0
     with _told(name):
         # More columns mean fewer rows at once.
-        rows = max(_input.CHUNK // (1 + len(kept)), 1)
+        rows = max(inputs.CHUNK // (1 + len(kept)), 1)
         batches = file.iter_batches(batch_size=rows, columns=[column, *kept])
     while True:
         with _told(name):

@@ -1,6 +1,5 @@
-{# python/<package>/__main__.py: the command line of the package. #}
-{{ header }}
-"""Command line of the package: ``python -m {{ package }} decode ORDER-CODE frames.bin -o out.parquet``."""
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Command line of a package: ``python -m PACKAGE decode ORDER-CODE frames.bin -o out.parquet``."""
 
 from __future__ import annotations
 
@@ -11,19 +10,21 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from enum import Enum
+from importlib import import_module
 from time import monotonic
 from types import FrameType
 from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
-from . import Encoder, Interface, OrderCodeError, __version__, lookup
+from .encoder import Encoder
+from .order_codes import OrderCodeError
+from .reports import Interface
 
 if TYPE_CHECKING:
-    from ._stream import Summary
+    from .stream import Summary
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 #: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
 DEFAULT_MAX_ERRORS: Final = 10.0
-_COMMAND: Final = "python -m {{ package }}"
 _EPILOG: Final = """\
 input formats (by the extension of FILE, or --read):
   binary   frames one after another. RS-485: their bytes. SSI and BiSS: as few
@@ -52,37 +53,55 @@ other nonzero exit code, no output is written and an existing file is unchanged.
 """
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+class _Failed(Exception):
+    """The command ends with this message and this exit code."""
+
+    def __init__(self, message: object, code: int = FAILED) -> None:
+        super().__init__(str(message))
+        self.code = code
+
+
+def main(package: str, arguments: Sequence[str] | None = None) -> int:
     """Run the command.
 
     Args:
+        package: Name of the manufacturer's package, such as ``lika_encoders``.
         arguments: Command-line arguments. Defaults to those of the process.
 
     Returns:
         The exit code.
     """
-    parser = _parser()
     try:
-        chosen = parser.parse_args(arguments)
+        chosen = _parser(package).parse_args(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        return _decode(chosen)
+        _decode(package, chosen)
+    except _Failed as failure:
+        return _told(package, failure, failure.code)
     except KeyboardInterrupt:
-        return _failed("interrupted; no file was written", INTERRUPTED)
+        return _told(package, "interrupted; no file was written", INTERRUPTED)
     except BrokenPipeError:
         # The reader has closed the pipe. Without this, Python would report the error again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
+    return DONE
 
 
-def _parser() -> argparse.ArgumentParser:
+def _told(package: str, message: object, code: int) -> int:
+    print(f"python -m {package}: {message}", file=sys.stderr)
+    return code
+
+
+def _parser(package: str) -> argparse.ArgumentParser:
     def shaped(prog: str) -> argparse.RawDescriptionHelpFormatter:
         return argparse.RawDescriptionHelpFormatter(prog, width=80)
 
-    top = argparse.ArgumentParser(prog=_COMMAND, formatter_class=shaped, allow_abbrev=False)
+    top = argparse.ArgumentParser(prog=f"python -m {package}", formatter_class=shaped, allow_abbrev=False)
     top.description = "Decode frames of absolute encoders, given the order code on the label."
-    top.add_argument("--version", action="version", version=f"{{ distribution }} {__version__}")
+    top.add_argument(
+        "--version", action="version", version=f"{_distribution(package)} {import_module(package).__version__}"
+    )
     commands = top.add_subparsers(metavar="COMMAND", required=True)
     parser = commands.add_parser(
         "decode",
@@ -190,9 +209,14 @@ for _kind, _name in ((_count, "count"), (_percent, "percent"), (_register, "ADDR
     _kind.__name__ = _name
 
 
-def _encoder_of(chosen: argparse.Namespace) -> Encoder:
+def _distribution(package: str) -> str:
+    """Return the name by which a package is installed."""
+    return package.replace("_", "-")
+
+
+def _encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
     """Return the encoder that the arguments select. Raises ValueError if there is none."""
-    encoder: Encoder = lookup(str(chosen.order_code))
+    encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         wanted = Interface(chosen.interface).title
         raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
@@ -204,19 +228,19 @@ def _encoder_of(chosen: argparse.Namespace) -> Encoder:
     return encoder
 
 
-def _decode(chosen: argparse.Namespace) -> int:
+def _decode(package: str, chosen: argparse.Namespace) -> None:
     try:
-        encoder = _encoder_of(chosen)
+        encoder = _encoder_of(package, chosen)
     except (OrderCodeError, ValueError) as error:
-        return _failed(error, USAGE)
+        raise _Failed(error, USAGE) from None
     try:
-        from ._stream import InputError, UsageError, decode_file
+        from .stream import Files, InputError, UsageError
     except ImportError as error:
-        return _missing(error)
+        raise _missing(package, error) from None
     progress = Progress(sys.stderr)
     try:
         with _Stoppable():
-            summary = decode_file(
+            summary = Files(package).decode_file(
                 encoder,
                 chosen.file,
                 chosen.output,
@@ -237,36 +261,30 @@ def _decode(chosen: argparse.Namespace) -> int:
     except BrokenPipeError:
         raise
     except UsageError as error:
-        return _failed(error, USAGE)
+        raise _Failed(error, USAGE) from None
     except ImportError as error:
-        return _missing(error)
+        raise _missing(package, error) from None
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        return _failed(f"{where}{error.strerror or error}", FAILED)
+        raise _Failed(f"{where}{error.strerror or error}") from None
     except MemoryError:
-        return _failed("not enough memory", FAILED)
+        raise _Failed("not enough memory") from None
     except InputError as error:
-        return _failed(error, FAILED)
+        raise _Failed(error) from None
     finally:
         progress.clear()
-    return _told(summary, chosen.output, chosen.max_errors)
+    _report(summary, chosen.output, chosen.max_errors)
 
 
-def _told(summary: Summary, output: str, max_errors: float) -> int:
-    """Print the summary, to standard error if the table goes to standard output, and return the exit code."""
+def _report(summary: Summary, output: str, max_errors: float) -> None:
+    """Print the summary, to standard error if the table goes to standard output."""
     print(summary, file=sys.stderr if output == "-" else sys.stdout)
     if 100 * summary.error_rate > max_errors:
-        return _failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {max_errors:g}", FAILED)
-    return DONE
+        raise _Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {max_errors:g}")
 
 
-def _failed(error: object, code: int) -> int:
-    print(f"{_COMMAND}: {error}", file=sys.stderr)
-    return code
-
-
-def _missing(error: ImportError) -> int:
-    return _failed(f"this needs {error.name or error}: pip install '{{ distribution }}[parquet]'", FAILED)
+def _missing(package: str, error: ImportError) -> _Failed:
+    return _Failed(f"this needs {error.name or error}: pip install '{_distribution(package)}[parquet]'")
 
 
 class _Stoppable:
@@ -313,7 +331,3 @@ class Progress:
         if self._shown:
             self._out.write(f"\r{' ' * (shutil.get_terminal_size().columns - 1)}\r")
             self._out.flush()
-
-
-if __name__ == "__main__":
-    sys.exit(main())

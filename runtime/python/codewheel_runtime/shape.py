@@ -1,5 +1,4 @@
-{# python/<package>/_shape.py: describes frames for decode_many and encode_many. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Descriptions of frames for ``decode_many`` and ``encode_many``."""
 
 from __future__ import annotations
@@ -8,8 +7,8 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
-from ._reports import Verdict
-from ._table import Fault
+from .reports import Verdict
+from .table import Fault
 
 
 class Column(NamedTuple):
@@ -70,7 +69,7 @@ class CrcOf(NamedTuple):
 def of_bytes(
     function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
 ) -> Callable[[int], int]:
-    """Return a function that computes the wrong bits of the CRC, the last ``width`` of ``length`` bytes."""
+    """Return a function that finds the wrong bits of the CRC in the last ``width`` of ``length`` bytes."""
 
     def differs(number: int) -> int:
         data = number.to_bytes(length, order)
@@ -80,7 +79,7 @@ def of_bytes(
 
 
 def of_bits(function: Callable[[int, int], int], covered: int, width: int) -> Callable[[int], int]:
-    """Return a function that computes the wrong bits of the CRC, the last ``width`` bits of a number."""
+    """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number."""
     return lambda number: function(number >> width, covered) ^ number & ((1 << width) - 1)
 
 
@@ -118,7 +117,7 @@ class Tells(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """Description of a frame. ``length`` is its number of bytes, or 0 if it is a number of ``bits`` bits.
+    """Description of a frame. ``length`` is its number of bytes, or 0 if the frame is a number of ``bits`` bits.
 
     ``fixed`` has the bits that are 1 in every such frame. ``position`` is the column of the position, if there is one,
     and ``otherwise`` the verdict if no condition applies.
@@ -180,7 +179,7 @@ def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
     for items in found.values():
         first = min(items)
         masks = [((1 << item.width) - 1 << item.low - first.low, item.low - first.low) for item in items]
-        value = sum(mask & item.value << low for (mask, low), item in zip(masks, items))
+        value = sum(mask & item.value << low for (mask, low), item in zip(masks, items, strict=False))
         groups.append((first.low, sum(mask for mask, _ in masks), value, first.place))
     return tuple(groups)
 
@@ -192,7 +191,7 @@ def width_of(shape: Shape, join: Join) -> int:
 
 
 def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
-    """Return the fields that are plain bits of a joined number, and are extracted from it on access."""
+    """Return the fields that are plain bits of a joined number. They are extracted from it on access."""
     by_name = {item.name: item for item in shape.columns}
     if width_of(shape, join) > 63 or join is not shape.joins[0]:
         return []

@@ -1,5 +1,4 @@
-{# python/<package>/_facts.py: the classes of the facts of a manual. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Classes for the facts of the manuals, other than frames and registers.
 
 ``source`` is the section and page of the manual. An empty text, an empty tuple or None means that the manual does not
@@ -12,8 +11,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from ._codec import Interface
-from ._reports import ReadOnly
+from .reports import Interface, ReadOnly
 
 _NO_NAMES: ReadOnly[str] = ReadOnly({})
 
@@ -27,7 +25,7 @@ class Access(Enum):
 
 
 class ByteOrder(Enum):
-    """Byte order of a number, given as the byte at the lowest address."""
+    """Byte order of a number, named after the byte at the lowest address."""
 
     LOW_BYTE_FIRST = "low_byte_first"
     HIGH_BYTE_FIRST = "high_byte_first"
@@ -41,7 +39,7 @@ class AboveMax(Enum):
 
 
 class Alignment(Enum):
-    """Alignment of the data in an SSI word: the zeros come after the data, or before it."""
+    """Alignment of the data in an SSI word. Zeros follow left-aligned data and precede right-aligned data."""
 
     MSB_LEFT = "msb_left"
     LSB_RIGHT = "lsb_right"
@@ -144,8 +142,8 @@ class FieldFacts(NamedTuple):
     """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
 
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
-    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` is the
-    only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
+    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` names
+    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
     ``zero_means`` is the value that is sent as 0, if there is one.
     """
 
@@ -190,8 +188,8 @@ class Register(NamedTuple):
 
     If ``opened_by`` is given, that register must hold ``opened_by_value``, in its field ``opened_by_field`` if given,
     before this register can be written. ``wait_ms`` is the minimum time to wait after a write. ``above_max`` is the
-    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved`` is
-    the only party that may use the register.
+    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved``
+    names the only party that may use the register.
     """
 
     name: str

@@ -1,5 +1,4 @@
-{# python/<package>/_registers.py: registers that change a frame or identify an encoder. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Code for registers that change a frame, and for registers that identify an encoder."""
 
 from __future__ import annotations
@@ -7,7 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, SupportsIndex
 
-from ._codec import Data, FrameError, Interface, LengthError, as_bytes, check_limits, check_width, shown, whole_number
+from .codec import Data, as_bytes, check_limits, check_width, shown, whole_number
+from .encoder import Encoder
+from .errors import FrameError, LengthError
+from .reports import Interface
 
 
 class Encodable(Protocol):
@@ -59,11 +61,11 @@ class Held(NamedTuple):
         return (number | bits << self.low).to_bytes(len(self.default), self.order)
 
 
-def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: object) -> dict[str, int]:
+def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: Encoder) -> dict[str, int]:
     """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
     found: dict[str, int] = {}
     known: set[int] = set()
-    here = [item for item in items if item.interface is getattr(variant, "interface")]
+    here = [item for item in items if item.interface is variant.interface]
     for item in here:
         places = range(item.address, item.address + len(item.default))
         if not any(place in held for place in places):
@@ -72,7 +74,7 @@ def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: o
         old = item.bytes_with(getattr(variant, item.parameter))
         data = bytes(
             check_width(f"register 0x{place:02X}", held[place], 8) if place in held else byte
-            for place, byte in zip(places, old)
+            for place, byte in zip(places, old, strict=True)
         )
         found[item.parameter] = check_limits(item.parameter, item.value_in(data), (item.min, item.max))
     unknown = sorted(held.keys() - known)
@@ -82,9 +84,9 @@ def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: o
     return found
 
 
-def held_text(items: tuple[Held, ...], variant: object) -> str:
+def held_text(items: tuple[Held, ...], variant: Encoder) -> str:
     """Return the parameters that differ from the factory default, as text."""
-    here = [item for item in items if item.interface is getattr(variant, "interface")]
+    here = [item for item in items if item.interface is variant.interface]
     values = [(item, getattr(variant, item.parameter)) for item in here]
     return "".join(f" {item.parameter}={value}" for item, value in values if value != item.value_in(item.default))
 
@@ -117,7 +119,7 @@ def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[
         data = as_bytes(value)
         if len(data) != register.length:
             raise LengthError(register.length, len(data))
-        held.update(zip(range(register.address, register.address + register.length), data))
+        held.update(zip(range(register.address, register.address + register.length), data, strict=True))
     return held
 
 

@@ -1,5 +1,4 @@
-{# python/<package>/_why.py: finds the mistake that explains an invalid frame. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Finds the mistake that explains an invalid frame, by trying common mistakes one by one."""
 
 from __future__ import annotations
@@ -8,8 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import index
 from typing import Final, SupportsIndex, cast
 
-from ._codec import FrameError
-from ._encoder import Encoder
+from .encoder import Encoder
+from .errors import FrameError
 
 
 def why(encoder: Encoder, frame: object) -> tuple[str, ...]:

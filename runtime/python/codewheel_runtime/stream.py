@@ -1,5 +1,4 @@
-{# python/<package>/_stream.py: decodes files and partitions of frames in chunks. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Decodes files of frames in bounded memory, and partitions of data frames."""
 
 from __future__ import annotations
@@ -13,31 +12,28 @@ from inspect import signature
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar, cast, get_type_hints
 
-from ._encoder import Encoder
-from ._many import decode_many
-from ._reports import Verdict
-from ._shape import Shape
-from ._arrow import of_arrow
-from ._input import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind, column_of
-from ._sinks import SINKS, Plan, TargetKind, arrow_columns, pandas_columns, target_kind
-from ._sources import opened
-from ._text import Cells
-from ._table import Fault, Table
+from .arrow import of_arrow
+from .bulk_decode import decode_many
+from .encoder import Encoder
+from .inputs import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind, column_of
+from .reports import Verdict
+from .shape import Shape
+from .sinks import SINKS, Plan, TargetKind, arrow_columns, pandas_columns, target_kind
+from .sources import opened
+from .table import Fault, Table
+from .text import Cells
 
 __all__ = [
+    "Files",
     "InputError",
     "Layout",
     "Summary",
     "UsageError",
-    "decode_file",
-    "decode_partition",
     "layout_of",
     "layouts_of",
 ]
 
 _Part = TypeVar("_Part")
-#: Name of the package, from which families are loaded.
-_PACKAGE: Final = __name__.rpartition(".")[0]
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 
 
@@ -96,9 +92,9 @@ class Layout(NamedTuple):
 
 def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
     """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
-    module = type(encoder).__module__.rpartition(".")[2]
+    package, _, module = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
-    frames = getattr(import_module(f"{_PACKAGE}._shapes.{module}"), "FRAMES")
+    frames = import_module(f"{package}._shapes.{module}").FRAMES
     found: list[Layout] = []
     for (interface, sender), makers in sorted(frames.items(), key=lambda item: item[0][1]):
         for name, make in makers.items() if interface == encoder.interface.value else ():
@@ -145,90 +141,151 @@ def _shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
     return asked.shape(encoder, given)
 
 
-# A file
+# Files and partitions
 
 
-def decode_file(
-    encoder: Encoder | str,
-    source: str | os.PathLike[str],
-    target: str | os.PathLike[str],
-    *,
-    layout: str = "",
-    to: TargetKind | None = None,
-    kind: FileKind | None = None,
-    words: WordKind = "packed",
-    column: str = "",
-    digits: DigitKind | None = None,
-    cut: bool = False,
-    columns: Sequence[str] = (),
-    limit: int | None = None,
-    raw: bool = False,
-    force: bool = False,
-    answers: Mapping[str, Enum | str] = _NO_ANSWERS,
-    progress: Callable[[int, int | None, int], None] | None = None,
-) -> Summary:
-    """Decode a file of frames into a file of columns, in bounded memory.
+class Files(NamedTuple):
+    """Functions that decode files and partitions. A label denotes an encoder of the package ``package``."""
 
-    Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if it is not
-    usable, or if the frame has an error. The error is in ``fault``. A cell without a frame becomes a row with a length
-    error. The target appears when it is complete. On error, no file is created and an existing file is left unchanged.
+    package: str
 
-    Args:
-        encoder: The encoder, or its label.
-        source: The file to read, or ``-`` for standard input.
-        target: The file to write, or ``-`` for CSV on standard output.
-        layout: Kind of the frames, if the encoder sends several kinds.
-        to: Format to write: ``parquet``, ``arrow`` or ``csv``. The default follows from the name of the file.
-        kind: Format to read: ``binary``, ``csv`` or ``parquet``. The default follows from the name of the file.
-        words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
-            first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
-            ``big32`` of four bytes.
-        column: Name of the column with the frames. In CSV, also its number from 1.
-        digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
-        cut: Ignore an incomplete frame at the end.
-        columns: Columns to write, both decoded ones and those of the file. The default is all.
-        limit: Highest number of frames to decode.
-        raw: Write the position of every frame, even if it is not usable.
-        force: Replace an existing file.
-        answers: Answers to the questions that the manual leaves open, by name.
-        progress: Called from time to time with the amount read, the total if known, and the number of frames.
+    def decode_file(
+        self,
+        encoder: Encoder | str,
+        source: str | os.PathLike[str],
+        target: str | os.PathLike[str],
+        *,
+        layout: str = "",
+        to: TargetKind | None = None,
+        kind: FileKind | None = None,
+        words: WordKind = "packed",
+        column: str = "",
+        digits: DigitKind | None = None,
+        cut: bool = False,
+        columns: Sequence[str] = (),
+        limit: int | None = None,
+        raw: bool = False,
+        force: bool = False,
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+        progress: Callable[[int, int | None, int], None] | None = None,
+    ) -> Summary:
+        """Decode a file of frames into a file of columns, in bounded memory.
 
-    Returns:
-        The number of frames, errors and verdicts.
+        Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if it is
+        not usable, or if the frame has an error. The error is in ``fault``. A cell without a frame becomes a row with a
+        length error. The target appears when it is complete. On error, no file is created and an existing file is left
+        unchanged.
 
-    Raises:
-        InputError: The source does not contain such frames. The message says where. This error is also raised if many
-            of the first 1000 frames have an error but would be valid with other ``words`` or ``digits``. The message
-            then suggests them.
-        UsageError: The arguments are wrong or incompatible with each other.
-        OSError: A file cannot be read or written.
-    """
-    encoder = _encoder(encoder)
-    shape = _shape(encoder, layout, answers)
-    to = to or target_kind(os.fspath(target))
-    if os.fspath(target) == "-" and to != "csv":
-        raise UsageError("only CSV can be written to standard output")
-    empty = decode_many([], shape, encoder)
-    stored = Stored(kind, words, column, digits, cut, columns)
-    counts = _Counts()
+        Args:
+            encoder: The encoder, or its label.
+            source: The file to read, or ``-`` for standard input.
+            target: The file to write, or ``-`` for CSV on standard output.
+            layout: Kind of the frames, if the encoder sends several kinds.
+            to: Format to write: ``parquet``, ``arrow`` or ``csv``. The default follows from the name of the file.
+            kind: Format to read: ``binary``, ``csv`` or ``parquet``. The default follows from the name of the file.
+            words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
+                first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
+                ``big32`` of four bytes.
+            column: Name of the column with the frames. In CSV, also its number from 1.
+            digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
+            cut: Ignore an incomplete frame at the end.
+            columns: Columns to write, both decoded ones and those of the file. The default is all.
+            limit: Highest number of frames to decode.
+            raw: Write the position of every frame, even if it is not usable.
+            force: Replace an existing file.
+            answers: Answers to the questions that the manual leaves open, by name.
+            progress: Called from time to time with the amount read, the total if known, and the number of frames.
 
-    def share(frames: Any) -> float:
-        return float(decode_many(frames, shape, encoder).ok.mean())
+        Returns:
+            The number of frames, errors and verdicts.
 
-    with opened(os.fspath(source), stored, shape, share) as read, _written(os.fspath(target), source, force) as file:
-        plan = _plan(empty, read, columns, os.fspath(source), raw)
-        with SINKS[to](file, plan) as sink:
-            for part in read.parts:
-                rows = slice(None if limit is None else limit - counts.frames)
-                table = decode_many(part.frames[rows], shape, encoder)
-                counts.add(table)
-                if len(table.fault):
-                    sink.write(table, {name: column[rows] for name, column in part.others.items()})
-                if progress is not None:
-                    progress(part.done, read.total, counts.frames)
-                if limit is not None and counts.frames >= limit:
-                    break
-    return counts.summary(sink.lost)
+        Raises:
+            InputError: The source does not contain such frames. The message says where. This error is also raised if
+                many of the first 1000 frames have an error but would be valid with other ``words`` or ``digits``. The
+                message then suggests them.
+            UsageError: The arguments are wrong or incompatible with each other.
+            OSError: A file cannot be read or written.
+        """
+        encoder = self._encoder(encoder)
+        shape = _shape(encoder, layout, answers)
+        to = to or target_kind(os.fspath(target))
+        if os.fspath(target) == "-" and to != "csv":
+            raise UsageError("only CSV can be written to standard output")
+        empty = decode_many([], shape, encoder)
+        stored = Stored(kind, words, column, digits, cut, columns)
+        counts = _Counts()
+
+        def share(frames: Any) -> float:
+            return float(decode_many(frames, shape, encoder).ok.mean())
+
+        with (
+            opened(os.fspath(source), stored, shape, share) as read,
+            _written(os.fspath(target), source, force) as file,
+        ):
+            plan = _plan(empty, read, columns, os.fspath(source), raw)
+            with SINKS[to](file, plan) as sink:
+                for part in read.parts:
+                    rows = slice(None if limit is None else limit - counts.frames)
+                    table = decode_many(part.frames[rows], shape, encoder)
+                    counts.add(table)
+                    if len(table.fault):
+                        sink.write(table, {name: column[rows] for name, column in part.others.items()})
+                    if progress is not None:
+                        progress(part.done, read.total, counts.frames)
+                    if limit is not None and counts.frames >= limit:
+                        break
+        return counts.summary(sink.lost)
+
+    def decode_partition(
+        self,
+        part: _Part,
+        encoder: Encoder | str,
+        column: str = "",
+        *,
+        layout: str = "",
+        digits: DigitKind | None = None,
+        raw: bool = False,
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+    ) -> _Part:
+        """Decode the frames of an Arrow table or record batch, or of a pandas DataFrame.
+
+        The fields, ``verdict`` and ``fault`` replace the column of frames. Other columns, all rows and the index of a
+        DataFrame are unchanged. A position is null if the frame has an error or its position is not usable. A missing
+        frame has a length error. The result depends only on the arguments, so engines can process partitions in any
+        order and in other processes.
+
+        Args:
+            part: The partition.
+            encoder: The encoder, or its label.
+            column: Name of the column with the frames: integers, bytes or text. By default, the only column, or
+                ``frame`` or ``word``.
+            layout: Kind of the frames, if the encoder sends several kinds.
+            digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
+            raw: Keep the position of every frame, even if it is not usable.
+            answers: Answers to the questions that the manual leaves open, by name.
+
+        Returns:
+            A partition of the same type.
+
+        Raises:
+            InputError: The column does not contain such frames.
+            TypeError: ``part`` is not a partition of a supported type.
+            UsageError: The arguments are wrong or incompatible with each other.
+        """
+        encoder = self._encoder(encoder)
+        shape = _shape(encoder, layout, answers)
+        kind = (type(part).__module__.partition(".")[0], type(part).__name__)
+        if kind in (("pyarrow", "Table"), ("pyarrow", "RecordBatch")):
+            return cast(_Part, _of_arrow(part, encoder, shape, column, digits, raw))
+        if kind == ("pandas", "DataFrame"):
+            return cast(_Part, _of_pandas(part, encoder, shape, column, digits, raw))
+        raise TypeError(f"expected an Arrow table or record batch or a pandas DataFrame, got {type(part).__name__}")
+
+    def _encoder(self, encoder: Encoder | str) -> Encoder:
+        if isinstance(encoder, Encoder):
+            return encoder
+        found: Encoder = import_module(self.package).lookup(encoder)
+        return found
 
 
 class _Counts:
@@ -258,13 +315,6 @@ class _Counts:
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
-def _encoder(encoder: Encoder | str) -> Encoder:
-    if isinstance(encoder, Encoder):
-        return encoder
-    found: Encoder = getattr(import_module(_PACKAGE), "lookup")(encoder)
-    return found
-
-
 def _plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
     wrong = [name for name in columns if name not in [*read.names, *empty]]
@@ -291,7 +341,7 @@ def _written(target: str, source: str | os.PathLike[str], force: bool) -> Genera
             raise UsageError(f"{target} already exists; use force to replace it")
     folder, name = os.path.split(place)
     neighbour = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
-    file = open(neighbour, "xb")
+    file = open(neighbour, "xb")  # noqa: SIM115 (closed below)
     try:
         with file:
             yield file
@@ -302,54 +352,6 @@ def _written(target: str, source: str | os.PathLike[str], force: bool) -> Genera
             file.close()
         os.unlink(neighbour)
         raise
-
-
-# Partitions
-
-
-def decode_partition(
-    part: _Part,
-    encoder: Encoder | str,
-    column: str = "",
-    *,
-    layout: str = "",
-    digits: DigitKind | None = None,
-    raw: bool = False,
-    answers: Mapping[str, Enum | str] = _NO_ANSWERS,
-) -> _Part:
-    """Decode the frames of an Arrow table or record batch, or of a pandas DataFrame.
-
-    The fields, ``verdict`` and ``fault`` replace the column of frames. Other columns, all rows and the index of a
-    DataFrame are unchanged. A position is null if the frame has an error or its position is not usable. A missing
-    frame has a length error. The result depends only on the arguments, so engines can process partitions in any order
-    and in other processes.
-
-    Args:
-        part: The partition.
-        encoder: The encoder, or its label.
-        column: Name of the column with the frames: integers, bytes or text. By default, the only column, or ``frame``
-            or ``word``.
-        layout: Kind of the frames, if the encoder sends several kinds.
-        digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
-        raw: Keep the position of every frame, even if it is not usable.
-        answers: Answers to the questions that the manual leaves open, by name.
-
-    Returns:
-        A partition of the same type.
-
-    Raises:
-        InputError: The column does not contain such frames.
-        TypeError: ``part`` is not a partition of a supported type.
-        UsageError: The arguments are wrong or incompatible with each other.
-    """
-    encoder = _encoder(encoder)
-    shape = _shape(encoder, layout, answers)
-    kind = (type(part).__module__.partition(".")[0], type(part).__name__)
-    if kind in (("pyarrow", "Table"), ("pyarrow", "RecordBatch")):
-        return cast(_Part, _of_arrow(part, encoder, shape, column, digits, raw))
-    if kind == ("pandas", "DataFrame"):
-        return cast(_Part, _of_pandas(part, encoder, shape, column, digits, raw))
-    raise TypeError(f"expected an Arrow table or record batch or a pandas DataFrame, got {type(part).__name__}")
 
 
 def _of_arrow(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None, raw: bool) -> Any:
@@ -388,7 +390,7 @@ def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     missing = series.isna().tolist()
     found = [
         None if is_missing else _item(item, shape, cells, row)
-        for row, (item, is_missing) in enumerate(zip(frames.tolist(), missing))
+        for row, (item, is_missing) in enumerate(zip(frames.tolist(), missing, strict=False))
     ]
     if cells.are_others:
         raise ValueError(f"row {cells.place + 1}: {cells.said}")

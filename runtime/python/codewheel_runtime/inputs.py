@@ -1,5 +1,4 @@
-{# python/<package>/_input.py: types shared by the readers of files. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Types that the readers of files share, and the check of the first frames of a file."""
 
 from __future__ import annotations
@@ -83,7 +82,7 @@ class Stored(NamedTuple):
     wanted: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
-        """Return whether to keep the column with this name. It is not the column with the frames."""
+        """Return whether to keep the column ``name``, which does not contain the frames."""
         return not self.wanted or name in self.wanted
 
 
@@ -178,6 +177,6 @@ def short(text: str) -> str:
 
 
 def listed(names: list[str]) -> str:
-    """Return the names for a message, eight at most."""
+    """Return at most eight of the names, for a message."""
     shown = ", ".join(short(item) for item in names[:8])
     return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown

@@ -1,40 +1,24 @@
-{# python/<package>/_codec.py: errors, arguments, checks and CRCs, the same for all families. #}
-{#- An error: its members with their types, and its message. -#}
-{%- macro error(name, base, doc, members, says) %}
-
-
-class {{ name }}({{ base }}):
-    """{{ doc }}"""
-
-    def __init__(self{% for name, type in members.items() %}, {{ name }}: {{ type }}{% endfor %}) -> None:
-        super().__init__({{ members | join(", ") }})
-{% for name in members %}
-        self.{{ name }} = {{ name }}
-{% endfor %}
-
-    def __str__(self) -> str:
-        return f"{{ says }}"
-{% endmacro -%}
-{{ header }}
-"""Code that the encoder modules share: errors, conversion of arguments, checks and CRCs."""
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Code that the encoder modules share: conversion of arguments, checks and CRCs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum, IntEnum
-from functools import lru_cache
-from importlib import import_module
+from functools import cache
 from operator import index
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast, get_args
+from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, cast, get_args
 
-from ._reports import Family
+from .encoder import Encoder
+from .errors import FamilyError, FrameError, InterfaceError, LengthError, RangeError
+from .reports import Interface
 
 #: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
-Data = Union[bytes, bytearray, memoryview]
+Data = bytes | bytearray | memoryview
 
 #: A frame that is a string of bits: a number, the first bit sent most significant, or a text of 0 and 1.
-Word = Union[SupportsIndex, str]
+Word = SupportsIndex | str
 
 #: Many frames of bytes: an array of uint8 with one row per frame, all bytes in sequence, or a list of frames.
 Rows: TypeAlias = Any
@@ -49,83 +33,24 @@ _Kind = TypeVar("_Kind")
 _TUPLE: Final[Any] = tuple
 
 
-class Interface(Enum):
-    """Interface of an encoder."""
-
-    SSI = "ssi"
-    BISS = "biss"
-    RS485 = "rs485"
-
-    @property
-    def title(self) -> str:
-        """Name as it is usually printed."""
-        return {"ssi": "SSI", "biss": "BiSS", "rs485": "RS-485"}[self.value]
-
-
-class FrameError(ValueError):
-    """A frame or register cannot be decoded, or values cannot be encoded.
-
-    Attributes:
-        frame: The frame that was passed to an encoder's ``decode``, otherwise None.
-        encoder: The encoder whose ``decode`` raised the error, otherwise None.
-        order_code: Order code of the encoder, otherwise empty.
-    """
-
-    frame: object = None
-    encoder: object = None
-    order_code: str = ""
-
-    def add(self, frame: object, encoder: object) -> None:
-        """Record the frame and the encoder."""
-        self.frame, self.encoder, self.order_code = frame, encoder, getattr(encoder, "code")
-
-    @property
-    def hint(self) -> str:
-        """Common mistake that would explain the frame, as a sentence. Empty if there is none.
-
-        Computed on access.
-        """
-        if self.encoder is None:
-            return ""
-        module = import_module(f"{__package__}._why")
-        return cast(str, module.hint(self.encoder, self.frame))
-{{ error("LengthError", "FrameError", "A frame or register has too many or too few bits or bytes.",
-    {"expected": "int", "found": "int", "unit": 'str = "bytes"'},
-    "expected {self.expected} {self.unit if self.expected != 1 else self.unit[:-1]}, got {self.found}") -}}
-{{ error("CrcError", "FrameError", "The CRC of a frame does not match, because bits were changed in transmission.",
-    {"received": "int", "computed": "int"},
-    "expected CRC {self.computed:#04x}, got {self.received:#04x}") -}}
-{{ error("ConstantError", "FrameError", "Constant bits or a parity bit have the wrong value.",
-    {"field": "str", "found": "int", "expected": "int"},
-    "{self.field} must be {self.expected:#x}, got {self.found:#x}") -}}
-{{ error("RangeError", "FrameError", "A value is undefined, too large or outside its limits.",
-    {"field": "str", "value": "object", "allowed": "str"},
-    "{self.field} must be {self.allowed}, got {self.value!r}") -}}
-{{ error("FamilyError", "ValueError", "The encoder belongs to another family.",
-    {"code": "str", "found": "str", "expected": "str"},
-    "{self.code} belongs to the family {self.found}, not to {self.expected}") -}}
-{{ error("InterfaceError", "ValueError", "The encoder does not have the required interface.",
-    {"code": "str", "found": "Interface", "expected": "Interface", "instead": 'str = ""'},
-    "{self.code} has the interface {self.found.title}, but this needs {self.expected.title}{self.instead}") }}
-
 def by_class(kind: type[_Kind]) -> type[_Kind]:
     """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple."""
 
-    def __eq__(self: tuple[object, ...], other: object) -> object:
+    def equals(self: tuple[object, ...], other: object) -> object:
         if self.__class__ is other.__class__:
             return _TUPLE.__eq__(self, other)
         return False if isinstance(other, tuple) else NotImplemented
 
-    def __ne__(self: tuple[object, ...], other: object) -> object:
+    def differs(self: tuple[object, ...], other: object) -> object:
         if self.__class__ is other.__class__:
             return _TUPLE.__ne__(self, other)
         return True if isinstance(other, tuple) else NotImplemented
 
-    def __hash__(self: tuple[object, ...]) -> int:
+    def hashed(self: tuple[object, ...]) -> int:
         return hash((self.__class__, _TUPLE.__hash__(self)))
 
-    for method in (__eq__, __ne__, __hash__):
-        setattr(kind, method.__name__, method)
+    for name, method in (("__eq__", equals), ("__ne__", differs), ("__hash__", hashed)):
+        setattr(kind, name, method)
     return kind
 
 
@@ -176,27 +101,26 @@ _NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
 
 
 def wrong_encoder(
-    found: object, kind: type, interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
 ) -> Exception:
     """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
     if isinstance(found, kind):
-        own: Interface = getattr(found, "interface")
+        own = found.interface
         instead = f". Procedures over {own.title}: {', '.join(procedures[own])}" if own in procedures else ""
-        return InterfaceError(getattr(found, "code"), own, interface, instead)
-    family = getattr(found, "family", None)
-    if isinstance(family, Family):
-        return FamilyError(getattr(found, "code"), family.name, getattr(kind, "family").name)
+        return InterfaceError(found.code, own, interface, instead)
+    if isinstance(found, Encoder):
+        return FamilyError(found.code, found.family.name, kind.family.name)
     return TypeError(f"expected an encoder, got {shown(found)}; lookup() returns one for an order code")
 
 
 def check_encoder(
-    found: object, kind: type, interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
 ) -> None:
     """Raise an error if the encoder belongs to another family or has another interface.
 
     ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
     """
-    if not isinstance(found, kind) or getattr(found, "interface") is not interface:
+    if not isinstance(found, kind) or found.interface is not interface:
         raise wrong_encoder(found, kind, interface, procedures)
 
 
@@ -403,7 +327,7 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
     return register ^ xorout
 
 
-@lru_cache(maxsize=None)
+@cache
 def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
     """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
 

@@ -1,5 +1,4 @@
-{# python/<package>/_table.py: the columns of many frames. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Columns of many decoded frames, and conversions of them."""
 
 from __future__ import annotations
@@ -10,10 +9,10 @@ from importlib import import_module
 from math import tau
 from typing import Any, Final, Literal
 
-from ._codec import RangeError, unwrap
-from ._encoder import Encoder
-from ._reports import Verdict
-
+from .codec import unwrap
+from .encoder import Encoder
+from .errors import RangeError
+from .reports import Verdict
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
@@ -24,7 +23,7 @@ _OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000
 
 
 class Fault(IntEnum):
-    """Error of a frame, in the order in which ``decode`` checks for it."""
+    """Frame errors, in the order in which ``decode`` checks for them."""
 
     NONE = 0
     LENGTH = 1
@@ -34,7 +33,7 @@ class Fault(IntEnum):
 
 
 class Table(Mapping[str, Any]):
-    """Columns of many frames: a NumPy array for each field, by its name, and for ``fault``.
+    """Columns of many frames. Each field has a NumPy array, by its name. So has ``fault``, the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
     masked if there is none. ``to_arrow`` and ``to_pandas`` return nulls there.
@@ -61,7 +60,7 @@ class Table(Mapping[str, Any]):
 
     @property
     def fault(self) -> Any:
-        """Error of each frame, as a number of :class:`Fault`. 0 for a valid frame."""
+        """Error of each frame, as a number of :class:`Fault`. Valid frames have 0."""
         return self._fault
 
     @property
@@ -161,8 +160,9 @@ class Table(Mapping[str, Any]):
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
         np: Any = import_module("numpy")
-        modulus: int = getattr(self.encoder, "modulus")
-        highest: int = getattr(self.encoder, "highest", modulus - 1)
+        encoder: Any = self.encoder
+        modulus: int = encoder.modulus
+        highest: int = getattr(encoder, "highest", modulus - 1)
         good = np.flatnonzero(self.usable)
         position = self.position.astype(np.int64)
         if not len(good):
@@ -226,10 +226,11 @@ class Table(Mapping[str, Any]):
         """Return the size of one count in a unit, as numerator and denominator."""
         if unit == "counts":
             return 1, 1
+        encoder: Any = self.encoder
         if unit in _OF_A_TURN:
-            per_turn: int = getattr(self.encoder, "from_turns")(1)
+            per_turn: int = encoder.from_turns(1)
             return _OF_A_TURN[unit], per_turn
-        micrometres: int = getattr(self.encoder, "micrometres")(1)
+        micrometres: int = encoder.micrometres(1)
         return micrometres, _OF_A_LENGTH[unit]
 
     def hidden(self, name: str) -> Any:

@@ -1,5 +1,4 @@
-{# python/<package>/_sinks.py: writes columns of frames to files. #}
-{{ header }}
+# Licence 0BSD: you may use, change and distribute this file without any condition.
 """Writes columns of decoded frames to Parquet, Arrow or CSV files, and converts them for other libraries."""
 
 from __future__ import annotations
@@ -13,8 +12,8 @@ from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
-from ._reports import Verdict
-from ._table import Fault, Table
+from .reports import Verdict
+from .table import Fault, Table
 
 TargetKind = Literal["parquet", "arrow", "csv"]
 _SUFFIXES: Final[dict[str, TargetKind]] = {
@@ -45,7 +44,7 @@ def _texts(column: Any) -> list[str]:
 
 
 def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as words. Positions can be null unless ``raw``."""
+    """Return columns as Arrow arrays, with ``fault`` and ``verdict`` as words. Positions can be null unless ``raw``."""
     pa: Any = import_module("pyarrow")
     found: dict[str, Any] = {}
     for name in names:
@@ -59,7 +58,7 @@ def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict
 
 
 def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns for pandas, ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
+    """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
     pd: Any = import_module("pandas")
     found: dict[str, Any] = {}
     for name in names:
@@ -95,7 +94,7 @@ class Plan(NamedTuple):
 
 
 class Sink(Protocol):
-    """File that tables are appended to."""
+    """Output file to which tables are appended."""
 
     def __enter__(self) -> Sink: ...
 
@@ -104,7 +103,7 @@ class Sink(Protocol):
     ) -> None: ...
 
     def write(self, table: Table, others: Mapping[str, Any]) -> None:
-        """Append the frames of a table, and other columns of the same rows."""
+        """Append the frames of a table, and the other columns of the same rows."""
 
     @property
     def lost(self) -> int:
@@ -173,7 +172,7 @@ class ArrowSink:
         return sum(item.lost for item in self._texts.values())
 
     def write(self, table: Table, others: Mapping[str, Any]) -> None:
-        """Append the frames of a table, and other columns of the same rows."""
+        """Append the frames of a table, and the other columns of the same rows."""
         found = arrow_columns(table, self._plan.decoded, self._plan.raw)
         for name in self._plan.kept:
             found[name] = self._texts[name].array(others[name]) if name in self._texts else others[name]
@@ -223,7 +222,7 @@ class CsvSink:
             self._own.detach()
 
     def write(self, table: Table, others: Mapping[str, Any]) -> None:
-        """Append the frames of a table, and other columns of the same rows."""
+        """Append the frames of a table, and the other columns of the same rows."""
         kept = self._plan.kept
         hidden = {name: None if self._plan.raw else table.hidden(name) for name in self._plan.decoded}
         # Python objects take much memory, so only some rows are converted at once.
@@ -236,14 +235,15 @@ class CsvSink:
                         if name in kept
                         else self._cells(name, table[name][rows], hidden[name], rows)
                         for name in self._plan.names
-                    )
+                    ),
+                    strict=False,
                 )
             )
 
     @staticmethod
     def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
         if hidden is not None:
-            cells = zip(column.tolist(), hidden[rows].tolist())
+            cells = zip(column.tolist(), hidden[rows].tolist(), strict=False)
             return ["" if is_hidden else cell for cell, is_hidden in cells]
         if name in _WORDS:
             words = _WORDS[name]

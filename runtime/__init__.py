@@ -1,0 +1,1 @@
+"""Ordinary source files that are copied into the output unchanged."""
