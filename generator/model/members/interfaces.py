@@ -8,8 +8,8 @@ INTERFACES = (
     Part(
         "clock",
         "Clock frequency range.",
-        Member("min_hz", "integer?", "Lowest frequency in hertz.", "clock-narrower", "lowest clock"),
-        Member("max_hz", "integer?", "Highest frequency in hertz.", "clock-narrower", "highest clock"),
+        Member("min_hz", "integer?", "Lowest frequency in hertz.", "clock-narrower", "lowest clock", read="clock"),
+        Member("max_hz", "integer?", "Highest frequency in hertz.", "clock-narrower", "highest clock", read="clock"),
     ),
     Part(
         "supply",
@@ -26,8 +26,8 @@ INTERFACES = (
     Part(
         "network",
         "Permitted connections of the encoder.",
-        Member("topology", "name", "Topology of master and slave."),
-        Member("multiple_slaves", "boolean", "True if more than one slave may be connected."),
+        Member("topology", "name", "Topology of master and slave.", read="setting"),
+        Member("multiple_slaves", "boolean", "True if more than one slave may be connected.", read="setting"),
     ),
     Part(
         "printed_timeout",
@@ -38,10 +38,10 @@ INTERFACES = (
     Part(
         "timeout",
         "Time-out after a frame.",
-        Member("rule", "name", "Rule: follows the clock, or fixed."),
-        Member("half_clock_periods", "integer?", "Length in half clock periods."),
-        Member("at_most_ns", "integer?", "Upper bound in nanoseconds."),
-        Member("typical_ns", "integer?", "Typical value in nanoseconds."),
+        Member("rule", "name", "Rule: follows the clock, or fixed.", read="time"),
+        Member("half_clock_periods", "integer?", "Length in half clock periods.", read="time"),
+        Member("at_most_ns", "integer?", "Upper bound in nanoseconds.", read="time", noun="upper bound"),
+        Member("typical_ns", "integer?", "Typical value in nanoseconds.", read="time", noun="typical value"),
         Member("printed", "[printed_timeout]", "Values calculated in the manual."),
     ),
     Part(
@@ -65,11 +65,11 @@ INTERFACES = (
     Part(
         "port",
         "Settings of the serial port.",
-        Member("baud", "integer", "Bits per second.", "port"),
-        Member("data_bits", "integer", "Data bits of a character.", "port"),
-        Member("parity", "name", "Parity bit of a character.", "port"),
-        Member("stop_bits", "integer", "Stop bits of a character.", "port"),
-        Member("flow_control", "name", "Flow control.", "port"),
+        Member("baud", "integer", "Bits per second.", "port", read="clock", noun="baud rate"),
+        Member("data_bits", "integer", "Data bits of a character.", "port", read="setting"),
+        Member("parity", "name", "Parity bit of a character.", "port", read="setting"),
+        Member("stop_bits", "integer", "Stop bits of a character.", "port", read="setting"),
+        Member("flow_control", "name", "Flow control.", "port", read="setting"),
     ),
     Part(
         "data_id",
@@ -77,7 +77,7 @@ INTERFACES = (
         NAME,
         Member("id", "hex", "Number.", "data-id-changed", "number"),
         Member("control", "hex", "Byte of the control field.", "data-id-changed", "control byte"),
-        Member("purpose", "name", "Effect of the request.", "data-id-changed"),
+        Member("purpose", "name", "Effect of the request.", "data-id-changed", read="setting"),
         MEANING,
     ),
     Part(
@@ -104,9 +104,20 @@ INTERFACES = (
             "Alignment of the word: the end that is sent with the first clock.",
             "alignment",
             form="word",
+            read="position",
+            noun="alignment of the word",
         ),
         Member("alignment_source", "source?", "Source of the alignment. null if there is no alignment."),
-        Member("output_code", "name", "Code of the position.", "alignment", "code", form="word"),
+        Member(
+            "output_code",
+            "name",
+            "Code of the position.",
+            "alignment",
+            "code",
+            form="word",
+            read="setting",
+            noun="output code",
+        ),
         Member("output_code_source", "source?", "Source of the output code. null if there is no output code."),
         Member(
             "cable_lengths",
@@ -125,7 +136,13 @@ INTERFACES = (
             "measurement?",
             "Unit and range of the position for this interface. null if the same as for the device.",
         ),
-        Member("description_file", "string", "Description file of the encoder for a master.", "interface-rule"),
+        Member(
+            "description_file",
+            "string",
+            "Description file of the encoder for a master.",
+            "interface-rule",
+            read="printed name",
+        ),
         Member(
             "bank_select",
             "name",
@@ -133,6 +150,8 @@ INTERFACES = (
             "bank-select",
             "bank selected by",
             refers_to="register",
+            read="address",
+            noun="register that selects the bank",
         ),
         Member("port", "port?", "Settings of the serial port."),
         Member("data_ids", "[data_id]", "The data IDs."),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 #: Notations of numbers, by the ends of the names of members.
-_UNITS = ("mv", "us", "ms", "hz")
+_UNITS = ("mv", "us", "ms", "hz", "ns")
 #: Rules of ``diff`` for limits, and the rules for the opposite change.
 WIDER = {
     "clock-narrower": "clock-wider",
@@ -32,9 +32,10 @@ class Member:
     rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or follows from others.
     label: Name in sentences, if it differs from ``name``.
     read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
-        or with facts of its own.
-    form: Notation of numbers in sentences: ``hex``, ``bytes``, ``word``, ``plain``, or a unit. By default it follows
-        from the shape or the name.
+        or whose facts have several parts.
+    noun: Name in messages about second readings, where ``label`` does not name a thing.
+    form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default it
+        follows from the shape or the name.
     refers_to: Kind of thing that the member names, so that ``diff`` takes a renaming into account.
     of: Name in the model, if it differs from ``name``.
     """
@@ -45,6 +46,7 @@ class Member:
     rule: str = ""
     label: str = ""
     read: str = ""
+    noun: str = ""
     form: str = ""
     refers_to: str = ""
     of: str = ""
@@ -64,6 +66,11 @@ class Member:
         """Notation of numbers in sentences."""
         unit = self.attribute.rpartition("_")[2]
         return self.form or ("hex" if self.shape.startswith("hex") else unit if unit in _UNITS else "")
+
+    def is_stated(self, value: object) -> bool:
+        """Return True if the manual gives a value, which is not just the default."""
+        default = self.shape.partition("=")[2]
+        return value not in (None, "", ()) and not (default and str(value).lower() == default)
 
     @property
     def is_limit(self) -> bool:
