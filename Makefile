@@ -88,6 +88,7 @@ release: .venv/.installed
 
 spec-page: .venv/.installed
 	@$(PY) -m codewheel.language.language_page docs/spec-language.md
+	@$(PY) -m codewheel.dump.schema generator/language/show.schema.json
 
 templates-page: .venv/.installed
 	@$(PY) -m codewheel.targets.templates_page docs/templates.md

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from .impact import OUTPUTS, Impact, Rule
@@ -38,7 +38,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """Subject of a change: its path in the spec and its name in a sentence.
+    """Subject of a change: its path in the spec, its name in a sentence, and its old names in C and Python.
 
     ``interface`` is empty if it concerns all order codes.
     """
@@ -51,4 +51,9 @@ class Thing:
 
     def inside(self, path: str, label: str) -> Thing:
         """Return a thing inside it."""
-        return Thing(f"{self.path}.{path}", label, self.interface, self.c, self.python)
+        return replace(self, path=f"{self.path}.{path}".removeprefix("."), label=label)
+
+    @property
+    def unnamed(self) -> Thing:
+        """The same thing without its names in code, for changes that keep them."""
+        return replace(self, c="", python="")

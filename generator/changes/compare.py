@@ -1,75 +1,68 @@
-"""Compare two parts of one kind, member by member, using the table in ``members``."""
+"""Compare two parts of one kind, member by member, by the rules in the table of members."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
-from typing import Any
+from typing import Any, TypeVar
 
 from ..model.expressions import Expression
+from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from .change import Change, Thing
-from .members import MEMBERS, ByValue, Limit, Plain, Skip, Treatment
-from .shown import arrow, differing_items, plain, shown, without_words
-from .sides import Sides
-from .values import Differing
+from .expressions import Differing
+from .family_pair import FamilyPair
+from .pairs import Pair, name_of
+from .value_text import arrow, differing_items, plain, shown, without_words
 
+_Item = TypeVar("_Item")
 #: Rules whose changes are described by their place alone.
 _IN_WORDS = ("words", "source")
+_SOURCE = Member("source", rule="source")
 
 
-def members(sides: Sides, thing: Thing, old: Any, new: Any, scope: str = "") -> Iterator[Change]:
+def members(both: FamilyPair, thing: Thing, old: Any, new: Any, scope: str = "") -> Iterator[Change]:
     """Yield every changed member. ``scope`` is the frame or register in which to look up the names of fields."""
-    table = MEMBERS.get(type(new).__name__, {})
+    known = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for item in fields(new):
-        treatment = table.get(item.name, Plain("unforeseen", item.name))
-        yield from _member(
-            sides, thing, item.name, treatment, (getattr(old, item.name), getattr(new, item.name)), scope
-        )
+        member = known.get(item.name) or Member(item.name, rule="unforeseen")
+        if member.rule:
+            values = getattr(old, item.name), getattr(new, item.name)
+            yield from _member(both, thing.inside(item.name, thing.label), member, *values, scope)
 
 
-def _member(
-    sides: Sides, thing: Thing, name: str, treatment: Treatment, both: tuple[Any, Any], scope: str
-) -> Iterator[Change]:
-    old, new = both
-    place = thing.inside(name, thing.label)
-    match treatment:
-        case Skip():
-            return
-        case Plain(rule, label, form, refers_to):
-            if refers_to:
-                old = sides.to_new(refers_to, old, scope)
-            if old == new:
-                return
-            rule = (
-                rule if without_words(old) != without_words(new) else "source" if plain(old) == plain(new) else "words"
-            )
-            if rule in _IN_WORDS:
-                yield sides.change(rule, place, f": {name.replace('_', ' ')}", old, new)
-            else:
-                yield sides.change(rule, place, f": {label} {arrow(*differing_items(old, new), form)}", old, new)
-        case ByValue(rule, label):
-            found = sides.differing(thing.interface, old, new)
-            if found is not None:
-                said = f": {label} {numbers(found, old, new)}"
-                yield sides.change(rule, place, said, old, new, found.codes or None)
-        case Limit():
-            yield from _limit(sides, place, treatment, old, new)
+def _member(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any, scope: str) -> Iterator[Change]:
+    if member.is_limit or isinstance(old, Expression) or isinstance(new, Expression):
+        yield from _number(both, place, member, old, new)
+        return
+    if member.refers_to:
+        old = both.to_new(member.refers_to, old, scope)
+    if old == new:
+        return
+    rule = "source" if plain(old) == plain(new) else "words"
+    rule = member.rule if without_words(old) != without_words(new) else rule
+    if rule in _IN_WORDS:
+        said = f": {member.attribute.replace('_', ' ')}"
+    else:
+        said = f": {member.words} {arrow(*differing_items(old, new), member.notation)}"
+    yield both.change(rule, place, said, old, new)
 
 
-def _limit(sides: Sides, place: Thing, limit: Limit, old: Any, new: Any) -> Iterator[Change]:
+def _number(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any) -> Iterator[Change]:
+    """Compare numbers and expressions by their values for each order code."""
     before, after = (Expression(item) if isinstance(item, int) else item for item in (old, new))
-    found = sides.differing(place.interface, before, after)
+    found = both.differing(place.interface, before, after)
     if found is None:
         return
-    less = any(_allows_less(limit, *pair) for pair in found.values) or (not found.values and new is not None)
-    said = f": {limit.label} {numbers(found, before, after, limit.form)}"
-    yield sides.change(limit.narrower if less else limit.wider, place, said, old, new, found.codes or None)
+    less = any(_allows_less(member, *pair) for pair in found.values) or (not found.values and new is not None)
+    rule = WIDER[member.rule] if member.is_limit and not less else member.rule
+    said = f": {member.words} {numbers(found, before, after, member.notation)}"
+    yield both.change(rule, place, said, old, new, found.codes or None)
 
 
-def _allows_less(limit: Limit, old: int | None, new: int | None) -> bool:
+def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
     if old is None or new is None:
         return new is not None
-    return new < old if limit.upper else new > old
+    return new < old if member.is_upper else new > old
 
 
 def numbers(found: Differing, old: Expression | None, new: Expression | None, form: str = "") -> str:
@@ -82,3 +75,28 @@ def numbers(found: Differing, old: Expression | None, new: Expression | None, fo
     more = len(found.values) - 2
     listed = ", ".join(arrow(*pair, form) for pair in found.values[:2])
     return listed + (f" and {more} more" if more > 0 else "")
+
+
+def things(
+    both: FamilyPair,
+    kind: str,
+    pairs: Iterable[Pair[_Item]],
+    place: Callable[[Pair[_Item]], Thing],
+    inside: Callable[[FamilyPair, Thing, _Item, _Item], Iterator[Change]] | None = None,
+) -> Iterator[Change]:
+    """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
+
+    Args:
+        both: The two versions of the family.
+        kind: Kind of the things, with which the names of their rules begin.
+        pairs: The things with their counterparts.
+        place: Return the subject of a change of a thing.
+        inside: Compare everything in a thing that is not a member of its own.
+    """
+    for pair in pairs:
+        thing = place(pair)
+        yield from both.presence(kind, thing, pair.old, pair.new)
+        if pair.old is not None and pair.new is not None:
+            yield from members(both, thing.unnamed, pair.old, pair.new, name_of(pair.new))
+            if inside is not None:
+                yield from inside(both, thing, pair.old, pair.new)

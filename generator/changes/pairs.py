@@ -1,13 +1,17 @@
-"""Pair the items of an old and a new list by name, or by a property that stays the same."""
+"""Pair the items of an old and a new list by name, or by a property that stays the same.
+
+``diff`` pairs the things of two versions of a spec, and ``check`` the facts of two readings of a manual.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 _Item = TypeVar("_Item")
+Key = Callable[[Any], Hashable | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,41 +21,62 @@ class Pair(Generic[_Item]):
     old: _Item | None
     new: _Item | None
 
+    @property
+    def item(self) -> _Item:
+        """The new item, or the old one if it is gone."""
+        found = self.old if self.new is None else self.new
+        assert found is not None
+        return found
 
-def pairs(
+    @property
+    def first(self) -> _Item:
+        """The old item, or the new one if there was none."""
+        return Pair(self.new, self.old).item
+
+
+def name_of(item: Any) -> str:
+    """Return the name of a part of the model."""
+    name: str = item.name
+    return name
+
+
+def by_name_only(_: Any) -> None:
+    """Return None, for items that cannot be recognised except by name."""
+
+
+def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
+    """Yield the pairs that have both items."""
+    yield from ((pair.old, pair.new) for pair in pairs if pair.old is not None and pair.new is not None)
+
+
+def paired(
     olds: Sequence[_Item],
     news: Sequence[_Item],
-    name: Callable[[_Item], Hashable],
-    same_old: Callable[[_Item], Hashable | None],
-    same_new: Callable[[_Item], Hashable | None],
-) -> Iterator[Pair[_Item]]:
-    """Yield every item with its counterpart: first the new items in their order, then those that are gone.
+    same: Key = by_name_only,
+    same_new: Key | None = None,
+    name: Key = name_of,
+) -> list[Pair[_Item]]:
+    """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
     Args:
         olds: The old items.
         news: The new items.
+        same: Return the property that identifies an old item whose name is gone, or None if only the name does.
+        same_new: Return that property of a new item, if it is computed in another way. It identifies a counterpart only
+            if it is unique on its side.
         name: Return the name of an item.
-        same_old: Return the property that identifies an old item whose name is gone, or None if only the name does.
-        same_new: Return that property of a new item. It identifies a counterpart only if it is unique on its side.
     """
     known = {name(item): item for item in olds}
-    left = [item for item in olds if name(item) not in {name(other) for other in news}]
-    fresh = [item for item in news if name(item) not in known]
-    marks = [same_new(item) for item in fresh]
-    alike = _only(left, same_old)
-    often = Counter(marks)
-    renamed: dict[Hashable, _Item] = {
-        name(item): alike[mark]
-        for item, mark in zip(fresh, marks, strict=True)
-        if mark is not None and often[mark] == 1 and mark in alike
-    }
-    for item in news:
-        yield Pair(known.get(name(item), renamed.get(name(item))), item)
-    taken = {name(item) for item in renamed.values()}
-    yield from (Pair(item, None) for item in left if name(item) not in taken)
+    names = {name(item) for item in news}
+    left = _unique([item for item in olds if name(item) not in names], same)
+    fresh = _unique([item for item in news if name(item) not in known], same_new or same)
+    renamed = {name(item): left[mark] for mark, item in fresh.items() if mark in left}
+    taken = {name(item) for item in renamed.values()} | names
+    found = [Pair(known.get(name(item), renamed.get(name(item))), item) for item in news]
+    return found + [Pair(item, None) for item in olds if name(item) not in taken]
 
 
-def _only(items: Sequence[_Item], same: Callable[[_Item], Hashable | None]) -> dict[Hashable, _Item]:
+def _unique(items: Sequence[_Item], same: Key) -> dict[Hashable, _Item]:
     """Return the items with a unique identifying property, by that property."""
     marks = [same(item) for item in items]
     often = Counter(marks)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..changes.told import Files
+from ..changes.report import Files
 from ..model import Device
 from ..render import TemplateFault
 from ..targets import Library, TargetError

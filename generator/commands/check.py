@@ -9,7 +9,7 @@ from typing import Any
 
 from ..language.problems import Report
 from ..loading.library import Family, load_families
-from ..readings.second import Readings, compare_readings, sound_specs
+from ..readings.second_readings import Readings, compare_readings, sound_specs
 from ..say.words import counted
 from ..targets import Target
 from .editions import check_all

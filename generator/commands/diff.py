@@ -17,7 +17,7 @@ from .arguments import Parser
 from .terminal import Stop
 
 if TYPE_CHECKING:
-    from ..changes.told import Files, Found
+    from ..changes.report import Files, Found
     from ..language.problems import Problem
     from ..loading.library import Family
     from ..model import Device
@@ -90,15 +90,15 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
             gate(after.families)
         found = _record(found, after)
     if chosen.json:
-        from ..changes.data import as_data
+        from ..changes.report_data import as_data
 
         print(json.dumps(as_data(found), indent=2, ensure_ascii=False))
     elif chosen.markdown:
-        from ..changes.markdown import as_markdown
+        from ..changes.report_markdown import as_markdown
 
         print(as_markdown(found))
     else:
-        from ..changes.text import as_text
+        from ..changes.report_text import as_text
 
         print(as_text(found))
     least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
@@ -107,9 +107,9 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
 
 def _look(before: _Side, after: _Side, generate: Generate) -> Found:
     """Return the changes."""
-    from ..changes.told import Found
+    from ..changes.families import compare
+    from ..changes.report import Found
     from ..changes.version import packages
-    from ..changes.walk import compare
 
     left_out = before.left_out | after.left_out
     olds, news = (
@@ -126,7 +126,7 @@ def _record(found: Found, after: _Side) -> Found:
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """
-    from ..changes.record import NotRecorded, records
+    from ..changes.release_files import NotRecorded, records
 
     if found.notices:
         raise Stop(f"nothing is recorded: {found.notices[0]}", 1)

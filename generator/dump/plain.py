@@ -1,12 +1,12 @@
 """The model as plain data, for ``show --json`` and the XML description.
 
-Every dataclass of the model becomes a map with the same members, so none can be forgotten. The tables and functions
-below list the few members that have a different name or shape in the data. Every member is always present. A missing
+Every dataclass of the model becomes a map with the members that the table in ``model/members`` lists for it. The
+functions below add those that have a different shape in the data. Every member is always present. A missing
 number is null, and a missing text is empty. Numbers are integers. In the data of a family, a position or limit that
 depends on the order code is an expression as text, such as ``48 - singleturn_bits``. In the data of an order code, all
 expressions are resolved.
 
-``language/show.schema.json`` describes the shape.
+``schema`` describes the shape.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
+from ..model.members import PARTS_BY_CLASS
 from ..order_codes.holding_only import held_by
 from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface
@@ -50,26 +51,6 @@ VERSION = 1
 
 Item = dict[str, Any]
 
-#: Members that are for computation and not about the encoder. There is a function below for the kind of a field.
-_LEFT_OUT = {"Field": {"kind", "pieces", "widest"}, "Layout": {"widest"}}
-#: Properties that are output like members.
-_DERIVED = {"Crc": ("polynomial",)}
-#: Members that have a different name in the data.
-_RENAMED = {
-    "Layout": {
-        "sender": "from",
-        "in_bytes": "carried_as",
-        "selector": "told_by",
-        "selects": "told_by_values",
-        "gaps": "other_bits",
-        "joins": "join",
-    },
-    "FrameExample": {"sender": "from"},
-    # In C and IP-XACT, "volatile" means that a value may change by itself.
-    "Register": {"volatile": "lost_unless_saved"},
-}
-#: Types without a source, because they are sources themselves or are not part of the manual.
-_UNSOURCED = {"Overlay", "ManualEdition", "Manufacturer", "Manual", "Edition", "Revision", "Document"}
 _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
 
@@ -141,7 +122,7 @@ class _Dump:
             ],
             "field_groups": self.plain(device.field_groups, ()),
             "registers": [self._register(item) for item in device.registers],
-            "crcs": [self.plain(item, ()) | {"poly_with_top_bit": item.poly_with_top_bit} for item in device.crcs],
+            "crcs": self.plain(device.crcs, ()),
             "alarms": self.plain(device.alarms, ()),
             "procedures": [
                 self.plain(item, ()) | {"steps": [self._step(step, item.source) for step in item.steps]}
@@ -180,17 +161,16 @@ class _Dump:
             return [self.plain(item, inherited) for item in value]
         if not is_dataclass(value) or isinstance(value, type):
             return value
-        kind = type(value).__name__
         own: Sources = getattr(value, "source", ()) or inherited
-        renamed = _RENAMED.get(kind, {})
-        left_out = _LEFT_OUT.get(kind, set())
+        part = PARTS_BY_CLASS.get(type(value).__name__)
+        if part is None:
+            return {item.name: self.plain(getattr(value, item.name), own) for item in fields(value)} | _cited(own)
         made = {
-            renamed.get(item.name, item.name): self.plain(getattr(value, item.name), own)
-            for item in fields(value)
-            if item.name not in left_out | {"source"}
+            item.name: self.plain(getattr(value, item.attribute), own)
+            for item in part.members
+            if item.shape and hasattr(value, item.attribute)
         }
-        made |= {name: getattr(value, name) for name in _DERIVED.get(kind, ())}
-        return made if kind in _UNSOURCED else made | _cited(own)
+        return made | _cited(own) if part.is_sourced else made
 
     def _number(self, expression: Expression) -> int | str:
         if self.variant is not None:
@@ -203,7 +183,7 @@ class _Dump:
             said = made.pop(name, None)
             if said is not None:
                 made |= {name: said[word], f"{name}_source": said["source"]}
-        made |= {"kind": interface.name, "title": interface.title}
+        made["kind"] = interface.name
         return filled(made | {"layouts": [layout.name for layout in interface.layouts]}, "interface")
 
     def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
@@ -222,12 +202,12 @@ class _Dump:
         return [self._field(item.field, Expression(item.high), inherited) for item in placed.fields]
 
     def _field(self, field: Field, high: Expression, inherited: Sources) -> Item:
-        made: Item = self.plain(field, inherited)
+        made: Item = self.plain(replace(field, kind=Number()), inherited)
         word, of_kind = self._kind(field.kind, field.source or inherited)
-        place = {"name": made.pop("name"), "kind": word, "high": self._number(high)}
+        place = {"kind": word, "high": self._number(high)}
         made["equals"] = None if isinstance(field.equals, str) else made["equals"]
         made["equals_text"] = field.equals if isinstance(field.equals, str) else ""
-        return filled(place | made | of_kind, "field")
+        return filled(made | place | of_kind, "field")
 
     def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
         """Return the name of a kind and its own members."""
@@ -268,10 +248,8 @@ class _Dump:
         return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
 
     def _register(self, register: Register) -> Item:
-        made: Item = self.plain(replace(register, layout=replace(register.layout, fields=(), joins=())), ())
-        del made["layout"], made["opened_by_field"], made["opened_by_value"]
+        made: Item = self.plain(register, ())
         data = register.default_bytes()
-        made["last_address"] = register.last_address
         made["default_bytes"] = data.hex(" ").upper() if data is not None else ""
         made["opened_by"] = _opened_by(register) if register.opened_by else None
         made["other_bits"] = register.layout.gaps
@@ -280,11 +258,11 @@ class _Dump:
         return made
 
     def _step(self, step: Step, inherited: Sources) -> Item:
-        return filled(self.plain(step, inherited) | {"do": step.do}, "step")
+        return filled(self.plain(step, inherited), "step")
 
     def _example(self, example: Example) -> Item:
         # In the data, a layout that is not a frame has always had the encoder as its sender.
-        return filled({"from": "encoder"} | self.plain(example, ()) | {"kind": example.kind}, "example")
+        return filled({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings(self) -> list[Item]:
         device = [self.plain(item, ()) | {"interface": ""} for item in self.device.timings]

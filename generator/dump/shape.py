@@ -1,4 +1,4 @@
-"""Shape of the plain data, as defined by ``language/show.schema.json``: members of objects and their form in XML."""
+"""Shape of the plain data, as described by the table of members: members of objects and their form in XML."""
 
 from __future__ import annotations
 
@@ -7,14 +7,9 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
 
-from ..language.schema_files import load_schema
+from .schema import show_schema
 
 Shape = Mapping[str, Any]
-
-
-def show_schema() -> Shape:
-    """Return the JSON Schema of the output of ``show --json``."""
-    return load_schema("show")
 
 
 class Kind(Enum):

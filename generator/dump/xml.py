@@ -1,7 +1,7 @@
 """Conversion of the plain data of a device to XML and back.
 
-``language/show.schema.json`` is the only definition of the shape. The XML has the same members with the same names. The
-schema determines the form of each:
+``model/members`` is the only definition of the shape. The XML has the same members with the same names. The JSON
+Schema determines the form of each:
 
 * An object is an element. A list of objects is an element that contains one element per object, named after its type.
 * Running text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or
@@ -23,7 +23,8 @@ from typing import Any
 
 from lxml import etree
 
-from .shape import Kind, Member, Shape, is_hexadecimal, members, resolved, show_schema, types_of
+from .schema import show_schema
+from .shape import Kind, Member, Shape, is_hexadecimal, members, resolved, types_of
 
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"

@@ -7,7 +7,8 @@ from typing import Any
 
 from lxml import etree
 
-from .shape import Kind, Member, Shape, is_hexadecimal, members, show_schema
+from .schema import show_schema
+from .shape import Kind, Member, Shape, is_hexadecimal, members
 from .xml import NAMESPACE
 
 _XS = "http://www.w3.org/2001/XMLSchema"

@@ -8,10 +8,10 @@ from enum import IntEnum
 
 from ..language.problems import Path
 from .fact import NOTHING, Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
-from .naming import are_settled, mistaken
-from .printed import same_name
+from .frame_bits import continues, run
+from .mistaken_names import are_settled, mistaken
+from .printed_names import same_name
 from .reading import bits
-from .words import continues, run
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))

@@ -10,7 +10,7 @@ from ..language.problems import Path
 from ..model import TimesRead
 from .compare import Comparison, Read
 from .fact import Sort
-from .second import Readings
+from .second_readings import Readings
 
 NOT_READ = TimesRead(0, 0, 0, 0)
 

@@ -128,6 +128,13 @@ class Reading:
         if not layout.selects:
             yield frame
 
+    def flag_places(self, interface: str, name: str) -> Iterator[str]:
+        """Yield the bit of a flag in each frame of an interface that has it."""
+        for layout in self.device.interface(interface).layouts:
+            for field in layout.fields:
+                if field.name == name:
+                    yield from self.bits_in_frames(interface, layout, field)
+
     def has(self, path: Path) -> bool:
         """Return True if the file has a value at a place."""
         return self.document.has(path)

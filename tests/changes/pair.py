@@ -8,9 +8,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TypedDict
 
-from codewheel.changes.text import as_text
-from codewheel.changes.told import Found
-from codewheel.changes.walk import compare
+from codewheel.changes.families import compare
+from codewheel.changes.report import Found
+from codewheel.changes.report_text import as_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
+from codewheel.changes.families import compare
 from codewheel.changes.revisions import RevisionError, lay_out, named
-from codewheel.changes.walk import compare
 from codewheel.commands.cli import main
 from codewheel.model import Device
 from jsonschema import Draft202012Validator
@@ -313,7 +313,7 @@ def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
 
 
 def _reach(device: Device, parts: Sequence[str]) -> str:
-    from codewheel.changes.reach import reach
+    from codewheel.changes.affected_codes import reach
 
     codes = [item.code for item in device.variants if all(part in item.parts.values() for part in parts)]
     return reach(device, codes)
@@ -335,7 +335,7 @@ def test_reach(amm5: Device, parts: Sequence[str], said: str) -> None:
 
 
 def test_reach_of_a_few(amm5: Device) -> None:
-    from codewheel.changes.reach import reach
+    from codewheel.changes.affected_codes import reach
 
     codes = [item.code for item in amm5.variants]
     assert reach(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (

@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 import yaml
 from codewheel import model
+from codewheel.changes.families import compare
 from codewheel.changes.impact import OUTPUTS, Impact
-from codewheel.changes.members import MEMBERS
 from codewheel.changes.rules import RULES
-from codewheel.changes.walk import compare
 from codewheel.commands.explain import explain
 from codewheel.commands.terminal import Stop
 from codewheel.model import Device
+from codewheel.model.members import PARTS, PARTS_BY_CLASS, Part
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
 from pair import Case, devices, shown, sides
@@ -98,8 +98,9 @@ def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
 
 def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     old, new = sides(case_of("register-moved"))
-    table = {name: item for name, item in MEMBERS["Register"].items() if name != "address"}
-    monkeypatch.setattr("codewheel.changes.compare.MEMBERS", {**MEMBERS, "Register": table})
+    part = PARTS_BY_CLASS["Register"]
+    others = Part(part.name, part.about, *(item for item in part.members if item.name != "address"))
+    monkeypatch.setattr("codewheel.changes.compare.PARTS_BY_CLASS", {**PARTS_BY_CLASS, "Register": others})
     assert shown(old, new) == (
         "demo\n"
         "  behaviour      registers 50h to 53h preset: address 80 → 84\n"
@@ -108,10 +109,15 @@ def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
-@pytest.mark.parametrize("kind", sorted(MEMBERS))
-def test_every_member_of_the_model_has_a_side(kind: str) -> None:
-    """A new member must be compared, or left out for a reason."""
-    assert {item.name for item in fields(getattr(model, kind))} <= set(MEMBERS[kind])
+@pytest.mark.parametrize("kind", sorted(PARTS_BY_CLASS))
+def test_every_member_of_the_model_is_in_the_table(kind: str) -> None:
+    """A new member must have a rule, or none for a reason. One that the data add has no place in the model."""
+    names = {item.name for item in fields(getattr(model, kind))} - {"source"}
+    assert names <= set(PARTS_BY_CLASS[kind].by_attribute)
+
+
+def test_the_table_names_rules_that_exist() -> None:
+    assert {item.rule for part in PARTS for item in part.members} - {""} <= set(RULES)
 
 
 def test_every_member_of_a_family_is_compared() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
+from codewheel.dump.schema import schema_text
 from codewheel.language.schema_files import load_schema
 from codewheel.loading.examples import _EXAMPLES
 from codewheel.loading.interfaces import _INTERFACES
@@ -62,3 +63,8 @@ def test_generated_code_has_every_interface() -> None:
     c = (TEMPLATES / "c/encoder.h.jinja").read_text(encoding="utf-8")
     found = re.findall(r"\{\{ PREFIX \}\}_INTERFACE_(\w+) = (\d+)", c)
     assert found == [("NONE", "0"), *((name.upper(), f"{at}") for at, name in enumerate(INTERFACES, 1))]
+
+
+def test_the_published_schema_is_that_of_the_table_of_members() -> None:
+    published = Path(__file__).parents[2] / "generator/language/show.schema.json"
+    assert published.read_text(encoding="utf-8") == schema_text(), "run 'make spec-page'"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import around, codes, frames, procedures, registers
+from . import interfaces, order_codes, procedures, registers, surroundings
 from .fact import Facts
 from .reading import Reading
 
@@ -10,9 +10,10 @@ from .reading import Reading
 def facts_of(reading: Reading) -> Facts:
     """Return all facts of a reading that can be compared with those of another reader."""
     facts = Facts()
-    codes.add_codes(reading, facts)
-    frames.add_interfaces(reading, facts)
+    order_codes.add_codes(reading, facts)
+    interfaces.add_interfaces(reading, facts)
     registers.add_registers(reading, facts)
-    for found in (procedures.procedures, around.contacts, around.alarms, around.inputs, around.history):
+    facts.add(procedures.procedures(reading))
+    for found in (surroundings.contacts, surroundings.alarms, surroundings.inputs, surroundings.history):
         facts.add(found(reading))
     return facts

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ..language.problems import Path
-from ..language.rules.parameters import kind_of_unit
 from ..model import Interface, Measurement, Parameter
-from ..model.expressions import Expression
 from ..order_codes.labels import spelled
 from .fact import Fact, Facts, Key, Name, Sort
 from .reading import Reading, bits, short
+from .stated import Subject
 
 
 def add_codes(reading: Reading, facts: Facts) -> None:
@@ -58,15 +58,10 @@ def _parameters(reading: Reading) -> Iterator[Fact]:
     cases = [case for item in reading.device.interfaces for case in reading.cases(item.name).items()]
     for item in reading.device.parameters:
         values = {case: short(parameters[item.name]) for case, parameters in cases if item.name in parameters}
-        place: Path = ("parameters", item.name)
-        key: Key = ("parameter", item.name)
-        yield Fact(Sort.ORDER_CODE, key, values, f"the parameter '{item.name}'", place, mild=True)
-        if item.unit:
-            unit = kind_of_unit(item.unit)
-            yield Fact(Sort.VALUE, (*key, "unit"), unit, f"unit of the parameter '{item.name}'", (*place, "unit"), key)
-        if item.interface:
-            what = f"interface of the parameter '{item.name}'"
-            yield Fact(Sort.ORDER_CODE, (*key, "over"), item.interface, what, (*place, "interface"), key)
+        name = f"the parameter '{item.name}'"
+        subject = Subject(reading, ("parameter", item.name), ("parameters", item.name), name)
+        yield replace(subject.first(Sort.ORDER_CODE, values), mild=True)
+        yield from subject.stated(item)
 
 
 def _add_alternatives(reading: Reading, facts: Facts) -> None:
@@ -116,17 +111,11 @@ def _held(reading: Reading, item: Parameter) -> Iterator[Fact]:
 def _measured(reading: Reading, interface: Interface, measurement: Measurement) -> Iterator[Fact]:
     own: Path = ("interfaces", interface.name, "measurement")
     place = own if interface.measurement is not None else ("measurement",)
-    key: Key = ("measurement", interface.name)
-    yield Fact(Sort.MEASUREMENT, key, "present", f"measurement over {interface.short}", place)
-    parts: dict[str, Expression | None] = {
-        name: getattr(measurement, name) for name in ("counts_per_turn", "turns", "step_um", "modulus", "highest")
-    }
+    what = f"measurement over {interface.short}"
+    subject = Subject(reading, ("measurement", interface.name), place, what, interface.name, joint=" of the ")
+    yield subject.first(Sort.MEASUREMENT, "present")
+    yield from subject.stated(measurement)
     cases = reading.cases(interface.name)
-    for name, part in parts.items():
-        if part is not None:
-            value = {case: short(part.value(parameters)) for case, parameters in cases.items()}
-            what = f"'{name}' over {interface.short}"
-            yield Fact(Sort.MEASUREMENT, (*key, name), value, what, (*place, name), key)
     for layout in interface.layouts:
         places = {}
         for case, parameters in cases.items():
@@ -134,5 +123,6 @@ def _measured(reading: Reading, interface: Interface, measurement: Measurement) 
             if width:
                 places[case] = bits(low + width - 1, low)
         if places:
-            told = (*key, "of", layout.sender, *layout.selects)
-            yield Fact(Sort.MEASUREMENT, told, places, f"measured bits of '{layout.name}'", (*place, "of"), key)
+            key = (*subject.key, "of", layout.sender, *layout.selects)
+            what = f"measured bits of '{layout.name}'"
+            yield Fact(Sort.MEASUREMENT, key, places, what, (*place, "of"), subject.key)

@@ -44,7 +44,7 @@ def plain(value: Any) -> Any:
 def shown(value: Any, form: str = "") -> str:
     """Return a value as short text, with a form in the notation of manuals."""
     if isinstance(value, bool):
-        return "yes" if value else "no"
+        return ("low" if value else "high") if form == "level" else "yes" if value else "no"
     if value is None or value in ("", (), [], {}):
         return "none"
     if isinstance(value, int):

@@ -6,7 +6,7 @@ from typing import Any
 
 from .change import Change
 from .impact import OUTPUTS, Impact
-from .told import Found
+from .report import Found
 
 VERSION = 2
 

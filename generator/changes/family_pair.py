@@ -1,4 +1,4 @@
-"""Two families side by side: their common order codes, and the old and new names of things."""
+"""Two versions of a family: their common order codes, and the old and new names of things."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import Any
 
 from ..model import Device, Layout, Parameter
 from ..model.expressions import Expression
+from .affected_codes import reach
 from .change import Change, Thing
-from .pairs import Pair, pairs
-from .reach import reach
-from .rules import RULES
-from .shown import plain
-from .values import Differing, Point, differing, points_of
+from .expressions import Differing, Point, differing, points_of
+from .pairs import Pair, paired
+from .rules import RULES, SAME
+from .value_text import plain
 
 #: Rules whose values are interfaces, both of which are affected.
 _MOVES = ("register-interface", "procedure-interface")
 
 
-class Sides:
-    """Two families with their common order codes and renamed things."""
+class FamilyPair:
+    """Two versions of a family with their common order codes and renamed things."""
 
     def __init__(self, old: Device, new: Device) -> None:
         self.old = old
@@ -40,18 +40,18 @@ class Sides:
             other = item.code if item.code in codes else by_parts.get(tuple(sorted(item.parts.items())), "")
             if other and (other == item.code or other not in before):
                 self.shared[item.code] = other
-        for pair in self.parameters():
-            self.note("parameter", pair.old, pair.new)
+        self.note("parameter", self.parameters())
         points = points_of(old, new, self.shared, self.names.get("parameter", {}))
         interfaces = {item.interface for item in points}
         self._points = {"": points} | {
             name: tuple(item for item in points if item.interface == name) for name in interfaces
         }
 
-    def note(self, kind: str, old: Any, new: Any) -> None:
-        """Remember that a thing was renamed."""
-        if old is not None and new is not None and old.name != new.name:
-            self.names.setdefault(kind, {})[old.name] = new.name
+    def note(self, kind: str, pairs: Iterable[Pair[Any]]) -> None:
+        """Remember which things were renamed, so that references to them do not count as changed."""
+        for pair in pairs:
+            if pair.old is not None and pair.new is not None and pair.old.name != pair.new.name:
+                self.names.setdefault(kind, {})[pair.old.name] = pair.new.name
 
     def parameters(self) -> list[Pair[Parameter]]:
         """Pair the quantities. A renamed one has the same number for every order code."""
@@ -67,7 +67,7 @@ class Sides:
             return mark
 
         before, after = same(self.old, self.shared), same(self.new, shared)
-        return list(pairs(self.old.parameters, self.new.parameters, lambda item: item.name, before, after))
+        return paired(self.old.parameters, self.new.parameters, before, after)
 
     def to_new(self, kind: str, value: Any, scope: str = "") -> Any:
         """Return an old value with the new names of the things in it."""
@@ -150,18 +150,10 @@ class Sides:
 
     def presence(self, kind: str, thing: Thing, old: Any, new: Any) -> Iterator[Change]:
         """Yield a change if a thing is gone, new or renamed. ``thing.label`` ends with its present name."""
-        from .rules import SAME
-
         if new is None:
             yield self.change(f"{kind}-gone", thing, " is gone", old, None)
         elif old is None:
             yield self.change(f"{kind}-new", thing, " is new", None, new)
         elif old.name != new.name:
             label = f"{thing.label.removesuffix(new.name)}{old.name} → {new.name} ({SAME[kind]})"
-            yield self.change(
-                f"{kind}-renamed",
-                Thing(thing.path, label, thing.interface, thing.c, thing.python),
-                "",
-                old.name,
-                new.name,
-            )
+            yield self.change(f"{kind}-renamed", replace(thing, label=label), "", old.name, new.name)

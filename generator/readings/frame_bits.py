@@ -21,34 +21,34 @@ from ..model import (
     Unused,
     assert_never,
 )
-from .aspects import Aspects
 from .fact import Bit, Case, Key, Names, Placed, Word
+from .field_properties import Properties
 from .reading import Parameters, Reading, bits
 
 
-def word(reading: Reading, layout: Layout, key: Key, what: str, aspects: Aspects) -> Word:
+def word(reading: Reading, layout: Layout, key: Key, what: str, properties: Properties) -> Word:
     """Return a frame or register in each case of its interface."""
     made: dict[tuple[int, ...], Placed] = {}
     sources = reading.sources_of(layout)
     cases: dict[Case, Placed] = {}
-    for case, parameters in reading.cases(aspects.interface).items():
+    for case, parameters in reading.cases(properties.interface).items():
         same = tuple(parameters[name] for name in sources)
         if same not in made:
-            made[same] = _placed(layout.place(parameters), aspects, parameters)
+            made[same] = _placed(layout.place(parameters), properties, parameters)
         cases[case] = made[same]
-    return Word(key, what, aspects.owner, cases)
+    return Word(key, what, properties.owner, cases)
 
 
-def _placed(placed: PlacedLayout, aspects: Aspects, parameters: Parameters) -> Placed:
-    found = [Bit("unspecified", None, None, (*aspects.owner, "other_bits"))] * placed.bits
+def _placed(placed: PlacedLayout, properties: Properties, parameters: Parameters) -> Placed:
+    found = [Bit("unspecified", None, None, (*properties.owner, "other_bits"))] * placed.bits
     fields = {}
     names: dict[Key, Names] = {}
     for item in placed.fields:
-        place = aspects.place(item.field)
+        place = properties.place(item.field)
         for index, bit in enumerate(_bits(item, placed, place)):
             found[item.low + index] = bit
-        fields[item.low, item.width] = aspects.of(item, parameters)
-        aspects.add_names(item, names)
+        fields[item.low, item.width] = properties.of(item, parameters)
+        properties.add_names(item, names)
     return Placed(tuple(found), fields, names)
 
 

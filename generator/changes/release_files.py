@@ -11,7 +11,7 @@ from ..loading.history import history_beside, history_text, with_release
 from ..loading.library import Family
 from ..model import Manual, Release, ReleasedChange
 from .change import Change
-from .told import Found, outputs
+from .report import Found, outputs
 from .version import Package
 
 _VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)

@@ -8,7 +8,7 @@ from ..say.markdown import code as in_code
 from ..say.markdown import text
 from .change import Change
 from .impact import Impact
-from .told import Found, about, versions
+from .report import Found, about, versions
 
 _TITLES = {
     Impact.BREAKING: "Breaking",

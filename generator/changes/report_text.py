@@ -8,7 +8,7 @@ from ..say.lines import WIDTH, wrapped
 from ..say.words import counted
 from .change import Change
 from .impact import Impact
-from .told import Found, about, totals, versions
+from .report import Found, about, totals, versions
 
 _COLUMN = 17
 _MOST_LISTED = 3

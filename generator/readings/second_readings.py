@@ -14,9 +14,9 @@ from ..language.second_reading import beside
 from ..loading.device import build_device
 from ..loading.library import Family
 from ..model import Manufacturer
+from .collect import facts_of
 from .compare import Comparison, Disagreement, Read, compare
 from .fact import Facts, Sort
-from .facts import facts_of
 from .reading import Reading
 
 RULE = "readings-disagree"

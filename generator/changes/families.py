@@ -1,0 +1,86 @@
+"""Compare two libraries, family by family."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
+
+from ..model import Device
+from .change import Change, Thing
+from .counterparts import note_all
+from .family_pair import FamilyPair
+from .interfaces import interfaces, timings
+from .order_codes import family, order_codes, quantities
+from .pairs import Pair, paired
+from .registers import crcs, procedures, registers
+from .surroundings import alarms, displayed, wiring
+
+
+def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
+    """Return all changes of all families, by family name and then by descending impact.
+
+    A missing family was renamed if a new one has the same order codes, or if there is only one of each.
+    """
+    found: list[Change] = []
+    for pair in sorted(_pairs(old, new), key=lambda pair: pair.item.name):
+        if pair.old is None or pair.new is None:
+            rule, how = ("family-new", " is new") if pair.old is None else ("family-gone", " is gone")
+            before, after = (each and each.name for each in (pair.old, pair.new))
+            both, thing = FamilyPair(pair.item, pair.item), Thing("", f"family {pair.item.name}")
+            found.append(both.change(rule, thing, how, before, after))
+        else:
+            found += compare_family(pair.old, pair.new)
+    return found
+
+
+def compare_family(old: Device, new: Device) -> list[Change]:
+    """Return all changes of a family, by descending impact."""
+    both = FamilyPair(old, new)
+    note_all(both)
+    found = list(
+        _merged(
+            chain(
+                family(both),
+                order_codes(both),
+                quantities(both),
+                crcs(both),
+                interfaces(both),
+                registers(both),
+                alarms(both),
+                procedures(both),
+                timings(both, Thing("", ""), old.timings, new.timings),
+                wiring(both),
+                displayed(both),
+            )
+        )
+    )
+    if not found and _bare(old) != _bare(new):
+        thing = Thing("", f"family {new.name}")
+        found.append(both.change("order", thing, ": different order, same facts", None, None))
+    return sorted(found, key=lambda change: -change.impact)
+
+
+def _bare(device: Device) -> Device:
+    """Return a family without data about the spec itself: number of readings, history and version."""
+    maker = replace(device.manufacturer, version="")
+    return replace(device, times_read=None, releases=(), manufacturer=maker)
+
+
+def _pairs(old: Sequence[Device], new: Sequence[Device]) -> list[Pair[Device]]:
+    if len(old) == len(new) == 1:
+        return [Pair(old[0], new[0])]
+    return paired(old, new, lambda item: frozenset(variant.code for variant in item.variants))
+
+
+def _merged(changes: Iterable[Change]) -> Iterator[Change]:
+    """Return each change once. Changes of a field group in many frames are reported for the group."""
+    found: dict[tuple[str, str], Change] = {}
+    for change in changes:
+        key = (change.rule.name, change.text if change.impact > 1 else change.path)
+        first = found.setdefault(key, change)
+        if first is not change:
+            codes = tuple(dict.fromkeys((*first.codes, *change.codes)))
+            if codes != first.codes:
+                found[key] = replace(first, codes=codes, reach=f"{first.reach}; {change.reach}")
+    yield from found.values()

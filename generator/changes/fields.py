@@ -1,0 +1,128 @@
+"""Compare the fields of a frame or register, and the numbers made of several fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import (
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Device,
+    Field,
+    Flag,
+    Layout,
+    Number,
+    Parity,
+    Rs485,
+    Text,
+    Unused,
+)
+from ..model.expressions import Expression
+from . import counterparts
+from .change import Change, Thing
+from .compare import members, things
+from .family_pair import FamilyPair
+from .pairs import Pair, paired
+from .value_text import arrow, shown
+
+_WORDS = {
+    Number: "number",
+    Flag: "flag",
+    Choice: "named values",
+    Constant: "fixed bits",
+    Unused: "unused bits",
+    CrcValue: "CRC",
+    Parity: "parity",
+    Decimal: "decimal digits",
+    Text: "text",
+}
+#: Kinds among which a change affects only how bits are read.
+_PLAIN = (Number, Decimal, Text)
+
+
+def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout, scope: str) -> Iterator[Change]:
+    """Yield the differences in the fields of a frame or register, which ``scope`` names."""
+    # The bare name of a frame or register, as used for its fields.
+    short = thing.label.rpartition(" ")[2]
+    for pair in counterparts.fields(both, old, new, thing.interface):
+        yield from _field(both, thing, pair, scope, short)
+    for join in counterparts.joins(both, old, new, scope):
+        place = thing.inside(join.item.name, f"{short}: number {join.item.name}")
+        yield from both.presence("joined", place, join.old, join.new)
+        if join.old is not None and join.new is not None:
+            yield from members(both, place, join.old, join.new, scope)
+
+
+def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short: str) -> Iterator[Change]:
+    item = pair.item
+    # A field of a group is in many frames, but its change is reported once, for the group.
+    path = f"field_groups.{item.group}.{item.name}" if item.group else f"{thing.path}.{item.name}"
+    place = Thing(path, f"{item.group or short}: field {item.name}", thing.interface)
+    # The only field of a plain register has the register's name.
+    if not (item.name == scope and pair.old and both.to_new("register", pair.old.name) == scope):
+        yield from both.presence("field", place, pair.old, pair.new)
+    if pair.old is None or pair.new is None:
+        return
+    old, new = pair.old, pair.new
+    yield from members(both, place, old, new, scope)
+    yield from _expected(both, place, old, new)
+    yield from _kind(both, place, old, new, scope)
+    if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(both.new, new):
+        label = place.label.replace(": field ", ".")
+        yield from things(
+            both,
+            "value",
+            paired(old.values, new.values, counterparts.number),
+            lambda value: place.inside(value.item.name, f"{label}: value {value.item.name}"),
+        )
+
+
+def _of_data_ids(device: Device, field: Field) -> bool:
+    """Return whether its values are the data IDs of an interface, which are compared separately."""
+    found = [item.data_ids for item in device.interfaces if isinstance(item, Rs485)]
+    return any({value.name for value in field.values} == {data_id.name for data_id in each} for each in found)
+
+
+def _expected(both: FamilyPair, place: Thing, old: Field, new: Field) -> Iterator[Change]:
+    """Compare the documented value."""
+    before, after = (Expression(item) if isinstance(item, int) else item for item in (old.equals, new.equals))
+    codes = None
+    if isinstance(before, str) or isinstance(after, str):
+        differs = before != after
+    else:
+        found = both.differing(place.interface, before, after)
+        differs, codes = found is not None, found.codes if found is not None else None
+    if differs:
+        said = f": documented value {arrow(old.equals, new.equals)}"
+        yield both.change("field-expected", place, said, old.equals, new.equals, codes or None)
+
+
+def _kind(both: FamilyPair, place: Thing, old: Field, new: Field, scope: str) -> Iterator[Change]:
+    """Compare the conversion of bits to a value."""
+    before, after = old.kind, new.kind
+    if isinstance(before, Decimal) and isinstance(after, Decimal):
+        yield from _runs(both, place.inside("runs", place.label), before, after)
+    elif type(before) is type(after):
+        yield from members(both, place, before, after, scope)
+    else:
+        rule = "field-kind"
+        if isinstance(before, _PLAIN) and isinstance(after, _PLAIN):
+            rule = "field-reads-otherwise"
+        elif isinstance(before, Constant) and isinstance(after, Unused):
+            rule = "field-constant"
+        yield both.change(rule, place, f": {_WORDS[type(before)]} → {_WORDS[type(after)]}", before, after)
+
+
+def _runs(both: FamilyPair, place: Thing, old: Decimal, new: Decimal) -> Iterator[Change]:
+    if old == new:
+        return
+    names = [[(item.name, item.digits) for item in each.runs] for each in (old, new)]
+    if names[0] == names[1]:
+        yield both.change("words", place, ": digits", old.runs, new.runs)
+        return
+    gone = {name for name, _ in names[0]} - {name for name, _ in names[1]}
+    texts = [shown(", ".join(f"{name} ({digits})" for name, digits in each)) for each in names]
+    rule = "field-kind" if gone else "field-reads-otherwise"
+    yield both.change(rule, place, f": digits {' → '.join(texts)}", old.runs, new.runs)

@@ -1,0 +1,129 @@
+"""Compare registers, CRCs and procedures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields as members_of
+from dataclasses import replace
+from typing import Any
+
+from ..model import Biss, Crc, CrcValue, Device, Procedure, Register, Step
+from ..say.place import register_at
+from . import counterparts
+from .change import Change, Thing
+from .compare import members, things
+from .family_pair import FamilyPair
+from .fields import layout
+from .names_in_code import named_in_code
+from .pairs import Pair, paired
+from .value_text import arrow, plain, shown
+
+_CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
+
+
+def registers(both: FamilyPair) -> Iterator[Change]:
+    def place(pair: Pair[Register]) -> Thing:
+        return named_in_code(both, pair, "registers", register_at(pair.first), pair.item.interface)
+
+    yield from things(both, "register", counterparts.registers(both), place, _register)
+
+
+def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
+    bare = place.unnamed
+    if old.access != new.access:
+        is_lost = any(old.access in can and new.access not in can for can in (_CAN_READ, _CAN_WRITE))
+        access = f": {old.access.replace('_', ' ')} → {new.access.replace('_', ' ')}"
+        rule, thing = ("access-lost", place) if is_lost else ("access-gained", bare)
+        yield both.change(rule, thing.inside("access", place.label), access, old.access, new.access)
+    yield from things(
+        both,
+        "meaning",
+        paired(old.meanings, new.meanings, lambda item: (item.when, item.value)),
+        lambda pair: bare.inside(pair.item.name, f"{place.label}: meaning {pair.item.name}"),
+    )
+    # Everything else in the layout of a register follows from the register, which is compared separately.
+    own = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
+    before = replace(new.layout, **own)
+    yield from members(both, bare, before, new.layout, new.name)
+    yield from layout(both, bare, before, new.layout, new.name)
+
+
+def crcs(both: FamilyPair) -> Iterator[Change]:
+    def place(pair: Pair[Crc]) -> Thing:
+        device = both.new if pair.old is None else both.old
+        return named_in_code(both, pair, "crcs", "CRC", _interface_of(device, pair.first))
+
+    yield from things(both, "crc", counterparts.crcs(both.old.crcs, both.new.crcs), place)
+
+
+def _interface_of(device: Device, crc: Crc) -> str:
+    """Return the only interface whose frames have a CRC, or "" if there are several."""
+    found = set()
+    for interface in device.interfaces:
+        kinds = [field.kind for layout in interface.layouts for field in layout.fields]
+        used = {kind.crc for kind in kinds if isinstance(kind, CrcValue)}
+        if isinstance(interface, Biss):
+            used |= {item.crc for item in interface.control_data}
+        if crc.name in used:
+            found.add(interface.name)
+    return found.pop() if len(found) == 1 else ""
+
+
+def procedures(both: FamilyPair) -> Iterator[Change]:
+    yield from things(
+        both,
+        "procedure",
+        counterparts.procedures(both),
+        lambda pair: named_in_code(both, pair, "procedures", "procedure", pair.first.interface),
+        _procedure,
+    )
+
+
+def _argument(name: str, of: str, meant_as: str) -> str:
+    """Return an argument with the register that takes it."""
+    return f"{name} for {of}" + (f" as {meant_as}" if meant_as else "")
+
+
+def _procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
+    was = [(item.name, both.to_new("register", item.of), item.meant_as) for item in old.arguments]
+    now = [(item.name, item.of, item.meant_as) for item in new.arguments]
+    inner = place.inside("arguments", place.label)
+    if was != now:
+        has_other_names = [item[0] for item in was] != [item[0] for item in now]
+        texts = [[item[0] if has_other_names else _argument(*item) for item in each] for each in (was, now)]
+        said = f": arguments {shown(texts[0])} → {shown(texts[1])}"
+        yield both.change("procedure-arguments", inner, said, was, now)
+    elif [item.meaning for item in old.arguments] != [item.meaning for item in new.arguments]:
+        yield both.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
+    inner = place.unnamed.inside("steps", place.label)
+    before = [counterparts.step_in_new(both, step) for step in old.steps]
+    after = [counterparts.bare(step) for step in new.steps]
+    if before != after:
+        yield both.change("procedure-steps", inner, _steps(before, after), before, after)
+    elif [step.meaning for step in old.steps] != [step.meaning for step in new.steps]:
+        yield both.change("words", inner, ": steps", old.steps, new.steps)
+    elif old.steps != new.steps and [step.source for step in old.steps] != [step.source for step in new.steps]:
+        yield both.change("source", inner, ": steps", None, None)
+
+
+def _steps(before: list[Step], after: list[Step]) -> str:
+    if len(before) != len(after):
+        return f": {len(before)} steps → {len(after)} steps"
+    differing = [(at, *pair) for at, pair in enumerate(zip(before, after, strict=True), 1) if pair[0] != pair[1]]
+    steps = f": step{'s' * (len(differing) > 1)} {', '.join(str(at) for at, _, _ in differing)}"
+    details = {_step(old, new) for _, old, new in differing}
+    return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} differ"
+
+
+def _step(old: Step, new: Step) -> str:
+    """Describe the difference between two steps."""
+    if type(old) is not type(new):
+        return f"{old.do} → {new.do}"
+    names = [item.name for item in members_of(new) if getattr(old, item.name) != getattr(new, item.name)]
+    return ", ".join(_part(name, plain(getattr(old, name)), plain(getattr(new, name))) for name in names)
+
+
+def _part(name: str, old: Any, new: Any) -> str:
+    if name == "microseconds":
+        return f"pause {arrow(old, new, 'us')}"
+    return f"{name.replace('_', ' ')} {arrow(old, new)}"

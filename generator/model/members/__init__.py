@@ -1,0 +1,24 @@
+"""The table of members: each member of each part of the model, described once.
+
+The JSON Schema and the XML Schema of the data, the data themselves, the comparison of two versions by ``diff`` and the
+comparison of two readings by ``check`` follow from this table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from .family import FAMILY
+from .frames import FRAMES
+from .identity import IDENTITY
+from .interfaces import INTERFACES
+from .member import WIDER, Member, Part
+from .surroundings import SURROUNDINGS
+
+__all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "Member", "Part"]
+
+#: Every part of the data except the family itself.
+PARTS = (*IDENTITY, *INTERFACES, *FRAMES, *SURROUNDINGS)
+#: The part for each class of the model.
+PARTS_BY_CLASS: Mapping[str, Part] = MappingProxyType({name: part for part in PARTS for name in part.classes})

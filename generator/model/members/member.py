@@ -1,0 +1,105 @@
+"""Members of the parts of the model, and the notation for their types in the data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+#: Notations of numbers, by the ends of the names of members.
+_UNITS = ("mv", "us", "ms", "hz", "ns")
+#: Rules of ``diff`` for limits, and the rules for the opposite change.
+WIDER = {
+    "clock-narrower": "clock-wider",
+    "limit-narrower": "limit-wider",
+    "supply-narrower": "supply-wider",
+    "wait-longer": "wait-shorter",
+}
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of a part of the model. Every output, ``diff`` and the second reading take its description from here.
+
+    name: Name in the data, in JSON and XML.
+    shape: Type in the data. Empty for a member that is not in the data.
+
+        * ``string``, ``integer``, ``boolean``, ``hex`` (an integer in hexadecimal) or ``scalar`` (any of them)
+        * the name of a part or of a basic type: ``register``, ``text``, ``name``, ``names``, ``expression``
+        * ``one|other``: one of these words
+        * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
+        * ``text?``: the same or null. ``boolean=false``: the same with a default. ``=1``: always this number.
+    about: Description for users of the data.
+    rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or follows from others.
+    label: Name in sentences, if it differs from ``name``.
+    read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
+        or whose facts have several parts.
+    noun: Name in messages about second readings, where ``label`` does not name a thing.
+    form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default it
+        follows from the shape or the name.
+    refers_to: Kind of thing that the member names, so that ``diff`` takes a renaming into account.
+    of: Name in the model, if it differs from ``name``.
+    """
+
+    name: str
+    shape: str = ""
+    about: str = ""
+    rule: str = ""
+    label: str = ""
+    read: str = ""
+    noun: str = ""
+    form: str = ""
+    refers_to: str = ""
+    of: str = ""
+
+    @property
+    def attribute(self) -> str:
+        """Name in the model."""
+        return self.of or self.name
+
+    @property
+    def words(self) -> str:
+        """Name in sentences."""
+        return self.label or self.attribute.replace("_", " ")
+
+    @cached_property
+    def notation(self) -> str:
+        """Notation of numbers in sentences."""
+        unit = self.attribute.rpartition("_")[2]
+        return self.form or ("hex" if self.shape.startswith("hex") else unit if unit in _UNITS else "")
+
+    def is_stated(self, value: object) -> bool:
+        """Return True if the manual gives a value, which is not just the default."""
+        default = self.shape.partition("=")[2]
+        return value not in (None, "", ()) and not (default and str(value).lower() == default)
+
+    @property
+    def is_limit(self) -> bool:
+        """True if a changed value allows more or less, which are different rules."""
+        return self.rule in WIDER
+
+    @property
+    def is_upper(self) -> bool:
+        """True for a limit that allows more if it is raised."""
+        return self.name.startswith("max")
+
+
+class Part:
+    """A part of the model with its members in the order of the data.
+
+    ``of`` names the classes of the model, if they are not called like the part. A part that ``is_sourced`` also has its
+    sources in the data.
+    """
+
+    def __init__(self, name: str, about: str, *members: Member, of: str | None = None, is_sourced: bool = True) -> None:
+        self.name, self.about, self.members, self.is_sourced = name, about, members, is_sourced
+        camel = "".join(word.capitalize() for word in name.split("_"))
+        self.classes = tuple((camel if of is None else of).split())
+        #: The members by their names in the model.
+        self.by_attribute = {item.attribute: item for item in reversed(members)}
+
+
+NAME = Member("name", "name", "Name.")
+MEANING = Member("meaning", "text", "Meaning or purpose.", "words")
+NOTE = Member("note", "text", "Additional information for the reader.", "words")
+PRINTED_NAME = Member("printed_name", "text", "Name in the manual.", "words")
+NAMES = Member("names", "names", "Names in manuals in other languages, each under its language code.", "words")

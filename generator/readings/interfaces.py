@@ -1,0 +1,142 @@
+"""Facts about interfaces: frames, clocks, times, ports, data IDs, the control frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..language.problems import Path
+from ..model import Biss, ControlField, Interface, Layout, Rs485, Ssi, Timeout, Timing
+from .fact import Fact, Facts, Key, Name, Sort
+from .field_properties import Properties
+from .frame_bits import word
+from .printed_names import plain
+from .reading import Reading, in_hex, over
+from .stated import Subject
+
+#: Width of a frame without byte order, even if a reader states one.
+_BYTE = 8
+
+
+def add_interfaces(reading: Reading, facts: Facts) -> None:
+    """Add the facts of all interfaces, and the timings of the device."""
+    for interface in reading.device.interfaces:
+        for layout in interface.layouts:
+            _add_frames(reading, interface, layout, facts)
+            facts.follows(Sort.POSITION, len(layout.joins))
+        facts.add(_of_interface(reading, interface))
+        facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
+    facts.add(timings(reading.device.timings, "", ("timings",)))
+
+
+def _add_frames(reading: Reading, interface: Interface, layout: Layout, facts: Facts) -> None:
+    """Add each frame with this layout."""
+    owner: Path = ("interfaces", interface.name, "layouts", layout.name)
+    for value in layout.selects or (-1,):
+        key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, value)
+        what = f"'{layout.name}'"
+        facts.add(_of_frame(Subject(reading, key, owner, what, interface.name), layout))
+        facts.words[key] = word(reading, layout, key, what, Properties(reading, owner, interface.name))
+        for item in layout.fields:
+            if item.group:
+                bits = reading.bits_of(interface.name, item)
+                name = Name(Sort.POSITION, item.group, f"group of {bits} of {what}", reading.field_place(owner, item))
+                facts.call(("group", interface.name), (*key, bits), name)
+
+
+def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
+    reading, owner = frame.reading, frame.place
+    yield frame.first(Sort.POSITION, f"sent by the {layout.sender}", at="name", name=layout.name)
+    place = reading.first((*owner, "carried_as"), owner)
+    yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
+    several, is_stated = layout.widest > _BYTE, reading.has((*owner, "byte_order"))
+    if layout.in_bytes and (several or is_stated):
+        place = (*owner, "byte_order") if is_stated else owner
+        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not several)
+    lengths = {case: str(layout.bits.value(each)) for case, each in reading.cases(frame.interface).items()}
+    yield frame.fact(Sort.POSITION, "length", lengths, "bits", owner)
+    yield from frame.stated(layout)
+
+
+def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
+    def part(key: str, name: str = "", joint: str = " over ") -> Subject:
+        place = ("interfaces", interface.name, name) if name else ("interfaces", interface.name)
+        return Subject(reading, (key, interface.name), place, interface.short, interface.name, (), joint)
+
+    yield from part("interface").stated(interface)
+    if not isinstance(interface, Rs485):
+        yield from part("clock", "clock").stated(interface.clock)
+    match interface:
+        case Ssi():
+            for index, cable in enumerate(interface.cable_lengths):
+                what = f"clock for a cable shorter than {cable.shorter_than_m} m"
+                place: Path = ("interfaces", interface.name, "cable_lengths", index, "below_hz")
+                key: Key = ("cable", interface.name, cable.shorter_than_m)
+                yield Fact(Sort.CLOCK, key, f"below {cable.below_hz} Hz", what, place)
+        case Biss():
+            if interface.network is not None:
+                yield from part("network", "network", " of the network over ").stated(interface.network)
+            if interface.timeout is not None:
+                yield from _timeout(part("timeout", "timeout", " of the time-out over "), interface.timeout)
+            offset = 0
+            for item in interface.control_data:
+                yield from _control(reading, item, offset)
+                offset += item.bits
+        case Rs485():
+            yield from part("port", "port", " of the port over ").stated(interface.port)
+            yield from _rs485(reading, interface)
+
+
+def _timeout(subject: Subject, timeout: Timeout) -> Iterator[Fact]:
+    yield from subject.stated(timeout)
+    for index, item in enumerate(timeout.printed):
+        what = f"time-out over BiSS at {item.clock_hz} Hz"
+        place = (*subject.place, "printed", index, "timeout_ns")
+        yield Fact(Sort.TIME, ("timeout", "at", item.clock_hz), f"{item.timeout_ns} ns", what, place)
+
+
+def _control(reading: Reading, item: ControlField, offset: int) -> Iterator[Fact]:
+    """Yield the facts of a field of the control frame, starting at a bit of the frame."""
+    owner: Path = ("interfaces", "biss", "control_data", "fields", item.name)
+    what = f"field of the control frame from bit {offset + 1}"
+    field = Subject(reading, ("control", offset), owner, what)
+    yield field.first(Sort.POSITION, f"{item.bits} bits", name=item.name)
+    yield from field.stated(item)
+    for each in item.values:
+        place, key = (*owner, "values", each.name), (*field.key, "value", each.value)
+        value = Subject(reading, key, place, f"value {in_hex(each.value)} of {what}", under=field.key)
+        yield value.first(Sort.VALUE, "named", name=each.name, under=field.key)
+        yield from value.stated(each)
+    if item.crc:
+        crc = Subject(
+            reading, (*field.key, "crc"), ("crcs", item.crc), "the control frame's CRC over BiSS", under=field.key
+        )
+        yield from crc.stated(reading.device.crc(item.crc))
+
+
+def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
+    owner: Path = ("interfaces", interface.name)
+    for item in interface.data_ids:
+        subject = Subject(reading, ("data id", item.id), (*owner, "data_ids", item.name), f"data ID {item.id:X}")
+        yield subject.first(Sort.VALUE, f"control field {in_hex(item.control)}", at="control", name=item.name)
+        yield from subject.stated(item)
+    for index, access in enumerate(interface.memory_access):
+        what = f"reply to a {access.access} while the busy flag is {access.busy}"
+        value = f"address {plain(access.address)}, data {plain(access.data)}"
+        yield Fact(Sort.SETTING, ("memory", access.access, access.busy), value, what, (*owner, "memory_access", index))
+
+
+def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
+    """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
+    through = f" over {over(interface)}" if interface else ""
+    for item in found:
+        bounds = {name: getattr(item, name) for name in ("at_least_us", "typical_us", "at_most_us")}
+        given = {name: f"{value} µs" for name, value in bounds.items() if value is not None}
+        place = (*owner, item.name)
+        if item.symbol:
+            symbol = plain(item.symbol).replace(" ", "")
+            for name, value in given.items():
+                what = f"time {item.symbol}{through}, '{name}'"
+                yield Fact(Sort.TIME, ("time", interface, symbol, name), value, what, (*place, name), name=item.name)
+        else:
+            text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value}" for name, value in given.items())
+            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{through}", place, name=item.name)
