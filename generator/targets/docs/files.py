@@ -160,6 +160,7 @@ TEMPLATES = Templates(
         "md": markdown.text,
         "paragraph": markdown.paragraph,
         "code": markdown.code,
+        "html": markdown.html,
         "cited": markdown.cited,
         "anchor": markdown.anchor,
         "sentence": sentence,

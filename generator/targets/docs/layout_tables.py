@@ -228,6 +228,17 @@ def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
         yield bit_stack(f"{_caption(shape)}: {shape.placed.bits} bits", shape.placed)
 
 
+def shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
+    """Return each shape of a layout for one order code, with the answers that lead to it as a caption."""
+    found: dict[tuple[tuple[str, int, int], ...], tuple[str, PlacedLayout]] = {}
+    for answers, sets in choices(device.alternatives_of(layout)):
+        for item in placements(device, layout, interface.name, sets):
+            places = tuple((field.name, field.low, field.width) for field in item.placed.fields)
+            found.setdefault(places, (_decided(answers, f"{item.placed.bits} bits"), item.placed))
+    listed = list(found.values())
+    return [("", listed[0][1])] if len(listed) == 1 else listed
+
+
 def _decided(answers: Sequence[Answer], caption: str) -> str:
     return ", ".join(filter(None, (*(item.name for item in answers), caption)))
 

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Device, Interface, Parameter, Variant
+from ...model import INTERFACES, Device, Example, Interface, Layout, Parameter, Variant
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied
-from ...say.markdown import cited, code, joined, link, text
+from ...say.layout import size
+from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.measurement import measurement
+from ...say.name import heading, title
 from ...say.parameter import value
-from ...say.place import field_at
+from ...say.place import field_at, hexadecimal
+from ...say.text import said
+from ...say.words import counted
 from ..file_names import names_of_codes
+from . import bench_answers, wide_pictures
+from .fact_tables import example_facts, timing_rows
+from .hardware_steps import ByHand, by_hand
+from .inline_errata import Badges
 from .interface_page import OverValues, over_values
-from .interface_sections import Sections, sections
+from .interface_sections import Section, Sections, sections
 from .order_code_patterns import patterns
 from .page_pictures import Pictures, of_codes, of_family
 
@@ -29,7 +38,20 @@ class CodePage(Sections, OverValues):
     """Values of the page of an order code in addition to those of its interface page."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
+    position: Annotated[str, "unit and range of the position"]
+    wiring: Annotated[bench_answers.Wiring, "contacts and signals: head, rows, about, notes, errata"]
+    supply: Annotated[list[str], "supply, with order codes if it differs between them"]
+    speed: Annotated[bench_answers.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
+    frame: Annotated[Section | None, "frame with the position: title, name, size, wide, narrow, facts"]
+    sending: Annotated[bench_answers.Sending, "bytes to send: facts, requests, commands, other_value"]
+    frames_summary: Annotated[str, "number of frames and CRCs"]
+    registers_summary: Annotated[str, "number of registers and their addresses"]
+    time_rows: Annotated[list[Row], "name, meaning, duration and source of each time"]
+    by_hand: Annotated[list[ByHand], "procedures carried out by hand"]
+    example_rows: Annotated[list[Row], "worked examples: title, facts, source"]
     quantity_rows: Annotated[list[Row], "quantities of the order code: quantity, value, meaning, source"]
+    errata_summary: Annotated[Callable[[], str], "number of errata on the page above this call"]
+    errata_list: Annotated[Callable[[], str], "errata on the page above this call, in one line each"]
 
 
 @dataclass(frozen=True)
@@ -50,9 +72,14 @@ class Alike:
         return self.here.interface(self.variants[0].interface)
 
     @cached_property
+    def frame(self) -> Layout | None:
+        """Frame at the top of the page."""
+        return bench_answers.position_frame(self.family, self.interface)
+
+    @cached_property
     def pictures(self) -> Pictures:
         """Pictures for these codes that differ from those of the family."""
-        return of_codes(self.family, self.codes, self.name)
+        return of_codes(self.family, self.codes, self.name, self.frame.name if self.frame is not None else "")
 
 
 @dataclass(frozen=True)
@@ -108,20 +135,64 @@ def _only(device: Device, variants: Iterable[Variant]) -> Device:
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page. ``pictures`` are those of the family. The page may replace some of them."""
+    """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
+    here, interface, badges = alike.here, alike.interface, Badges(alike.here)
+    measured = here.measurement_of(interface.name)
+    found = sections(here)
     return {
-        **sections(alike.here),
-        **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),
+        **found,
+        **over_values(alike.family, here, alike.variants, has_masters, alike.pictures),
+        "errata_at": badges,
         "codes": alike.codes,
+        "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
+        "wiring": bench_answers.wiring(here),
+        "supply": bench_answers.supply(here, alike.variants),
+        "speed": bench_answers.speed(here, interface, alike.frame),
+        "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
+        "sending": bench_answers.sending(here, interface, alike.variants[0]),
+        "led_rows": [row[:-1] for row in found["led_rows"]],
+        "frames_summary": counted(len(interface.layouts), "frame") + ", fields and CRC",
+        "registers_summary": _summary(here),
+        "time_rows": list(timing_rows(interface.timings + here.timings)),
+        "by_hand": by_hand(here),
+        "example_rows": [_example(here, item) for item in here.examples if getattr(item, "order_code", "")],
         "quantity_rows": list(_quantity_rows(alike)),
+        "errata_summary": badges.summary,
+        "errata_list": badges.listed,
     }
+
+
+def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
+    checked = alike.family.crc_of(layout)
+    return {
+        "title": title(layout),
+        "name": layout.name,
+        "size": STYLE.phrase(said(*size(layout, alike.here.alternatives))),
+        "wide": pictures[f"wide-{layout.name}"],
+        "narrow": pictures[f"layout-{layout.name}"],
+        "narrower": wide_pictures.SCREEN - 1,
+        "facts": list(bench_answers.frame_facts(alike.family, layout, alike.variants[0])),
+        "crc_path": [f"crcs.{checked.name}"] if checked is not None else [],
+    }
+
+
+def _summary(device: Device) -> str:
+    first, last = (found(item.address for item in device.registers) for found in (min, max)) if device.registers else (0, 0)
+    return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
+
+
+def _example(device: Device, item: Example) -> Row:
+    facts = [
+        f"{label}: {value}" for label, value in example_facts(device, item) if label not in ("Order code", "Source")
+    ]
+    return anchor(f"example-{item.name}") + text(heading(item.name)), joined(facts), cited(item.source)
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
     """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
     later = run_time_names(alike.family)
     for item in parameters_of(alike.family, alike.interface.name):
-        if not item.alternative:
+        if not item.alternative and alike.variants[0].parameters[item.name] != 0:
             yield _quantity(alike, item, item.name in later)
 
 
