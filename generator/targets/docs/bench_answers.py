@@ -9,6 +9,7 @@ from ...masters.cable import cable_table
 from ...model import (
     Biss,
     Crc,
+    DataId,
     Device,
     Field,
     Interface,
@@ -77,7 +78,8 @@ def wiring(device: Device) -> Wiring:
         for signal, contacts in found.items()
     ]
     about = [
-        f"{anchor(f'connector-{item.name}')}{head}: {text(item.title)}" + (f" (mating connector: {text(item.mating)})" if item.mating else "")
+        f"{anchor(f'connector-{item.name}')}{head}: {text(item.title)}"
+        + (f" (mating connector: {text(item.mating)})" if item.mating else "")
         for head, item in zip(numbered, device.connectors, strict=True)
     ]
     notes = dict.fromkeys(text(item.note) for item in device.connectors if item.note)
@@ -125,15 +127,10 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     clock = interface.clock
     lengths = _lengths(device, layout) if layout is not None else []
     before = _BEFORE_BISS if isinstance(interface, Biss) else 0
+    plus = ", with the start bit and the CDS bit" if before else ""
+    shown = min(max(1_000_000, clock.min_hz), clock.max_hz)
     facts = [f"Clock: {hertz(clock.min_hz)} to {hertz(clock.max_hz)} ({cited(clock.source)})."]
-    for bits in lengths:
-        plus = ", with the start bit and the CDS bit" if before else ""
-        facts.append(
-            f"{bits} bits at {hertz(clock.min_hz)}: {_duration(bits + before, clock.min_hz)}; at {hertz(1_000_000)}: "
-            f"{_duration(bits + before, 1_000_000)}{plus}."
-            if clock.min_hz < 1_000_000 <= clock.max_hz
-            else f"{bits} bits at {hertz(clock.max_hz)}: {_duration(bits + before, clock.max_hz)}{plus}."
-        )
+    facts += [f"{bits} bits at {hertz(shown)}: {_duration(bits + before, shown)}{plus}." for bits in lengths]
     facts += _pauses(interface)
     table = cable_table(device, interface)
     rows = [
@@ -147,7 +144,7 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
         if row.hz >= clock.min_hz
     ]
     if rows:
-        facts.append(f"Clocks by cable length: from {text(table.origin)}.")
+        facts.append(f"Clock for a cable: from {text(table.origin)}.")
     return Speed("Clock and cable", tuple(facts), ("Cable", "Clock", "Frame"), tuple(rows))
 
 
@@ -184,8 +181,9 @@ def _lengths(device: Device, layout: Layout) -> list[int]:
 
 
 def _duration(bits: int, hz: int) -> str:
+    """Return the duration of some bits, in microseconds with one decimal if it is long."""
     exact = bits * 1_000_000_000 / hz
-    return nanoseconds(round(exact) if exact < 10_000 else round(exact, -2 if exact % 1000 else 0) // 1) if hz else ""
+    return nanoseconds(round(exact)) if exact % 100 == 0 else f"{exact / 1000:.1f} µs"
 
 
 # -- the frame
@@ -265,7 +263,9 @@ _VERDICT = {
 
 def _cause(item: Speaks) -> str:
     unless = " and ".join(code(part.field.name) for part in item.unless)
-    return code(item.by.field.name) + (f" (while {unless} {'is' if len(item.unless) == 1 else 'are'} inactive)" if unless else "")
+    return code(item.by.field.name) + (
+        f" (while {unless} {'is' if len(item.unless) == 1 else 'are'} inactive)" if unless else ""
+    )
 
 
 def _applies(only: Only | None, variant: Variant) -> bool:
@@ -286,7 +286,7 @@ class Sending:
 
 
 def sending(device: Device, interface: Interface, variant: Variant) -> Sending:
-    requests, commands = tuple(_requests(interface)), tuple(_commands(device, variant))
+    requests, commands = tuple(_requests(device, interface)), tuple(_commands(device, variant))
     preset = next((item for item in _preset_registers(device) if zero_of(device, item, variant) is not None), None)
     facts = []
     match interface:
@@ -330,17 +330,33 @@ def _other_value(device: Device, register: Register, variant: Variant) -> str:
     )
 
 
-def _requests(interface: Interface) -> Iterator[Row]:
-    """Yield rows of request, reply, meaning, with the bytes of the request."""
+def _requests(device: Device, interface: Interface) -> Iterator[Row]:
+    """Yield rows of data ID, request, reply, meaning, with the bytes of the request."""
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:
         asked, answered = (_frame_of(interface, sender, item.id) for sender in ("master", "encoder"))
         rest = asked.fields if asked is not None else ()
-        others = dict.fromkeys(field.group or field.name for field in rest if field.group != rest[0].group or not field.group)
+        others = dict.fromkeys(
+            field.group or field.name for field in rest if not field.group or field.group != rest[0].group
+        )
         sent = ", ".join([code(f"{item.control:02X}"), *(text(as_words(name)) for name in others)])
         reply = link(counted(answered.widest // 8, "byte"), f"#layout-{answered.name}") if answered is not None else ""
-        yield sent, reply, text(item.meaning or item.purpose)
+        told = joined([text(item.meaning or item.purpose), *_repeated(device, item)], ". ")
+        yield f"{item.id:X}", sent, reply, told
+
+
+def _repeated(device: Device, item: DataId) -> Iterator[str]:
+    """Yield the repetition and the waiting time of the procedures that send only this request, with links."""
+    for procedure in device.procedures:
+        sends = [step for step in procedure.steps if isinstance(step, SendStep)]
+        if [step.data_id for step in sends] == [item.name]:
+            waits = [
+                f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)
+            ]
+            times = f"{sends[0].times} times"
+            apart = f"at least {microseconds(sends[0].microseconds)} apart" if sends[0].microseconds else ""
+            yield "Send it " + joined([link(times, f"#procedure-{procedure.name}"), apart, *waits], ", ")
 
 
 def _frame_of(interface: Rs485, sender: str, data_id: int) -> Layout | None:
@@ -350,7 +366,7 @@ def _frame_of(interface: Rs485, sender: str, data_id: int) -> Layout | None:
 def _commands(device: Device, variant: Variant) -> Iterator[Row]:
     """Yield rows of task and bytes to send for every procedure that writes or sends something."""
     for item in device.procedures:
-        if any(not isinstance(step, (ReadStep, WaitStep)) for step in item.steps):
+        if any(isinstance(step, (WriteStep, ModifyStep)) for step in item.steps):
             sent = joined((_sent(device, step, variant) for step in item.steps), ", ")
             yield link(text(item.title), f"#procedure-{item.name}"), sent
 
@@ -360,9 +376,7 @@ def _sent(device: Device, step: Step, variant: Variant) -> str:
         case WaitStep():
             return f"wait {microseconds(step.microseconds)}"
         case SendStep():
-            times = f" {step.times} times" if step.times > 1 else ""
-            apart = f", at least {microseconds(step.microseconds)} apart" if step.microseconds else ""
-            return code(step.request.hex(" ").upper()) + times + apart
+            return code(step.request.hex(" ").upper())
         case ReadStep():
             return f"read {addresses(device.register(step.register))}"
         case PollStep():

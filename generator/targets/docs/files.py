@@ -162,6 +162,7 @@ TEMPLATES = Templates(
         "code": markdown.code,
         "html": markdown.html,
         "cited": markdown.cited,
+        "cited_html": markdown.cited_html,
         "anchor": markdown.anchor,
         "sentence": sentence,
         "titled": title,

@@ -102,7 +102,9 @@ class Badges:
         for item in self._editions.values():
             editions.setdefault(_edition(item), []).append(f"{ERRATA}#erratum-{item.name}")
         differ = [
-            ", ".join(link(text(label) if not index else f"{index + 1}", target) for index, target in enumerate(targets))
+            ", ".join(
+                link(text(label) if not index else f"{index + 1}", target) for index, target in enumerate(targets)
+            )
             for label, targets in editions.items()
         ]
         return "\n".join([*lines, *([f"- Different {'; '.join(differ)}"] if differ else [])])
@@ -129,7 +131,7 @@ def in_one_line(item: Erratum, page: str) -> str:
     """Return the status and title of an erratum, and what is used. The link leads to the full text."""
     used = sentence(item.used)
     if len(used) > _LONG:
-        used = used[: used.index(". ") + 1] if ". " in used[:_LONG] else f"{used[:_LONG].rpartition(' ')[0]} …"
+        used = f"{used[:_LONG].rpartition('. ' if '. ' in used[:_LONG] else ' ')[0]} …"
     if item.overlay or item.edition:
         used = " ".join(sentence(f"{label}: {value}") for label, value in changed(item))
     return f"{badge(item)} {link(text(heading(item.name)), f'{page}#erratum-{item.name}')}: {text(used)}"

@@ -18,7 +18,7 @@ from ...say.name import heading, title
 from ...say.parameter import value
 from ...say.place import field_at, hexadecimal
 from ...say.text import said
-from ...say.words import counted
+from ...say.words import counted, sentence
 from ..file_names import names_of_codes
 from . import bench_answers, wide_pictures
 from .fact_tables import example_facts, timing_rows
@@ -27,6 +27,7 @@ from .inline_errata import Badges
 from .interface_page import OverValues, over_values
 from .interface_sections import Section, Sections, sections
 from .order_code_patterns import patterns
+from .page_links import to_steps
 from .page_pictures import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
@@ -150,7 +151,9 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "speed": bench_answers.speed(here, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
         "sending": bench_answers.sending(here, interface, alike.variants[0]),
-        "led_rows": [row[:-1] for row in found["led_rows"]],
+        "led_rows": list(_led_rows(here)),
+        "procedures": [{**item, "rows": [row for row in item["rows"] if row[0]]} for item in found["procedures"]],
+        "register_rows": [row[:-1] for row in found["register_rows"]],
         "frames_summary": counted(len(interface.layouts), "frame") + ", fields and CRC",
         "registers_summary": _summary(here),
         "time_rows": list(timing_rows(interface.timings + here.timings)),
@@ -176,8 +179,18 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
     }
 
 
+def _led_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of LED or state, meaning."""
+    for item in device.leds:
+        yield f"**{text(item.title)}**", ""
+        for state in item.states:
+            yield text(state.state), joined([text(sentence(state.meaning)), *to_steps("", state.by_hand)], " ")
+
+
 def _summary(device: Device) -> str:
-    first, last = (found(item.address for item in device.registers) for found in (min, max)) if device.registers else (0, 0)
+    first, last = (
+        (found(item.address for item in device.registers) for found in (min, max)) if device.registers else (0, 0)
+    )
     return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
 
 
