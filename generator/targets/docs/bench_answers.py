@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from ...masters.cable import cable_table
 from ...model import (
     Biss,
+    Connector,
     Crc,
     DataId,
     Device,
-    Field,
     Interface,
     Layout,
     ModifyStep,
@@ -29,11 +30,11 @@ from ...model import (
     assert_never,
     choices,
 )
-from ...plan.codec import constant_values, codec_of
+from ...plan.codec import codec_of, constant_values
 from ...plan.reports import Judgement, Only, Speaks, reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
-from ...say.interface import settings
 from ...say.box import as_words
+from ...say.interface import settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
 from ...say.place import addresses, bits
@@ -43,6 +44,7 @@ from ...say.timing import bounds
 from ...say.words import WORTH, counted, hertz, microseconds, nanoseconds, timeout_words, volts
 
 Row = tuple[str, ...]
+T = TypeVar("T")
 _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Bits of a BiSS frame before the position: the start bit and the CDS bit.
 _BEFORE_BISS = 2
@@ -52,7 +54,7 @@ _BEFORE_BISS = 2
 class Wiring:
     """Table of contacts and signals.
 
-    ``about`` has the connector or cable of each column. ``errata`` are the paths of the connectors in the spec.
+    ``about`` has the connectors and cables of each column. ``errata`` are the paths of the connectors in the spec.
     """
 
     head: tuple[str, ...]
@@ -63,28 +65,67 @@ class Wiring:
 
 
 def wiring(device: Device) -> Wiring:
-    """Return one table with the contact of every connector and cable for each signal."""
-    kinds = ["Wire" if item.kind == "cable" else "Pin" for item in device.connectors]
-    numbered = [
+    """Return one table with the contacts of every connector and cable for each signal."""
+    columns = _columns(device.connectors)
+    signals = dict.fromkeys(item.signal for connector in device.connectors for item in connector.contacts)
+    kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
+    head = [
         kind if kinds.count(kind) == 1 else f"{kind} {kinds[: index + 1].count(kind)}"
         for index, kind in enumerate(kinds)
     ]
-    found: dict[str, dict[int, list[str]]] = {}
-    for index, connector in enumerate(device.connectors):
-        for contact in connector.contacts:
-            found.setdefault(contact.signal, {}).setdefault(index, []).append(contact.contact)
-    rows = [
-        (*(text(", ".join(contacts.get(index, []))) for index in range(len(kinds))), text(signal))
-        for signal, contacts in found.items()
-    ]
-    about = [
-        f"{anchor(f'connector-{item.name}')}{head}: {text(item.title)}"
-        + (f" (mating connector: {text(item.mating)})" if item.mating else "")
-        for head, item in zip(numbered, device.connectors, strict=True)
-    ]
+    rows = [(*(_contacts(column, signal) for column in columns), text(signal)) for signal in signals]
+    about = [f"{name}: {', '.join(_marked(column, _named))}" for name, column in zip(head, columns, strict=True)]
     notes = dict.fromkeys(text(item.note) for item in device.connectors if item.note)
     errata = tuple(f"connectors.{item.name}" for item in device.connectors)
-    return Wiring((*numbered, "Signal"), tuple(rows), tuple(about), tuple(notes), errata)
+    return Wiring((*head, "Signal"), tuple(rows), tuple(about), tuple(notes), errata)
+
+
+def _columns(connectors: Sequence[Connector]) -> list[list[Connector]]:
+    """Group connectors of one kind that have the same contacts for most signals of the one with fewer."""
+    columns: list[list[Connector]] = []
+    for item in connectors:
+        for column in columns:
+            mine, other = _by_signal(item), _by_signal(column[0])
+            alike = sum(mine.get(signal) == contacts for signal, contacts in other.items())
+            if item.kind == column[0].kind and 2 * alike > min(len(mine), len(other)):
+                column.append(item)
+                break
+        else:
+            columns.append([item])
+    return columns
+
+
+def _by_signal(connector: Connector) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for item in connector.contacts:
+        found.setdefault(item.signal, []).append(item.contact)
+    return found
+
+
+def _contacts(column: Sequence[Connector], signal: str) -> str:
+    """Return the contacts of a signal, marked with the number of their connector if they differ."""
+    found = [_in_short(_by_signal(item).get(signal, [])) for item in column]
+    return text(found[0] if len(set(found)) == 1 else ", ".join(_marked(found, str)))
+
+
+def _marked(items: Sequence[T], written: Callable[[T], str]) -> list[str]:
+    """Return the items that are not empty, followed by their number if there are several in a column."""
+    return [
+        f"{written(item)} ({index})" if len(items) > 1 else written(item) for index, item in enumerate(items, 1) if item
+    ]
+
+
+def _in_short(contacts: Sequence[str]) -> str:
+    """Return contacts as a list, with three or more consecutive numbers as a range."""
+    numbers = [int(item) for item in contacts if item.isdecimal()]
+    if len(numbers) == len(contacts) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
+        return f"{numbers[0]} to {numbers[-1]}"
+    return ", ".join(contacts)
+
+
+def _named(item: Connector) -> str:
+    mating = f" (mating connector: {text(item.mating)})" if item.mating else ""
+    return f"{anchor(f'connector-{item.name}')}{text(item.title)}{mating}"
 
 
 def supply(device: Device, variants: Sequence[Variant]) -> list[str]:
@@ -331,7 +372,7 @@ def _other_value(device: Device, register: Register, variant: Variant) -> str:
 
 
 def _requests(device: Device, interface: Interface) -> Iterator[Row]:
-    """Yield rows of data ID, request, reply, meaning, with the bytes of the request."""
+    """Yield rows of request with its reply, meaning."""
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:
@@ -341,9 +382,13 @@ def _requests(device: Device, interface: Interface) -> Iterator[Row]:
             field.group or field.name for field in rest if not field.group or field.group != rest[0].group
         )
         sent = ", ".join([code(f"{item.control:02X}"), *(text(as_words(name)) for name in others)])
-        reply = link(counted(answered.widest // 8, "byte"), f"#layout-{answered.name}") if answered is not None else ""
+        back = (
+            f" → {link(counted(answered.widest // 8, 'byte'), f'#layout-{answered.name}')}"
+            if answered is not None
+            else ""
+        )
         told = joined([text(item.meaning or item.purpose), *_repeated(device, item)], ". ")
-        yield f"{item.id:X}", sent, reply, told
+        yield sent + back, f"{told}. <small>Data ID {item.id:X} {code(item.name)}</small>"
 
 
 def _repeated(device: Device, item: DataId) -> Iterator[str]:

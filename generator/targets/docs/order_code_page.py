@@ -7,27 +7,25 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Device, Example, Interface, Layout, Parameter, Variant
+from ...model import INTERFACES, Device, Interface, Layout, Parameter, Variant
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied
 from ...say.layout import size
-from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.markdown import STYLE, cited, code, link, text
 from ...say.measurement import measurement
-from ...say.name import heading, title
+from ...say.name import title
 from ...say.parameter import value
 from ...say.place import field_at, hexadecimal
 from ...say.text import said
 from ...say.words import counted, sentence
 from ..file_names import names_of_codes
-from . import bench_answers, wide_pictures
-from .fact_tables import example_facts, timing_rows
+from . import bench_answers, short_tables, wide_pictures
 from .hardware_steps import ByHand, by_hand
 from .inline_errata import Badges
 from .interface_page import OverValues, over_values
 from .interface_sections import Section, Sections, sections
 from .order_code_patterns import patterns
-from .page_links import to_steps
 from .page_pictures import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
@@ -47,10 +45,11 @@ class CodePage(Sections, OverValues):
     sending: Annotated[bench_answers.Sending, "bytes to send: facts, requests, commands, other_value"]
     frames_summary: Annotated[str, "number of frames and CRCs"]
     registers_summary: Annotated[str, "number of registers and their addresses"]
-    time_rows: Annotated[list[Row], "name, meaning, duration and source of each time"]
+    setting_lines: Annotated[list[str], "settings of the interface"]
+    time_rows: Annotated[list[Row], "duration and meaning of each time"]
     by_hand: Annotated[list[ByHand], "procedures carried out by hand"]
-    example_rows: Annotated[list[Row], "worked examples: title, facts, source"]
-    quantity_rows: Annotated[list[Row], "quantities of the order code: quantity, value, meaning, source"]
+    example_rows: Annotated[list[Row], "worked examples: title, facts"]
+    quantity_rows: Annotated[list[Row], "quantities of the order code: value, meaning"]
     errata_summary: Annotated[Callable[[], str], "number of errata on the page above this call"]
     errata_list: Annotated[Callable[[], str], "errata on the page above this call, in one line each"]
 
@@ -151,14 +150,28 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "speed": bench_answers.speed(here, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
         "sending": bench_answers.sending(here, interface, alike.variants[0]),
-        "led_rows": list(_led_rows(here)),
-        "procedures": [{**item, "rows": [row for row in item["rows"] if row[0]]} for item in found["procedures"]],
-        "register_rows": [row[:-1] for row in found["register_rows"]],
+        "led_rows": list(short_tables.led_rows(here)),
+        "interfaces": [_with_short_rows(here, item) for item in found["interfaces"]],
+        "registers": [
+            {
+                **item,
+                "rows": list(short_tables.field_rows(here, item["register"].layout)) if item["rows"] else [],
+                "value_tables": short_tables.value_tables(item["register"]),
+            }
+            for item in found["registers"]
+        ],
+        "register_rows": list(short_tables.register_rows(here)),
+        "procedures": [
+            {**item, "steps": list(short_tables.steps(here, item["procedure"]))} for item in found["procedures"]
+        ],
+        "setting_lines": list(short_tables.setting_lines(here, interface)),
         "frames_summary": counted(len(interface.layouts), "frame") + ", fields and CRC",
         "registers_summary": _summary(here),
-        "time_rows": list(timing_rows(interface.timings + here.timings)),
+        "time_rows": list(short_tables.time_rows(interface.timings + here.timings)),
         "by_hand": by_hand(here),
-        "example_rows": [_example(here, item) for item in here.examples if getattr(item, "order_code", "")],
+        "example_rows": list(
+            short_tables.example_rows(here, (item for item in here.examples if getattr(item, "order_code", "")))
+        ),
         "quantity_rows": list(_quantity_rows(alike)),
         "errata_summary": badges.summary,
         "errata_list": badges.listed,
@@ -179,12 +192,11 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
     }
 
 
-def _led_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of LED or state, meaning."""
-    for item in device.leds:
-        yield f"**{text(item.title)}**", ""
-        for state in item.states:
-            yield text(state.state), joined([text(sentence(state.meaning)), *to_steps("", state.by_hand)], " ")
+def _with_short_rows(device: Device, item: Section) -> Section:
+    """Return the values of an interface with tables of two columns."""
+    layouts = [{**part, "rows": list(short_tables.field_rows(device, part["layout"]))} for part in item["layouts"]]
+    groups = [{**part, "rows": list(short_tables.group_rows(device, part["group"].name))} for part in item["groups"]]
+    return {**item, "layouts": layouts, "groups": groups}
 
 
 def _summary(device: Device) -> str:
@@ -192,13 +204,6 @@ def _summary(device: Device) -> str:
         (found(item.address for item in device.registers) for found in (min, max)) if device.registers else (0, 0)
     )
     return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
-
-
-def _example(device: Device, item: Example) -> Row:
-    facts = [
-        f"{label}: {value}" for label, value in example_facts(device, item) if label not in ("Order code", "Source")
-    ]
-    return anchor(f"example-{item.name}") + text(heading(item.name)), joined(facts), cited(item.source)
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
@@ -212,6 +217,7 @@ def _quantity_rows(alike: Alike) -> Iterator[Row]:
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
     unit = f" {text(item.unit)}" if item.unit else ""
-    held = f"factory default, held in {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
-    held = held or ("factory default, set by registers" if is_held else "")
-    return code(item.name), shown + unit, joined([text(item.meaning), held]), cited(item.source)
+    held = f" Factory default, held in {text(field_at(alike.family, item.read_from))}." if item.read_from else ""
+    held = held or (" Factory default, set by registers." if is_held else "")
+    about = f"{text(sentence(item.meaning))}{held} <small>{code(item.name)}</small>"
+    return shown + unit, f"{about} <small>{cited(item.source)}</small>"

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 
 from ...model import PlacedLayout
 from ...say.place import bit_range
 from .layout_pictures import Stack, bit_stack, byte_stack, runs_of, told
-from .svg import card, number, rect, text, width, wrapped
+from .svg import card, number, rect, text, width
 
 #: Width of the picture, and of the narrowest screen on which it is shown instead of the stacked picture.
-WIDE, SCREEN = 880.0, 700
-_MARGIN, _RULER, _BOX, _LINE, _SMALL = 12.0, 26.0, 44.0, 18.0, 12
+WIDE, SCREEN = 720.0, 700
+_MARGIN, _RULER, _BOX, _LINE, _SIZE = 8.0, 24.0, 44.0, 18.0, 11
+#: Average width of a letter as a fraction of the font size.
+_LETTER = 0.54
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +32,12 @@ class _Cell:
     @property
     def lines(self) -> list[str]:
         """Return the lines inside the box, or none if the name does not fit."""
-        found = wrapped(self.name, self.right - self.left - 6, _SMALL)
-        found += [self.place] if self.place else []
-        return found if len(found) <= 3 and all(width(line, _SMALL) <= self.right - self.left for line in found) else []
+        letters = int((self.right - self.left - 4) / (_SIZE * _LETTER))
+        words = self.name.split(" ")
+        if max(map(len, [*words, self.place])) > letters:
+            return []
+        found = wrap(self.name, letters)
+        return [*found, *([self.place] if self.place else [])] if len(found) <= 2 else []
 
 
 def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
@@ -41,7 +47,7 @@ def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
     for caption, placed in shapes:
         stack = byte_stack(caption, placed) if placed.layout.in_bytes else bit_stack(caption, placed)
         if caption:
-            body.append(text(_MARGIN, top + 13, caption, _SMALL, "start", bold=True))
+            body.append(text(_MARGIN, top + 13, caption, _SIZE, "start", bold=True))
             top += _LINE
         drawn, top = _line(placed, stack, top)
         body += drawn
@@ -53,13 +59,13 @@ def _line(placed: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], fl
     """Return the elements of one line below ``top``, and the top of the next one."""
     cells = list(_bytes(stack) if placed.layout.in_bytes else _bits(placed))
     marks = _byte_marks(stack) if placed.layout.in_bytes else _bit_marks(placed)
-    body = [text(x, top + 12, words, _SMALL, "middle", faint=True) for x, words in marks]
+    body = [text(x, top + 12, words, _SIZE, anchor, faint=True) for x, words, anchor in marks]
     for cell in cells:
         body.append(rect(cell.left, top + _RULER, cell.right - cell.left, _BOX, cell.fill))
         first = top + _RULER + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
         for index, line in enumerate(cell.lines):
             faint = bool(cell.place) and index == len(cell.lines) - 1
-            body.append(text((cell.left + cell.right) / 2, first + 14 * index, line, _SMALL, "middle", faint=faint))
+            body.append(text((cell.left + cell.right) / 2, first + 14 * index, line, _SIZE, "middle", faint=faint))
     if not placed.layout.in_bytes:
         body.append(f'<path d="{_ticks(placed.bits, top + _RULER)}" class="line"/>')
     below = list(_below(cells, top + _RULER + _BOX + 4))
@@ -93,20 +99,22 @@ def _bit(bits: int) -> float:
     return (WIDE - 2 * _MARGIN) / bits
 
 
-def _bit_marks(placed: PlacedLayout) -> Iterator[tuple[float, str]]:
-    """Yield the place and text of the numbers of the first and the last bit of each box."""
+def _bit_marks(placed: PlacedLayout) -> Iterator[tuple[float, str, str]]:
+    """Yield the place, text and anchor of the numbers of the first and the last bit of each box."""
     bit = _bit(placed.bits)
     for run in runs_of(placed):
-        for number_ in dict.fromkeys((run.high, run.low)):
-            middle = _MARGIN + (placed.bits - 1 - number_ + 0.5) * bit
-            if run.high - run.low != 1 or bit >= 16 or number_ == run.high:
-                yield middle, f"{number_}"
+        left, right = (_MARGIN + (placed.bits - 1 - end) * bit for end in (run.high, run.low - 1))
+        if run.high == run.low:
+            yield (left + right) / 2, f"{run.high}", "middle"
+        else:
+            yield left + 2, f"{run.high}", "start"
+            yield right - 2, f"{run.low}", "end"
 
 
-def _byte_marks(stack: Stack) -> Iterator[tuple[float, str]]:
+def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
     byte = (WIDE - 2 * _MARGIN) / len(stack.rows)
     for index, row in enumerate(stack.rows):
-        yield _MARGIN + byte * (index + 0.5), row.label
+        yield _MARGIN + byte * (index + 0.5), row.label, "middle"
 
 
 def _ticks(bits: int, top: float) -> str:
@@ -121,9 +129,9 @@ def _below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, str]]:
     left = _MARGIN
     for cell in cells:
         if not cell.lines:
-            wide = 16 + width(cell.about, _SMALL) + 16
+            wide = 16 + width(cell.about, _SIZE) + 16
             if left + wide > WIDE - _MARGIN and left > _MARGIN:
                 left, top = _MARGIN, top + _LINE
             yield top + _LINE, rect(left, top + 4, 10, 10, cell.fill)
-            yield top + _LINE, text(left + 16, top + 13, cell.about, _SMALL, "start")
+            yield top + _LINE, text(left + 16, top + 13, cell.about, _SIZE, "start")
             left += wide
