@@ -124,8 +124,7 @@ def _in_short(contacts: Sequence[str]) -> str:
 
 
 def _named(item: Connector) -> str:
-    mating = f" (mating connector: {text(item.mating)})" if item.mating else ""
-    return f"{anchor(f'connector-{item.name}')}{text(item.title)}{mating}"
+    return f"{anchor(f'connector-{item.name}')}{text(item.title)}"
 
 
 def supply(device: Device, variants: Sequence[Variant]) -> list[str]:

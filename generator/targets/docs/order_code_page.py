@@ -200,9 +200,9 @@ def _with_short_rows(device: Device, item: Section) -> Section:
 
 
 def _summary(device: Device) -> str:
-    first, last = (
-        (found(item.address for item in device.registers) for found in (min, max)) if device.registers else (0, 0)
-    )
+    if not device.registers:
+        return ""
+    first, last = min(item.address for item in device.registers), max(item.last_address for item in device.registers)
     return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
 
 
