@@ -15,10 +15,10 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 from codewheel.loading.across_devices import check_alike
 from codewheel.loading.library import Family, families_of, packaged_masters, packaged_specs
+from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
 from codewheel.readings.coverage import coverage_of
 from codewheel.readings.fact import Facts
-from codewheel.readings.collect import facts_of
 from codewheel.readings.reading import Reading
 from codewheel.readings.second_readings import (
     Readings,

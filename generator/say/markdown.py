@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from html import escape
 
 from ..model import Sources, cite
 from .lines import one_line, plain
@@ -48,8 +49,21 @@ def paragraph(value: str) -> str:
 
 def cited(sources: Sources) -> str:
     """Return the sources as ``§6.4 p.35, it: §6.4 p.36``."""
-    numbered = (replace(it, section=f"§{it.section}") if it.section[:1].isdigit() else it for it in sources)
-    return text(cite(tuple(numbered)))
+    return text(_numbered(sources))
+
+
+def cited_html(sources: Sources) -> str:
+    """Return the sources for an HTML element."""
+    return html(_numbered(sources))
+
+
+def _numbered(sources: Sources) -> str:
+    return cite(tuple(replace(it, section=f"§{it.section}") if it.section[:1].isdigit() else it for it in sources))
+
+
+def html(value: object) -> str:
+    """Return one line of text for an HTML element or attribute, where Markdown has no meaning."""
+    return escape(plain(value)).replace("`", "&#96;").replace("|", "&#124;")
 
 
 def link(label: str, target: str) -> str:

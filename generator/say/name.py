@@ -8,7 +8,18 @@ from typing import Protocol
 from ..model import Device
 from .text import Ref
 
-_ACRONYMS = {"id": "ID", "ssi": "SSI", "biss": "BiSS", "crc": "CRC", "eeprom": "EEPROM", "led": "LED"}
+_ACRONYMS = {
+    "id": "ID",
+    "ssi": "SSI",
+    "biss": "BiSS",
+    "crc": "CRC",
+    "eeprom": "EEPROM",
+    "led": "LED",
+    "leds": "LEDs",
+    "lsb": "LSB",
+    "rs485": "RS-485",
+    "scd": "SCD",
+}
 
 
 class Titled(Protocol):

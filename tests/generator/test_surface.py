@@ -100,7 +100,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
             ["xyzzy"],
             "codewheel",
             "there is no command 'xyzzy'; "
-            + "known: generate, check, list, show, decode, master, diff, reread, facts, explain, new",
+            "known: generate, check, list, show, decode, master, diff, reread, facts, explain, new",
         ),
         (["check", "--jsno"], "codewheel check", "there is no option '--jsno'; did you mean '--json'?"),
         (

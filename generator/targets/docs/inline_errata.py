@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.erratum import errata, erratum
-from ...say.markdown import STYLE, anchor, cited, code, link, text
+from ...say.erratum import changed, errata, erratum
+from ...say.markdown import anchor, cited, code, link, text
+from ...say.name import heading
+from ...say.words import sentence
 from . import fact_tables
 from .page_links import ERRATA, to_erratum
 
 #: File name of the page about all families, which no family can have.
 ALL = "all-errata.md"
-#: Longest erratum, in characters, that is shown inline with its reason. Errata with wrong data always have it.
-_LONG = 500
+#: Longest text, in characters, that is shown on other pages than that of the errata.
+_LONG = 240
 Rows = list[tuple[str, ...]]
 
 
@@ -31,20 +32,18 @@ class AllErrataPage(TypedDict):
 
 
 class OnPage:
-    """Errata on one page: in full at the first fact that they affect, and as links after that."""
+    """Errata on one page: in one line at the first fact that they affect, and as links after that."""
 
     def __init__(self, device: Device, folder: str = "") -> None:
         self._device, self._page, self._told = device, f"{folder}{ERRATA}", set[str]()
 
     def __call__(self, *paths: str) -> str:
         """Return, as a list, the errata about these paths in the spec or about anything inside them."""
-        found = errata(self._device, *paths, wording=True)
-        elsewhere = [item for item in found if item.edition and not self._device.edition]
-        own = [item for item in found if item not in elsewhere]
-        lines = [line for item in own if item.severity != "wording" for line in self._lines(item)]
+        own, elsewhere = _by_origin(self._device, *paths)
+        lines = [self._line(item) for item in own if item.severity != "wording"]
         wording = [item for item in own if item.severity == "wording"]
         if wording:
-            links = ", ".join(self._link(item, code(item.name)) for item in wording)
+            links = ", ".join(self._link(item, text(heading(item.name))) for item in wording)
             lines.append(f"- Wording {'mistake' if len(wording) == 1 else 'mistakes'} in the manual: {links}")
         lines += self._of_editions(elsewhere)
         return "\n".join(lines)
@@ -57,31 +56,85 @@ class OnPage:
     def _link(self, item: Erratum, label: str) -> str:
         return link(label, f"{self._page}#erratum-{item.name}")
 
-    def _lines(self, item: Erratum) -> list[str]:
+    def _line(self, item: Erratum) -> str:
         if item.name in self._told:
-            return [f"- {badge(item)} {link(code(item.name), f'#erratum-{item.name}')}, see above"]
+            return f"- {badge(item)} {link(text(heading(item.name)), f'#erratum-{item.name}')}, see above"
         self._told.add(item.name)
-        found = erratum(item, whole=True)
-        texts = [STYLE.sentence(part) for part in found.below]
-        if item.why and item.severity != "wrong_data" and sum(map(len, texts)) > _LONG:
-            texts[-1] = self._link(item, "Why?")
-        head = f"{badge(item)} {self._link(item, code(item.name))} {STYLE.cited(item.source)}"
-        return [f"- {anchor(f'erratum-{item.name}')}{head}", *(f"  - {text}" for text in texts)]
+        return f"- {anchor(f'erratum-{item.name}')}{in_one_line(item, self._page)}"
 
     def _of_editions(self, found: Sequence[Erratum]) -> Iterator[str]:
-        """Yield the differences in other editions, without the reasons, which are on the errata page."""
-        again = [item for item in found if item.name in self._told]
-        for item in found:
-            if item not in again:
-                self._told.add(item.name)
-                change = erratum(item)
-                first, *more = (part for part in change.below if part.label != "Why")
-                lead = f"{first.label[0].lower()}{first.label[1:]}"
-                texts = [STYLE.sentence(replace(first, label=lead)), *map(STYLE.sentence, more)]
-                yield f"- {self._link(item, text(change.label))}, {' '.join(texts)}"
-        if again:
-            links = (self._link(item, text(erratum(item).label.lower())) for item in again)
-            yield f"- Also different {', '.join(dict.fromkeys(links))}, see above"
+        """Yield a line with links to the differences in other editions."""
+        links = (self._link(item, text(_edition(item))) for item in found)
+        if found:
+            yield f"- Different {', '.join(dict.fromkeys(links))}"
+
+
+class Badges:
+    """Errata on the page of an order code: links at the facts that they affect, and a list of one line each."""
+
+    def __init__(self, device: Device) -> None:
+        self._device, self._told, self._editions = device, dict[str, Erratum](), dict[str, Erratum]()
+
+    def __call__(self, *paths: str) -> str:
+        """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
+        own, elsewhere = _by_origin(self._device, *paths)
+        about = [item for item in own if item.severity != "wording"]
+        self._told |= {item.name: item for item in about}
+        self._editions |= {item.name: item for item in elsewhere}
+        links = [(item, link(text(heading(item.name)), f"#erratum-{item.name}")) for item in about]
+        parts = [
+            f"{mark} {', '.join(found)}"
+            for status, mark in _MARKS.items()
+            if (found := [shown for item, shown in links if item.status == status])
+        ]
+        return " ".join(parts)
+
+    def summary(self) -> str:
+        """Return the number of errata on the page so far, by status."""
+        counts = {status: [item.status for item in self._told.values()].count(status) for status in _MARKS}
+        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or "none known"
+
+    def listed(self) -> str:
+        """Return the errata on the page so far, open ones first, and links to the differences in other editions."""
+        ordered = sorted(self._told.values(), key=lambda item: item.status != "open")
+        lines = [f"- {anchor(f'erratum-{item.name}')}{in_one_line(item, ERRATA)}" for item in ordered]
+        editions: dict[str, list[str]] = {}
+        for item in self._editions.values():
+            editions.setdefault(_edition(item), []).append(f"{ERRATA}#erratum-{item.name}")
+        differ = [
+            ", ".join(
+                link(text(label) if not index else f"{index + 1}", target) for index, target in enumerate(targets)
+            )
+            for label, targets in editions.items()
+        ]
+        return "\n".join([*lines, *([f"- Different {'; '.join(differ)}"] if differ else [])])
+
+
+#: Marks of the links, by status.
+_MARKS = {"open": "⚠", "settled": "✓"}
+
+
+def _by_origin(device: Device, *paths: str) -> tuple[list[Erratum], list[Erratum]]:
+    """Return the errata of the manual about these paths, and the differences in other editions."""
+    found = errata(device, *paths, wording=True)
+    elsewhere = [item for item in found if item.edition and not device.edition]
+    return [item for item in found if item not in elsewhere], elsewhere
+
+
+def _edition(item: Erratum) -> str:
+    """Return the edition of a difference as a phrase: ``before edition 1.4``."""
+    label = erratum(item).label
+    return f"{label[0].lower()}{label[1:]}"
+
+
+def in_one_line(item: Erratum, page: str) -> str:
+    """Return the status and title of an erratum, and what is used. The link leads to the full text."""
+    used = sentence(item.used)
+    if len(used) > _LONG:
+        used = f"{used[:_LONG].rpartition('. ' if '. ' in used[:_LONG] else ' ')[0]} …"
+    if item.overlay or item.edition:
+        used = " ".join(sentence(f"{label}: {value}") for label, value in changed(item))
+    return f"{badge(item)} {link(text(heading(item.name)), f'{page}#erratum-{item.name}')}: {text(used)}"
 
 
 def badge(item: Erratum) -> str:

@@ -12,11 +12,11 @@ from ...say import layout as say_layout
 from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.alternative import needs
-from ...say.markdown import cited, code, joined, link, text
+from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.name import title, words
 from ...say.origin import origin, other_editions
 from ...say.place import addresses
-from ...say.text import Code, Said
+from ...say.text import Code, Said, said
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .page_links import to_steps
 
@@ -156,6 +156,7 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
+        "size": STYLE.phrase(said(*say_layout.size(layout, device.alternatives))),
         "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -170,6 +171,7 @@ def _register(device: Device, register: Register) -> Section:
     return {
         "register": register,
         "title": title(register),
+        "access": say_register.access(register),
         "head": say_register.head(device, register, Code(register.name)),
         "facts": say_register.facts(device, register),
         "rows": [] if is_plain else rows,

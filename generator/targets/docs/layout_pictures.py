@@ -80,8 +80,8 @@ class _Run:
 def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
     """Return a frame that is one number, with one byte of the number per row, highest bits first."""
     lows = range((placed.bits - 1) // 8 * 8, -1, -8)
-    rows = _rows(_runs(placed), lows, [bit_range(min(low + 7, placed.bits - 1), low) for low in lows])
-    return Stack(caption, rows, f"{placed.bits} bits: {_by_bits(_runs(placed))}")
+    rows = _rows(runs_of(placed), lows, [bit_range(min(low + 7, placed.bits - 1), low) for low in lows])
+    return Stack(caption, rows, f"{placed.bits} bits: {_by_bits(runs_of(placed))}")
 
 
 def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
@@ -89,7 +89,7 @@ def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_fi
     lows = _lows(placed.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = f", {'low' if low_byte_first else 'high'} byte first" if len(lows) > 1 else ""
-    return Stack(caption, _rows(_runs(placed), lows, labels), f"{labels[0]}{order}: {_by_bits(_runs(placed))}")
+    return Stack(caption, _rows(runs_of(placed), lows, labels), f"{labels[0]}{order}: {_by_bits(runs_of(placed))}")
 
 
 def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
@@ -149,7 +149,7 @@ def _named(name: str, place: str, active_low: bool) -> str:
     return " ".join(filter(None, (said, place, "(0 = active)" if active_low else "")))
 
 
-def _runs(placed: PlacedLayout) -> list[_Run]:
+def runs_of(placed: PlacedLayout) -> list[_Run]:
     """Return the fields, and the bits that belong to no field, highest first."""
     runs = [_run(item.field, item.high, item.low) for item in placed.fields]
     runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]

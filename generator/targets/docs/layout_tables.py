@@ -91,10 +91,9 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
             if field.group not in done:
                 done.add(field.group)
                 parts = [item for item in layout.fields if item.group == field.group]
-                low = _first_bit(parts, _first_answers(device))
                 group = groups[field.group]
                 name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
-                where = frame_bytes(layout, layout.widest, low + group.bits - 1, low)
+                where = group_place(device, layout, group)
                 made_of = STYLE.sentence(said(*listed([Code(item.name) for item in parts]), label="Fields"))
                 yield name, where, f"{group.bits}", made_of, ""
             continue
@@ -102,14 +101,20 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
             continue  # padding is in the row of the padded field
         yield (
             named(field),
-            _place(layout, field, device.alternatives_of(layout)),
+            field_place_cell(layout, field, device.alternatives_of(layout)),
             STYLE.number(field.width),
             field_cell(device, field, in_register=not layout.sender),
             cited(field.source) if field.source != layout.source else "",
         )
 
 
-def _place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
+def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
+    """Return the bytes of a frame that hold a group of fields."""
+    low = _first_bit((item for item in layout.fields if item.group == group.name), _first_answers(device))
+    return frame_bytes(layout, layout.widest, low + group.bits - 1, low)
+
+
+def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
     return STYLE.phrase(said(*field_place(layout, field, alternatives)))
 
 
@@ -176,7 +181,7 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
         return ""
     decided = {name for item in device.alternatives for name in item.answers[0].sets}
     moving = [field for field in layout.fields if not field.padding_of and _moves(field, decided)]
-    within = {field.name: _place(layout, field) for field in moving if field.container and layout.sender}
+    within = {field.name: field_place_cell(layout, field) for field in moving if field.container and layout.sender}
     rows = []
     for answers, shape in shapes:
         cells = []
@@ -226,6 +231,17 @@ def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
         return
     for shape in shapes:
         yield bit_stack(f"{_caption(shape)}: {shape.placed.bits} bits", shape.placed)
+
+
+def shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
+    """Return each shape of a layout for one order code, with the answers that lead to it as a caption."""
+    found: dict[tuple[tuple[str, int, int], ...], tuple[str, PlacedLayout]] = {}
+    for answers, sets in choices(device.alternatives_of(layout)):
+        for item in placements(device, layout, interface.name, sets):
+            places = tuple((field.name, field.low, field.width) for field in item.placed.fields)
+            found.setdefault(places, (_decided(answers, f"{item.placed.bits} bits"), item.placed))
+    listed = list(found.values())
+    return [("", listed[0][1])] if len(listed) == 1 else listed
 
 
 def _decided(answers: Sequence[Answer], caption: str) -> str:

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Device, Interface, Parameter, Variant
+from ...model import INTERFACES, Device, Interface, Layout, Parameter, Variant
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied
-from ...say.markdown import cited, code, joined, link, text
+from ...say.layout import size
+from ...say.markdown import STYLE, cited, code, link, text
+from ...say.measurement import measurement
+from ...say.name import title
 from ...say.parameter import value
-from ...say.place import field_at
-from ...say.words import with_unit
+from ...say.place import field_at, hexadecimal
+from ...say.text import said
+from ...say.words import counted, sentence, with_unit
 from ..file_names import names_of_codes
+from . import bench_answers, short_tables, wide_pictures
+from .hardware_steps import ByHand, by_hand
+from .inline_errata import Badges
 from .interface_page import OverValues, over_values
-from .interface_sections import Sections, sections
+from .interface_sections import Section, Sections, sections
 from .order_code_patterns import patterns
 from .page_pictures import Pictures, of_codes, of_family
 
@@ -30,7 +37,21 @@ class CodePage(Sections, OverValues):
     """Values of the page of an order code in addition to those of its interface page."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
-    quantity_rows: Annotated[list[Row], "quantities of the order code: quantity, value, meaning, source"]
+    position: Annotated[str, "unit and range of the position"]
+    wiring: Annotated[bench_answers.Wiring, "contacts and signals: head, rows, about, notes, errata"]
+    supply: Annotated[list[str], "supply, with order codes if it differs between them"]
+    speed: Annotated[bench_answers.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
+    frame: Annotated[Section | None, "frame with the position: title, name, size, wide, narrow, facts"]
+    sending: Annotated[bench_answers.Sending, "bytes to send: facts, requests, commands, other_value"]
+    frames_summary: Annotated[str, "number of frames and CRCs"]
+    registers_summary: Annotated[str, "number of registers and their addresses"]
+    setting_lines: Annotated[list[str], "settings of the interface"]
+    time_rows: Annotated[list[Row], "duration and meaning of each time"]
+    by_hand: Annotated[list[ByHand], "procedures carried out by hand"]
+    example_rows: Annotated[list[Row], "worked examples: title, facts"]
+    quantity_rows: Annotated[list[Row], "quantities of the order code: value, meaning"]
+    errata_summary: Annotated[Callable[[], str], "number of errata on the page above this call"]
+    errata_list: Annotated[Callable[[], str], "errata on the page above this call, in one line each"]
 
 
 @dataclass(frozen=True)
@@ -51,9 +72,14 @@ class Alike:
         return self.here.interface(self.variants[0].interface)
 
     @cached_property
+    def frame(self) -> Layout | None:
+        """Frame at the top of the page."""
+        return bench_answers.position_frame(self.family, self.interface)
+
+    @cached_property
     def pictures(self) -> Pictures:
         """Pictures for these codes that differ from those of the family."""
-        return of_codes(self.family, self.codes, self.name)
+        return of_codes(self.family, self.codes, self.name, self.frame.name if self.frame is not None else "")
 
 
 @dataclass(frozen=True)
@@ -109,25 +135,88 @@ def _only(device: Device, variants: Iterable[Variant]) -> Device:
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page. ``pictures`` are those of the family. The page may replace some of them."""
+    """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
+    here, interface, badges = alike.here, alike.interface, Badges(alike.here)
+    measured = here.measurement_of(interface.name)
+    found = sections(here)
     return {
-        **sections(alike.here),
-        **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),
+        **found,
+        **over_values(alike.family, here, alike.variants, has_masters, alike.pictures),
+        "errata_at": badges,
         "codes": alike.codes,
+        "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
+        "wiring": bench_answers.wiring(here),
+        "supply": bench_answers.supply(here, alike.variants),
+        "speed": bench_answers.speed(here, interface, alike.frame),
+        "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
+        "sending": bench_answers.sending(here, interface, alike.variants[0]),
+        "led_rows": list(short_tables.led_rows(here)),
+        "interfaces": [_with_short_rows(here, item) for item in found["interfaces"]],
+        "registers": [
+            {
+                **item,
+                "rows": list(short_tables.field_rows(here, item["register"].layout)) if item["rows"] else [],
+                "value_tables": short_tables.value_tables(item["register"]),
+            }
+            for item in found["registers"]
+        ],
+        "register_rows": list(short_tables.register_rows(here)),
+        "procedures": [
+            {**item, "steps": list(short_tables.steps(here, item["procedure"]))} for item in found["procedures"]
+        ],
+        "setting_lines": list(short_tables.setting_lines(here, interface)),
+        "frames_summary": counted(len(interface.layouts), "frame") + ", fields and CRC",
+        "registers_summary": _summary(here),
+        "time_rows": list(short_tables.time_rows(interface.timings + here.timings)),
+        "by_hand": by_hand(here),
+        "example_rows": list(
+            short_tables.example_rows(here, (item for item in here.examples if getattr(item, "order_code", "")))
+        ),
         "quantity_rows": list(_quantity_rows(alike)),
+        "errata_summary": badges.summary,
+        "errata_list": badges.listed,
     }
+
+
+def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
+    checked = alike.family.crc_of(layout)
+    return {
+        "title": title(layout),
+        "name": layout.name,
+        "size": STYLE.phrase(said(*size(layout, alike.here.alternatives))),
+        "wide": pictures[f"wide-{layout.name}"],
+        "narrow": pictures[f"layout-{layout.name}"],
+        "narrower": wide_pictures.SCREEN - 1,
+        "facts": list(bench_answers.frame_facts(alike.family, layout, alike.variants[0])),
+        "crc_path": [f"crcs.{checked.name}"] if checked is not None else [],
+    }
+
+
+def _with_short_rows(device: Device, item: Section) -> Section:
+    """Return the values of an interface with tables of two columns."""
+    layouts = [{**part, "rows": list(short_tables.field_rows(device, part["layout"]))} for part in item["layouts"]]
+    groups = [{**part, "rows": list(short_tables.group_rows(device, part["group"].name))} for part in item["groups"]]
+    return {**item, "layouts": layouts, "groups": groups}
+
+
+def _summary(device: Device) -> str:
+    if not device.registers:
+        return ""
+    first, last = min(item.address for item in device.registers), max(item.last_address for item in device.registers)
+    return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
     """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
     later = run_time_names(alike.family)
     for item in parameters_of(alike.family, alike.interface.name):
-        if not item.alternative:
+        if not item.alternative and alike.variants[0].parameters[item.name] != 0:
             yield _quantity(alike, item, item.name in later)
 
 
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
-    held = f"factory default, held in {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
-    held = held or ("factory default, set by registers" if is_held else "")
-    return code(item.name), with_unit(shown, text(item.unit)), joined([text(item.meaning), held]), cited(item.source)
+    held = f" Factory default, held in {text(field_at(alike.family, item.read_from))}." if item.read_from else ""
+    held = held or (" Factory default, set by registers." if is_held else "")
+    about = f"{text(sentence(item.meaning))}{held} <small>{code(item.name)}</small>"
+    return with_unit(shown, text(item.unit)), f"{about} <small>{cited(item.source)}</small>"

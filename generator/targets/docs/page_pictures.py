@@ -11,6 +11,7 @@ from ...say.name import Titled, title
 from . import layout_tables
 from .connector_pictures import connector_picture, connector_text
 from .layout_pictures import Stack, draw, told
+from .wide_pictures import wide_picture
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Picture:
     drawn: str
 
 
-#: Pictures by subject: ``layout-NAME``, ``group-NAME``, ``register-NAME``, ``connector-NAME``.
+#: Pictures by subject: ``layout-NAME``, ``wide-NAME``, ``group-NAME``, ``register-NAME``, ``connector-NAME``.
 Pictures = dict[str, Picture]
 
 
@@ -47,24 +48,26 @@ def of_family(device: Device) -> Pictures:
     return found
 
 
-def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
-    """Return those pictures for a page of order codes that differ from the family's pictures."""
+def of_codes(device: Device, codes: Sequence[str], page: str, frame: str) -> Pictures:
+    """Return the pictures for a page of order codes that differ from the family's pictures.
+
+    They are those of the layout ``frame``, also as one line, and of registers whose fields the order code moves.
+    """
     here = for_codes(device, codes)
     found: Pictures = {}
     for interface, layout in here.layouts():
-        stacks = _uncaptioned(layout_tables.layout_stacks(here, interface, layout))
-        if not layout.in_bytes or stacks != layout_tables.layout_stacks(device, interface, layout):
-            found[_frame(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
+        if layout.name == frame:
+            stacks = _uncaptioned(layout_tables.layout_stacks(here, interface, layout))
+            if not layout.in_bytes or stacks != layout_tables.layout_stacks(device, interface, layout):
+                found[_frame(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
+            shapes = layout_tables.shapes(here, interface, layout)
+            drawn = wide_picture(title(layout), shapes)
+            found[f"wide-{layout.name}"] = Picture(f"{page}-{layout.name}-wide.svg", told(stacks), drawn)
     for item in here.registers:
         differs = len(layout_tables.register_stacks(device, item)) > 1
         if differs and layout_tables.has_picture(item):
             stacks = _uncaptioned(layout_tables.register_stacks(here, item))
             found[_held(item)] = _picture(f"{page}-register-{item.name}.svg", item, stacks)
-    every = {item.name: len(item.contacts) for item in device.connectors}
-    for connector in here.connectors:
-        if len(connector.contacts) < every[connector.name]:
-            key = f"connector-{connector.name}"
-            found[key] = Picture(f"{page}-{key}.svg", connector_text(connector), connector_picture(connector))
     return found
 
 
