@@ -90,6 +90,19 @@
     return [read(wheel.bytesIn), read(wheel.numberIn)];
   }
 
+  /** What a label is read as, or the help for one that is wrong. */
+  function label(text) {
+    try {
+      const found = wheel.readLabel(text);
+      return [found.family.name, found.code, found.unlisted, found.tail, found.isSpecial, found.writtenAsIn];
+    } catch (error) {
+      if (error instanceof wheel.UnknownCode) return error.message;
+      throw error;
+    }
+  }
+
+  const labels = (item) => item.texts.map(label);
+
   /** What encoding a register answers: its bytes, or that it refuses. */
   function encoded(item) {
     const found = foundFor(item);
@@ -121,5 +134,5 @@
   /** Frames compared, or the values of a text: for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred };
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred, labels };
 })();

@@ -11,8 +11,9 @@ import hashlib
 from typing import Annotated, TypedDict
 
 from ...model import UNEXPLAINED, Fault
+from ...order_codes.labels import LONGEST, NEAR
 from ...render import Templates, our_templates
-from ...say import fault
+from ...say import fault, label
 from ...say.layout import as_one_number
 from ...say.lines import plain
 from ...say.markdown import text
@@ -40,6 +41,15 @@ _SAID = {
     "no_power_of_two": fault.no_power_of_two("{0}", "{1}"),
     "outside": fault.outside("{0}", "{1}", "{2}"),
     "as_one_number": as_one_number("{0}"),
+    "too_long": label.too_long("{0}", "{1}", "{2}"),
+    "cannot_be_combined": label.cannot_be_combined("{0}", "{1}", "{2}"),
+    "not_of_family": label.not_of_family("{0}", "{1}", "{2}"),
+    "wrong_part": label.wrong_part("{0}", "{1}", "{2}", "{3}"),
+    "has_part": label.has_part("{0}", "{1}"),
+    "has_no_part": label.has_no_part("{0}"),
+    "family": label.family("{0}", "{1}"),
+    "unknown": label.unknown("{0}"),
+    "nearest": label.nearest("{0}"),
 }
 
 
@@ -47,6 +57,8 @@ class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
     example: Annotated[str, "an order code"]
+    longest_label: Annotated[int, "highest number of characters in a label"]
+    least_likeness: Annotated[float, "least similarity of an order code that is suggested for a wrong one"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
 
 
@@ -57,6 +69,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "title": ", ".join(plain(maker.title) for maker, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": codes[0] if codes else "",
+        "longest_label": LONGEST,
+        "least_likeness": NEAR,
         "table": table(library),
     }
     names = ("README.md", "decode.html", "decode.js")
