@@ -125,7 +125,8 @@ class Browser:
             case "Network.loadingFailed":
                 self.complaints.append(f"a request failed: {told['errorText']}")
             case "Runtime.exceptionThrown":
-                self.complaints.append(told["exceptionDetails"]["exception"]["description"])
+                details = told["exceptionDetails"]
+                self.complaints.append(details.get("exception", {}).get("description", details["text"]))
             case "Runtime.consoleAPICalled" if told["type"] in ("error", "warning"):
                 self.complaints.append(f"console: {told['args']}")
             case "Log.entryAdded" if told["entry"]["level"] in ("error", "warning"):

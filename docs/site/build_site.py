@@ -37,6 +37,8 @@ DECODER = Path("generated/browser/decode.js")
 DECODER_PAGE = "decode"
 #: An entry of the contents: a page, or a title and the page.
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
+#: Line of the contents in ``index.md`` that stands for the families.
+FAMILIES = "(families)\n"
 _LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
 
 
@@ -53,6 +55,8 @@ def build(target: Path, root: Path = ROOT) -> int:
     nocolor()
     os.environ["SOURCE_DATE_EPOCH"] = "0"
     application = Sphinx(str(source), str(HERE), str(target), str(work / "doctrees"), "html", status=None)
+    # search.js replaces the search of Sphinx, which does not know order codes and synonyms.
+    application.builder.search = False
     application.build(force_all=True)
     copy_linked(root, source, target)
     for leftover in (".buildinfo", "objects.inv"):
@@ -80,6 +84,9 @@ def stage(root: Path, source: Path) -> None:
 def _start_page(source: Path) -> str:
     """Return the start page, with contents that list the existing pages."""
     lines = (HERE / "index.md").read_text(encoding="utf-8").splitlines(keepends=True)
+    place = lines.index(FAMILIES)
+    families = sorted(path for path in source.glob("generated/docs/*.md") if path.with_suffix("").is_dir())
+    lines[place : place + 1] = [f"{path.relative_to(source).with_suffix('')}\n" for path in families]
     named = [(line, NAMED.match(line)) for line in lines]
     return "".join(line for line, name in named if name is None or (source / f"{name[1]}.md").exists())
 

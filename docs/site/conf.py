@@ -9,20 +9,22 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 project = "codewheel"
-extensions = ["myst_parser", "mirror", "things"]
+extensions = ["myst_parser", "mirror", "site_search", "tables", "things"]
 # Links use the paths of the repository. mirror.py turns them into links between pages.
 myst_all_links_external = True
 # Code, names and addresses stay as they are written.
 smartquotes = False
-html_theme = "theme"
-html_theme_path = [str(HERE)]
+html_theme = "furo"
+templates_path = ["templates"]
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 html_js_files = ["site.js"]
+html_show_sphinx = False
 html_title = "codewheel"
 html_copy_source = False
 html_show_copyright = False
+html_additional_pages = {"search": "search.html"}
 html_use_index = False
-# The text of a hit would be fetched, which a page opened as a file cannot do.
-html_show_search_summary = False
 html_permalinks = False
 # Output of a terminal is not in a language.
 highlight_language = "none"

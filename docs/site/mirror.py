@@ -19,6 +19,8 @@ _ID = re.compile(r"""\bid=["']([^"']+)["']""")
 _TARGET = re.compile(r"""\b(href)=(["'])([^"']+)\2""")
 #: The page above those that have no other parent.
 _REST = "CONTRIBUTING"
+#: Order of the pages of a family after its interfaces.
+_ORDER = ("", "hardware", "errata", "masters", "manual", "changes")
 _NOT_IN_A_SLUG = re.compile(r"[^\w\- ]")
 
 
@@ -30,10 +32,6 @@ class Mirror(SphinxTransform):
     def apply(self, **_: Any) -> None:
         self._drop_crumbs()
         self._name_headings()
-        for table in list(self.document.findall(nodes.table)):
-            box = nodes.container(classes=["wide"])
-            table.replace_self(box)
-            box += table
         for reference in self.document.findall(nodes.reference):
             if "refuri" in reference:
                 reference["refuri"] = self._leads_to(reference["refuri"])
@@ -86,29 +84,55 @@ def _add_children(app: Sphinx, doctree: nodes.document) -> None:
 
 def _children(env: BuildEnvironment, page: str) -> Iterator[str]:
     named = NAMED.findall(Path(env.doc2path("index")).read_text(encoding="utf-8"))
-    # Order codes, which are in capitals, come last.
-    for name in sorted(env.found_docs - {"index", *named}, key=str.swapcase):
+    # Lowercase names come before order codes, which are in capitals.
+    for name in sorted(env.found_docs - {"index", *named}, key=lambda name: (_rank(name), name.swapcase())):
         if page != name and _parent(env, name) == page:
             yield name
 
 
+def _rank(page: str) -> int:
+    """Return the place of a page among its siblings: people look for interfaces first, and for changes last."""
+    last = page.rpartition("/")[2].rpartition("-")[2]
+    return _ORDER.index(last) if last in _ORDER else 0
+
+
 def _parent(env: BuildEnvironment, page: str) -> str:
-    """Return the parent of a page outside ``index``: the page for its folder or for its name up to a hyphen."""
+    """Return the parent of a page outside ``index``.
+
+    That is the interface of an order code, and otherwise the page for its folder or for its name up to a hyphen.
+    """
+    interface = env.get_domain("encoder").interface_page_of(page)  # type: ignore[attr-defined]
+    if interface in env.found_docs:
+        return str(interface)
     folder, _, name = page.rpartition("/")
     above = [f"{folder}/{name.rsplit('-', count)[0]}" for count in range(1, name.count("-") + 1)] if folder else []
     above += [folder, f"{folder}/README", f"{posixpath.dirname(folder)}/README", _REST]
     return next((item for item in above if item in env.found_docs and item != page), "")
 
 
-def _decoder(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
-    """Set whether a page has the decode box, and the order code for it."""
+def _context(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
+    """Set what the template of a page needs: its family and order code, the contents, and whether it has sections."""
+    encoders = app.env.get_domain("encoder")
+    context["decoder_page"] = DECODER_PAGE
+    context["family"] = encoders.family_of(page)  # type: ignore[attr-defined]
     if DECODER_PAGE in app.env.found_docs:
-        context["order_code"] = app.env.get_domain("encoder").code_of(page)  # type: ignore[attr-defined]
+        context["order_code"] = encoders.code_of(page)  # type: ignore[attr-defined]
         context["decodes"] = context["order_code"] or page == DECODER_PAGE
+    # Without this function, the theme does not add the tree of all pages to every page.
+    toctree = context.pop("toctree")
+    tree = toctree(collapse=True, includehidden=True, titles_only=True, maxdepth=5)
+    context["site_tree"] = tree.replace('role="heading"', 'role="heading" aria-level="2"') if tree else ""
+
+
+def _sections(_app: Sphinx, _page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
+    """Move the sections of the page from the right, where the theme hides them on most screens, to the left."""
+    context["has_sections"] = not context["furo_hide_toc"]
+    context["furo_hide_toc"] = True
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_transform(Mirror)
     app.connect("doctree-read", _add_children, priority=100)
-    app.connect("html-page-context", _decoder)
+    app.connect("html-page-context", _context, priority=400)
+    app.connect("html-page-context", _sections, priority=600)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -6,6 +6,7 @@ and their locations from the pages. A thing without an anchor on any page of its
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -146,6 +147,18 @@ class Encoders(Domain):
     def code_of(self, page: str) -> str:
         """Return the first order code described by a page, or an empty string if there is none."""
         return self._code_pages.get(page, ("",))[0]
+
+    def family_of(self, page: str) -> str:
+        """Return the name of the family that a page describes, or an empty string."""
+        names = (device.name for device in self._families)
+        start = f"{_PAGES}/"
+        return next((name for name in names if re.match(rf"{start}{name}\b", page)), "")
+
+    def interface_page_of(self, page: str) -> str:
+        """Return the page for the interface of an order code, or an empty string for other pages."""
+        code = self.code_of(page)
+        found = (item for device in self._families for item in device.variants if code and item.code == code)
+        return next((f"{page.rpartition('/')[0]}/{item.interface}" for item in found), "")
 
     def get_objects(self) -> Iterator[tuple[str, str, str, str, str, int]]:
         for page, codes in self._code_pages.items():

@@ -19,10 +19,11 @@ from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
 from ..why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
-from .frame_text import FrameTextError, checked, frame_bytes, frame_number
+from .frame_text import FrameTextError, Line, checked, frame_bytes, frame_number
 
 VERSION = 1
 _NOTHING_TAKEN: Mapping[str, str] = MappingProxyType({})
+_NO_LINE = Line(None, "", "")
 
 
 def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
@@ -84,14 +85,14 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     placed = decoded.layout
     wrong = {item.fault for item in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
-        given = frame_number(placed, text.strip())
+        given = frame_number(placed, checked(text))
         has_no_crc = not wrong and placed.layout.crc_field is None
         if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc:
             return explain_bits(device, variant, placed, given)
         return explain_constant(device, variant, placed, given) if Fault.CONSTANT in wrong else None
     if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
         return None
-    return explain_bytes(device, variant, sender, placed, frame_bytes(text.strip()))
+    return explain_bytes(device, variant, sender, placed, frame_bytes(checked(text)))
 
 
 def decoded_data(
@@ -100,16 +101,17 @@ def decoded_data(
     decoded: codec.Decoded,
     said: Findings,
     why: Why | None = None,
-    line: int | None = None,
+    line: Line = _NO_LINE,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
 ) -> dict[str, Any]:
     """Return the result as plain data, in the shape of ``decode.schema.json``.
 
-    ``line`` is the line number of standard input, if any. ``taken`` are the answers used to decode the frame.
+    ``line`` is the line of standard input, if any. ``taken`` are the answers used to decode the frame.
     """
     return {
         "version": VERSION,
-        "line": line,
+        "line": line.number,
+        "time": line.time or None,
         "order_code": variant.code,
         "alternatives": dict(taken),
         "layout": decoded.layout.name if decoded.layout is not None else None,
@@ -182,11 +184,12 @@ def explain(
     decoded: codec.Decoded,
     said: Findings = _NOTHING_SAID,
     why: Why | None = None,
-    line: int | None = None,
+    line: Line = _NO_LINE,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
 ) -> str:
     """Return the result as text, at most 80 columns wide."""
-    start = f"line {line}: " if line is not None else ""
+    start = f"line {line.number}: " if line.number is not None else ""
+    start = f"{start.removesuffix(': ')} at {line.time}: ".lstrip() if line.time else start
     lines = [start + _heading(device, match.variant, sender, decoded), *_label_lines(device, match)]
     if decoded.layout is not None:
         lines += [_layout_line(decoded.layout), *_taken_lines(device, taken)]

@@ -17,14 +17,11 @@ from ..reference.findings import Difference, Findings, findings
 from ..why.mistakes import Why
 from .choose import UndecidedError, refuse_undecided
 from .decode import decode_register_text, decode_text, decoded_data, explain, why_text
-from .frame_text import FrameTextError
+from .frame_text import FrameTextError, Line, frame_lines
 
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 #: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
-
-#: A frame as text, with its line number on standard input, or None for an argument.
-Text = tuple[int | None, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,17 +40,20 @@ class Request:
     answers: Mapping[str, str]
 
 
-def frames(arguments: Sequence[str]) -> Iterator[Text]:
-    """Yield the frame in the arguments, or for ``-`` those on standard input without comments and empty lines."""
-    if list(arguments) != ["-"]:
-        yield None, " ".join(arguments)
+def frames(arguments: Sequence[str]) -> Iterator[Line]:
+    """Yield the frames in the arguments, or for ``-`` those on standard input, one per line."""
+    if list(arguments) == ["-"]:
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")
+        yield from frame_lines(sys.stdin)
         return
-    if isinstance(sys.stdin, io.TextIOWrapper):
-        sys.stdin.reconfigure(errors="replace")
-    for number, line in enumerate(sys.stdin, 1):
-        text = line.partition("#")[0].strip()
-        if text:
-            yield number, text
+    text = " ".join(arguments)
+    found = list(frame_lines(text.splitlines()))
+    if len(found) == 1:
+        yield found[0]._replace(number=None)
+    yield from found if len(found) != 1 else ()
+    if not found:
+        yield Line(None, "", text)
 
 
 class Decoding:
@@ -68,14 +68,14 @@ class Decoding:
     def code(self) -> int:
         return next((code for code in _WORST_FIRST if code in self._codes), DONE)
 
-    def run(self, texts: Iterable[Text]) -> None:
+    def run(self, lines: Iterable[Line]) -> None:
         """Print each frame decoded. Report text that is not a frame, and continue."""
-        for number, text in texts:
+        for line in lines:
             try:
-                decoded, why = self._decode(text)
+                decoded, why = self._decode(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
-                where = f"line {number}: " if number is not None else ""
+                where = f"line {line.number}: " if line.number is not None else ""
                 print(f"codewheel: {where}{error}", file=sys.stderr)
                 continue
             said = findings(self._request.device, self._request.match.variant, decoded)
@@ -83,7 +83,7 @@ class Decoding:
             said = replace(said, differences=(*self._request.others, *said.differences, *strange))
             self._codes.add(_code(decoded, said))
             # Someone who reads many frames should not have to wait for the end.
-            print(self._text(number, decoded, said, why), flush=number is not None)
+            print(self._text(line, decoded, said, why), flush=line.number is not None)
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
         asked = self._request
@@ -104,14 +104,14 @@ class Decoding:
         needed = asked.device.alternatives_of(decoded.layout.layout) if decoded.layout is not None else ()
         return {item.name: asked.answers[item.name] for item in needed if item.name in asked.answers}
 
-    def _text(self, number: int | None, decoded: codec.Decoded, said: Findings, why: Why | None) -> str:
+    def _text(self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None) -> str:
         asked, taken = self._request, self._taken(decoded)
         if asked.as_json:
-            data = decoded_data(asked.match.variant, asked.sender, decoded, said, why, number, taken)
-            return json.dumps(data, indent=2 if number is None else None, ensure_ascii=False)
+            data = decoded_data(asked.match.variant, asked.sender, decoded, said, why, line, taken)
+            return json.dumps(data, indent=2 if line.number is None else None, ensure_ascii=False)
         between = "" if self._is_first else "\n"
         self._is_first = False
-        return between + explain(asked.device, asked.match, asked.sender, decoded, said, why, number, taken)
+        return between + explain(asked.device, asked.match, asked.sender, decoded, said, why, line, taken)
 
 
 def _code(decoded: codec.Decoded, said: Findings) -> int:

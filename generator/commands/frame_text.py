@@ -1,34 +1,68 @@
-"""Read the text that a person types for a frame, as bytes or as a number. Ambiguous text is rejected."""
+"""Read the text that a person types or pastes for frames, as bytes or as numbers. Ambiguous text is rejected."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from ..language.problems import quoted, visible
 from ..model import PlacedLayout
+from ..say import frame_text as say
 from ..why.mistakes import BitText
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 _ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
-#: Far longer than any frame. Longer lines are rejected without further work.
-_LONGEST_TEXT = 4096
+#: Spellings of programs and logs, and their replacement. The page has the same list.
+_PASTED = (
+    (re.compile(r"\bb(?=['\"])"), ""),
+    (re.compile(r"\\x([0-9A-Fa-f]{2})"), r" 0x\1 "),
+    (re.compile(r"[\[\](){}<>\"',;:]"), " "),
+    (re.compile(r"(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))"), r"\1 "),
+    (re.compile(r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])"), r"0x\1"),
+    (re.compile(r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])"), r"\1"),
+)
+#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds.
+_TIME = re.compile(
+    r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?=[^ \t])"
+)
 
 
 class FrameTextError(ValueError):
     """The text is not a frame. The message shows the accepted forms."""
 
 
+class Line(NamedTuple):
+    """A frame as text, with its line number, or None if it is the only one, and the time in front of it."""
+
+    number: int | None
+    time: str
+    text: str
+
+
+def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
+    """Yield the frames in lines. Comments after ``#`` and empty lines are skipped."""
+    for number, line in enumerate(lines, 1):
+        text = line.partition("#")[0].strip()
+        if text:
+            time = _TIME.match(text)
+            yield Line(number, time[1] if time else "", text[time.end() :] if time else text)
+
+
 def checked(text: str) -> str:
-    """Return the text without spaces around it.
+    """Return the text of a frame without brackets, quotes and other marks of the program that it was copied from.
 
     Raises:
         FrameTextError: The text is empty or longer than any frame.
     """
+    if len(text) > say.LONGEST:
+        raise FrameTextError(say.TOO_LONG)
+    for pattern, replacement in _PASTED:
+        text = pattern.sub(replacement, text)
     text = text.strip()
     if not text:
-        raise FrameTextError("the frame is empty")
-    if len(text) > _LONGEST_TEXT:
-        raise FrameTextError("the text is longer than any frame or register")
+        raise FrameTextError(say.EMPTY)
     return text
 
 
@@ -39,22 +73,19 @@ def frame_bytes(text: str) -> bytes:
         FrameTextError: A piece is not hex, or has an odd number of digits.
     """
     data = b""
-    for piece in text.replace(",", " ").split():
+    for piece in text.split():
         shown = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
-            raise FrameTextError(f"{shown} is not hex; write the bytes like 02 00 12 34 00 24")
+            raise FrameTextError(say.not_hex(shown))
         prefixed = piece[:2] in ("0x", "0X")
         digits = piece[2:] if prefixed else piece
         if len(digits) == 1 and prefixed:
             digits = f"0{digits}"
         elif len(digits) == 1:
-            raise FrameTextError(f"{shown} is one hex digit; write 0{digits} if it is a byte")
+            raise FrameTextError(say.one_digit(shown, digits))
         elif len(digits) % 2:
-            wrong = f"{shown} has an odd number of hex digits: one is missing or one too many"
-            raise FrameTextError(wrong)
+            raise FrameTextError(say.odd(shown))
         data += bytes.fromhex(digits)
-    if not data:
-        raise FrameTextError("the frame is empty")
     return data
 
 
@@ -67,17 +98,16 @@ def frame_number(placed: PlacedLayout, text: str) -> BitText:
     compact = re.sub(r"[\s_]", "", text)
     if re.fullmatch(r"0[bB][01]+", compact):
         return BitText(int(compact, 2), len(compact) - 2, exact=True)
-    pieces = text.replace(",", " ").split()
+    pieces = text.split()
     if len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces)):
         bare = [piece for piece in pieces if len(piece) == 2]
         if len(bare) == len(pieces) and not set("".join(pieces)) - set("01"):
-            raise FrameTextError(f"{quoted(text)} could be bits or hex bytes; prefix it with 0b or 0x")
+            raise FrameTextError(say.bits_or_bytes(quoted(text)))
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
     if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
         number = int(compact, 16)
         return BitText(number, number.bit_length(), exact=False)
-    how = f"write 0b and all {placed.bits} bits in the order sent, or 0x and hex digits"
+    remedy = say.write_number(str(placed.bits))
     if len(pieces) == 1 and re.fullmatch(r"[0-9A-Fa-f]{1,40}", compact):
-        how = f"write 0x{compact} if it is hex"
-        how += f", 0b{compact} if it is bits" if not set(compact) - set("01") else ""
-    raise FrameTextError(f"{quoted(visible(text))} is not a frame of {placed.bits} bits; {how}")
+        remedy = say.write_hex(compact) + (say.or_bits(compact) if not set(compact) - set("01") else "")
+    raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from ..model import Device
     from ..order_codes.labels import Match
 
-#: Least similarity, of 1, for a code to be suggested.
-_NEAR = 0.4
 _MOST_FILES = 8
 
 
@@ -142,17 +140,18 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
 def _unknown(devices: Sequence[Device], text: str) -> str:
     """Return the message for text that is not an order code."""
     from ..language.files import SUFFIXES
-    from ..order_codes.labels import nearest_codes
+    from ..order_codes.labels import NEAR, nearest_codes
+    from ..say import label
 
     device = _family(devices, text)
     if device is not None:
         code = device.variants[0].code
-        return f"'{text}' is a family; give an order code, such as {code} (codewheel show {device.name} explains them)"
+        return f"{label.family(text, code)} (codewheel show {device.name} explains them)"
     if Path(text).suffix in SUFFIXES:
         return f"'{text}' is not an order code; give a spec as --specs {text}"
-    near = ", ".join(nearest_codes(devices, text, _NEAR))
-    remedy = f"the nearest are {near}" if near else "codewheel list shows the known patterns"
-    return f"'{text}' is not a known order code; {remedy}"
+    near = ", ".join(nearest_codes(devices, text, NEAR))
+    remedy = label.nearest(near) if near else "; codewheel list shows the known patterns"
+    return label.unknown(text) + remedy
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:

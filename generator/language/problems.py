@@ -18,7 +18,7 @@ from .document import Path as Path
 
 #: Keys for prose, on which no other part of a spec depends.
 WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "names", "why"))
-_LONGEST_QUOTE = 60
+LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
 #: Largest number of known words listed in a message.
 _FEW_CHOICES = 9
@@ -146,7 +146,7 @@ class DocumentReport:
 def quoted(value: Any) -> str:
     """Return a value as shown in messages: text in quotes and shortened, a container by its kind."""
     if isinstance(value, str):
-        return f"'{value}'" if len(value) <= _LONGEST_QUOTE else f"'{value[: _LONGEST_QUOTE - 3]}...'"
+        return f"'{value}'" if len(value) <= LONGEST_QUOTE else f"'{value[: LONGEST_QUOTE - 3]}...'"
     if isinstance(value, bool):
         return "true" if value else "false"
     if value is None:
@@ -188,7 +188,7 @@ def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str
 
 def meant(word: str, choices: Sequence[str]) -> str:
     """Return the one choice that ``word`` misspells or abbreviates, or an empty string."""
-    if len(word) > _LONGEST_QUOTE:
+    if len(word) > LONGEST_QUOTE:
         return ""
     for alike in (_is_spelling, _is_slip, _is_abbreviation):
         found = [item for item in choices if alike(word, item)]

@@ -10,13 +10,16 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from ..model import CodePart, Device, OrderCode, Spelling, Variant
+from ..say import label
 
 #: Highest number of characters in a label.
 LONGEST = 100
+#: Least similarity, of 1, for a code to be suggested.
+NEAR = 0.4
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
-#: Text that may follow the code on a label.
-_AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
+#: Regular expression for text that may follow the code on a label.
+AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
 class UnknownOrderCode(ValueError):
@@ -71,12 +74,11 @@ def find(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
     if len(text) > LONGEST:
-        size = f"it has {len(text)} characters, more than the {LONGEST} of any label"
-        raise UnknownOrderCode(f"'{text[:20]}...' is not an order code: {size}", close=True)
+        raise UnknownOrderCode(label.too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
     code = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
-    for spelling in (_as_listed(device.order_code), *device.order_code.also_written):
-        match = re.fullmatch(_regex(device.order_code, spelling) + _AFTER, code, re.IGNORECASE)
+    for spelling in (as_listed(device.order_code), *device.order_code.also_written):
+        match = re.fullmatch(regex(device.order_code, spelling) + AFTER, code, re.IGNORECASE)
         if match is not None:
             listed = {(item.part, item.text.upper()): item.value for item in spelling.values}
             found = ((part.name, match[part.name]) for part in device.order_code.parts)
@@ -100,7 +102,7 @@ def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label."""
     found = set[str]()
-    for spelling in (_as_listed(code), *code.also_written):
+    for spelling in (as_listed(code), *code.also_written):
         text, *pieces = _BRACES.split(spelling.pattern)
         texts = [text]
         if not text.strip():
@@ -111,7 +113,7 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
     return tuple(sorted(item for item in found if not any(item != o and item.startswith(o) for o in found)))
 
 
-def _as_listed(order_code: OrderCode) -> Spelling:
+def as_listed(order_code: OrderCode) -> Spelling:
     """Return, as a spelling, the notation in which the manual lists order codes."""
     return Spelling(order_code.pattern, "", (), "", ())
 
@@ -147,7 +149,7 @@ def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
     return None
 
 
-def _regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
+def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
     own = {item.part for item in spelling.values}
     parts = {
@@ -179,7 +181,7 @@ def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[s
         if any(_fitting(device, {**known, part.name: value.text}) for value in part.values)
     ]
     listed = " and ".join(f"{name} '{known[name] or parts[name]}'" for name in names) or "its parts"
-    return f"'{code}' has {listed}, which cannot be combined; the nearest codes are {_nearest(device, code)}"
+    return label.cannot_be_combined(code, listed, _nearest(device, code))
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
@@ -187,7 +189,7 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
     found = []
     for part in device.order_code.parts:
         match = re.fullmatch(
-            _regex(device.order_code, _as_listed(device.order_code), part.name) + _AFTER, code, re.IGNORECASE
+            regex(device.order_code, as_listed(device.order_code), part.name) + AFTER, code, re.IGNORECASE
         )
         if match is not None:
             others = [other for other in device.order_code.parts if other is not part]
@@ -200,15 +202,13 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
                 )
             )
     if not found:
-        wrong = f"'{code}' is not an order code of {device.name.upper()}; the nearest are {_nearest(device, code)}"
+        wrong = label.not_of_family(code, device.name.upper(), _nearest(device, code))
         return UnknownOrderCode(wrong, close=False)
     # Prefer a part without which all others have listed values, and then a missing part.
     _, _, part, given = min(found, key=lambda item: item[:2])
     valid = ", ".join(value.text for value in part.values)
-    wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
-    return UnknownOrderCode(
-        f"'{code}' {wrong}; valid values: {valid}. The nearest codes are {_nearest(device, code)}", close=True
-    )
+    wrong = label.has_part(part.name, given) if given else label.has_no_part(part.name)
+    return UnknownOrderCode(label.wrong_part(code, wrong, valid, _nearest(device, code)), close=True)
 
 
 def _nearest(device: Device, code: str) -> str:

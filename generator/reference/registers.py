@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..model import NOT_KNOWN, Device, Erratum, Variant, cite, number_from_bytes
 from ..order_codes.run_time import RegisterError
+from ..say.frame_text import register_length
 from ..say.words import counted
 from . import codec
 
@@ -23,7 +24,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         known = f"it has: {', '.join(registers)}" if registers else "it has none"
         raise RegisterError(f"{variant.code} has no register '{name}'; {known}")
     if len(data) != register.length:
-        raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
+        needed, given = counted(register.length, "byte"), counted(len(data), "byte")
+        raise RegisterError(register_length(register.name, needed, given))
     return codec.decode(device, register.layout.place(variant.parameters), number_from_bytes(register.layout, data))
 
 

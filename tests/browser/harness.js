@@ -28,7 +28,7 @@
     if (!item.layout) return wheel.decodeFrame(found, item.sender, text);
     const layout = found.interface.frames.find((one) => one.name === item.layout);
     const at = wheel.placedFor(found, layout);
-    return layout.bytes ? wheel.decodeBytes(at, wheel.bytesIn(text)) : wheel.decodeBits(at, wheel.numberIn(text));
+    return layout.bytes ? wheel.decodeBytes(at, wheel.bytesIn(text)) : wheel.decodeBits(at, wheel.numberIn(text, at.bits));
   }
 
   function textOf(decoded_) {
@@ -90,6 +90,34 @@
     return [read(wheel.bytesIn), read(wheel.numberIn)];
   }
 
+  /** What a label is read as, or the help for one that is wrong. */
+  function label(text) {
+    try {
+      const found = wheel.readLabel(text);
+      return [found.family.name, found.code, found.unlisted, found.tail, found.isSpecial, found.writtenAsIn];
+    } catch (error) {
+      if (error instanceof wheel.UnknownCode) return error.message;
+      throw error;
+    }
+  }
+
+  /** What each line of a text says for an order code: the time, and the decoded frame or the reason against it. */
+  function lines(item) {
+    const found = wheel.readLabel(item.code);
+    const register = (found.interface.registers ?? []).find((one) => one.name === item.register);
+    const one = (text) => {
+      try {
+        return textOf(register ? wheel.decodeRegister(found, register, text) : wheel.decodeFrame(found, "encoder", text));
+      } catch (error) {
+        if (error instanceof wheel.FrameText) return error.message;
+        throw error;
+      }
+    };
+    return wheel.linesOf(item.text).map((line) => [line.number, line.time, one(line.text)]);
+  }
+
+  const labels = (item) => item.texts.map(label);
+
   /** What encoding a register answers: its bytes, or that it refuses. */
   function encoded(item) {
     const found = foundFor(item);
@@ -121,5 +149,5 @@
   /** Frames compared, or the values of a text: for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred };
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred, labels, lines };
 })();

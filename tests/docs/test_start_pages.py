@@ -68,7 +68,7 @@ def test_the_warning_about_hardware_is_given_once() -> None:
     """The front page and the header of the site have it with a link; the pages do not repeat it."""
     badge = "[![Not yet tested on hardware](docs/not-on-hardware.svg)](docs/evidence.md)"
     assert (ROOT / "README.md").read_text(encoding="utf-8").count(badge) == 1
-    header = (ROOT / "docs" / "site" / "theme" / "layout.html").read_text(encoding="utf-8")
+    header = (ROOT / "docs" / "site" / "templates" / "page.html").read_text(encoding="utf-8")
     assert header.count("""href="{{ pathto('docs/evidence') }}">Not yet tested on hardware</a>""") == 1
     site = sorted((ROOT / "docs" / "site").glob("*.md"))
     repeated = re.compile("(tested|tried) on (an encoder|hardware)")

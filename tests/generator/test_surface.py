@@ -92,6 +92,9 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 # ---------------------------------------------------------------------------------------------------------- wrong usage
 
 
+COMMANDS = "generate, check, list, show, decode, master, diff, reread, facts, explain, new"
+
+
 @pytest.mark.parametrize(
     ("arguments", "usage", "error"),
     [
@@ -99,8 +102,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
         (
             ["xyzzy"],
             "codewheel",
-            "there is no command 'xyzzy'; "
-            "known: generate, check, list, show, decode, master, diff, reread, facts, explain, new",
+            f"there is no command 'xyzzy'; known: {COMMANDS}",
         ),
         (["check", "--jsno"], "codewheel check", "there is no option '--jsno'; did you mean '--json'?"),
         (

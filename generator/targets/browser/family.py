@@ -11,6 +11,7 @@ from ...say.origin import origin
 from ...say.place import field_at
 from ...say.text import BY_NAME
 from ...why import in_bits, in_bytes
+from .labels import labels
 from .layouts import frame, register
 from .plain import Data, Pool, bound, expression, kept, number
 
@@ -33,6 +34,7 @@ def family(device: Device) -> Data:
         crcs={item.name: _crc(device, item) for item in device.crcs},
         interfaces=[_interface(device, item, shared) for item in device.interfaces],
         shared=shared.items,
+        labels=labels(device),
         codes=[
             [item.code, names.index(item.interface), *(number(item.parameters[name]) for name in given)]
             for item in device.variants

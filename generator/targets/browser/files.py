@@ -10,9 +10,11 @@ import base64
 import hashlib
 from typing import Annotated, TypedDict
 
+from ...language.problems import LONGEST_QUOTE
 from ...model import UNEXPLAINED, Fault
+from ...order_codes.labels import LONGEST, NEAR
 from ...render import Templates, our_templates
-from ...say import fault
+from ...say import fault, frame_text, label
 from ...say.layout import as_one_number
 from ...say.lines import plain
 from ...say.markdown import text
@@ -40,6 +42,26 @@ _SAID = {
     "no_power_of_two": fault.no_power_of_two("{0}", "{1}"),
     "outside": fault.outside("{0}", "{1}", "{2}"),
     "as_one_number": as_one_number("{0}"),
+    "frame_empty": frame_text.EMPTY,
+    "frame_too_long": frame_text.TOO_LONG,
+    "not_hex": frame_text.not_hex("{0}"),
+    "one_digit": frame_text.one_digit("{0}", "{1}"),
+    "odd": frame_text.odd("{0}"),
+    "bits_or_bytes": frame_text.bits_or_bytes("{0}"),
+    "no_bits": frame_text.no_bits("{0}", "{1}", "{2}"),
+    "write_number": frame_text.write_number("{0}"),
+    "write_hex": frame_text.write_hex("{0}"),
+    "or_bits": frame_text.or_bits("{0}"),
+    "register_length": frame_text.register_length("{0}", "{1}", "{2}"),
+    "too_long": label.too_long("{0}", "{1}", "{2}"),
+    "cannot_be_combined": label.cannot_be_combined("{0}", "{1}", "{2}"),
+    "not_of_family": label.not_of_family("{0}", "{1}", "{2}"),
+    "wrong_part": label.wrong_part("{0}", "{1}", "{2}", "{3}"),
+    "has_part": label.has_part("{0}", "{1}"),
+    "has_no_part": label.has_no_part("{0}"),
+    "family": label.family("{0}", "{1}"),
+    "unknown": label.unknown("{0}"),
+    "nearest": label.nearest("{0}"),
 }
 
 
@@ -47,6 +69,10 @@ class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
     example: Annotated[str, "an order code"]
+    longest_text: Annotated[int, "highest number of characters in the text of a frame"]
+    longest_quote: Annotated[int, "highest number of characters that a message quotes"]
+    longest_label: Annotated[int, "highest number of characters in a label"]
+    least_likeness: Annotated[float, "least similarity of an order code that is suggested for a wrong one"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
 
 
@@ -57,6 +83,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "title": ", ".join(plain(maker.title) for maker, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": codes[0] if codes else "",
+        "longest_text": frame_text.LONGEST,
+        "longest_quote": LONGEST_QUOTE,
+        "longest_label": LONGEST,
+        "least_likeness": NEAR,
         "table": table(library),
     }
     names = ("README.md", "decode.html", "decode.js")

@@ -1,0 +1,68 @@
+// Opens the search with /, the folds that a link leads into, and closes the drawer of a phone after a choice.
+(function () {
+  "use strict";
+  const all = (selector) => document.querySelectorAll(selector);
+
+  /** Makes boxes that scroll reachable by the keyboard, and only those. */
+  function mark() {
+    all(".table-wrapper, pre").forEach(function (item) {
+      if (item.scrollWidth > item.clientWidth) {
+        item.tabIndex = 0;
+        item.setAttribute("role", "group");
+        item.setAttribute("aria-label", item.tagName === "PRE" ? "Code" : "Table");
+      } else {
+        item.removeAttribute("tabindex");
+        item.removeAttribute("role");
+        item.removeAttribute("aria-label");
+      }
+    });
+  }
+
+  /** Opens the folds around the target of the address. */
+  function open() {
+    const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (!target) return;
+    const folded = [];
+    if (target.matches("details")) folded.push(target);
+    for (let at = target.closest("details"); at; at = at.parentElement.closest("details")) folded.push(at);
+    if (!folded.some((item) => !item.open)) return;
+    folded.forEach((item) => { item.open = true; });
+    target.scrollIntoView();
+  }
+
+  function setUp() {
+    const drawer = document.getElementById("__navigation");
+    const sections = document.querySelector(".sections");
+    if (sections && sections.querySelectorAll("li").length > 24) sections.classList.add("long");
+    all(".sidebar-drawer a").forEach((link) => link.addEventListener("click", () => { drawer.checked = false; }));
+    document.querySelector("header .menu").addEventListener("keydown", (event) => {
+      if (event.key === "Enter" || event.key === " ") {
+        event.preventDefault();
+        drawer.checked = !drawer.checked;
+      }
+    });
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") drawer.checked = false;
+      const isTyping = event.target.closest("input, textarea, select, [contenteditable]");
+      if (event.key !== "/" || event.ctrlKey || event.altKey || event.metaKey || isTyping) return;
+      event.preventDefault();
+      document.querySelector("header input[type=search]").focus();
+    });
+    open();
+    mark();
+  }
+
+  // Printing shows what is folded.
+  let folded = [];
+  window.addEventListener("beforeprint", () => {
+    folded = [...all("details:not([open])")];
+    folded.forEach((item) => { item.open = true; });
+  });
+  window.addEventListener("afterprint", () => folded.forEach((item) => { item.open = false; }));
+  window.addEventListener("hashchange", open);
+  window.addEventListener("load", mark);
+  window.addEventListener("resize", mark);
+  document.addEventListener("toggle", mark, true);
+  if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", setUp);
+  else setUp();
+})();

@@ -1,0 +1,48 @@
+"""Messages about text that is not a frame, for the command line and the page."""
+
+from __future__ import annotations
+
+#: Highest number of characters in the text of a frame, far more than any frame needs.
+LONGEST = 4096
+EMPTY = "the frame is empty"
+TOO_LONG = "the text is longer than any frame or register"
+
+
+def not_hex(piece: str) -> str:
+    """Return the message for a piece of text, in quotes, among the bytes of a frame."""
+    return f"{piece} is not hex. Write the bytes like 02 00 12 34 00 24"
+
+
+def one_digit(piece: str, digit: str) -> str:
+    return f"{piece} is one hex digit. Write 0{digit} if it is a byte"
+
+
+def odd(piece: str) -> str:
+    return f"{piece} has an odd number of hex digits: one is missing or one too many"
+
+
+def bits_or_bytes(text: str) -> str:
+    return f"{text} could be bits or hex bytes. Prefix it with 0b or 0x"
+
+
+def no_bits(text: str, bits: str, remedy: str) -> str:
+    """Return the message for text that is not one number."""
+    return f"{text} is not a frame of {bits} bits. {remedy}"
+
+
+def write_number(bits: str) -> str:
+    return f"Write 0b and all {bits} bits in the order sent, or 0x and hex digits"
+
+
+def write_hex(digits: str) -> str:
+    return f"Write 0x{digits} if it is hex"
+
+
+def or_bits(digits: str) -> str:
+    """Return the end of ``write_hex`` for digits that are all 0 or 1."""
+    return f", 0b{digits} if it is bits"
+
+
+def register_length(register: str, needed: str, given: str) -> str:
+    """Return the message for a register value of another length. ``needed`` and ``given`` include the unit."""
+    return f"the register '{register}' has {needed}, but the text has {given}"

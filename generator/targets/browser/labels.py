@@ -1,0 +1,37 @@
+"""Grammar of the order codes of a family for the script: what a label may look like, and the parts of each code.
+
+Regular expressions are those of ``order_codes.labels`` in the notation of JavaScript.
+"""
+
+from __future__ import annotations
+
+from ...model import Device, Spelling
+from ...order_codes.labels import AFTER, as_listed, regex
+from .plain import Data, kept
+
+
+def labels(device: Device) -> Data:
+    """Return the notations of the order codes of a family."""
+    code = device.order_code
+    listed = as_listed(code)
+    return {
+        "pattern": code.pattern,
+        "written": [_spelling(device, item) for item in (listed, *code.also_written)],
+        "wrong": [_script(regex(code, listed, part.name)) for part in code.parts],
+        "parts": [
+            kept(name=part.name, values=[value.text for value in part.values], only_with=dict(part.open_only_with))
+            for part in code.parts
+        ],
+    }
+
+
+def _spelling(device: Device, item: Spelling) -> Data:
+    values: dict[str, dict[str, str]] = {}
+    for value in item.values:
+        values.setdefault(value.part, {})[value.text.upper()] = value.value
+    return kept(label=_script(regex(device.order_code, item)), where=item.where, values=values)
+
+
+def _script(expression: str) -> str:
+    """Return a regular expression for a whole label in the notation of JavaScript."""
+    return f"^{expression}{AFTER}$".replace("(?P<", "(?<")

@@ -1,0 +1,87 @@
+"""Labels as people write them: the script reads each one as the command line does, and gives the same help."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from browser_harness import Asker
+from codewheel.commands.look_up import find
+from codewheel.commands.terminal import Stop
+from codewheel.targets import Library
+
+LABELS = (
+    "AMM5A21/65KSC1",
+    " amm5a21 / 65ksc1 ",
+    "AMM5A21/65KSC1-K",
+    "AMM5B23/65KJP1/S123",
+    "AMM5A21/65KSC1-XYZ/S42",
+    "AM3616/4096-I7",
+    "AM3616/4096SC1",
+    "AMC3619/4096BG2",
+    "AM3616/4096-SC",
+    "AM3617/4096-I7",
+    "AM3616/4096-17",
+    "AM3617/4096-BG",
+    "ASC8525/SC2-X",
+    "ASC8520/BG7",
+    "SMA21-JP1-0050",
+    "SMA21-GG1-0001-M8",
+    "AMM5A19/65KSC1",
+    "AMM5A21/65K",
+    "AMM5A21",
+    "AMM5",
+    "amm5",
+    "sma21",
+    "SMA21-JP1-0051",
+    "SMA21-JP1",
+    "ASC85",
+    "ASC8529/SC1",
+    "AMM5C21/65KSC1",
+    "AMM5A21-65KSC1",
+    "nothing/1",
+    "FOO",
+    "AMM5A21/65KSC1" + "-" + "X" * 100,
+)
+#: End of a message that only the command line can give.
+COMMANDS = (" (codewheel show ", "; codewheel list shows")
+
+
+def read(library: Library, text: str) -> Any:
+    """Return what the command line reads a label as, or its help, without commands to run."""
+    try:
+        device, match = find(library.devices, text)
+    except Stop as stop:
+        message = str(stop)
+        for command in COMMANDS:
+            message = message.partition(command)[0]
+        return message
+    found = match.variant.code, list(match.unlisted), match.tail, match.special, match.written_as_in
+    return [device.name, *found]
+
+
+@pytest.mark.slow
+def test_labels_of_people(node: Asker, library: Library) -> None:
+    answers = node("labels", [{"texts": LABELS}])[0]
+    assert dict(zip(LABELS, answers, strict=True)) == {text: read(library, text) for text in LABELS}
+
+
+@pytest.mark.slow
+def test_labels_with_mistakes(node: Asker, library: Library) -> None:
+    """One character of a listed code is left out, changed, or written twice."""
+    random_ = random.Random(5)
+    codes = [item.code for device in library.devices for item in device.variants]
+    texts = []
+    for _ in range(600):
+        code = random_.choice(codes)
+        place = random_.randrange(len(code))
+        middle = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[place]])
+        texts.append(code[:place] + middle + code[place + 1 :])
+    answers = node("labels", [{"texts": texts}])[0]
+    wrong = {
+        text: (answer, read(library, text))
+        for text, answer in zip(texts, answers, strict=True)
+        if answer != read(library, text)
+    }
+    assert wrong == {}

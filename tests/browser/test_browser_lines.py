@@ -1,0 +1,111 @@
+"""Frames as people paste them: the page and the command line read the same lines, and say the same about each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from browser_harness import Asker, Case
+from codewheel.commands.decode import decode_register_text, decode_text
+from codewheel.commands.frame_text import FrameTextError, frame_lines
+from codewheel.commands.look_up import find
+from codewheel.order_codes.run_time import RegisterError
+from codewheel.targets import Library
+
+BISS, RS485, SSI = "AMM5A21/65KSC1", "AMM5A23/65KJP1", "AMM5A21/65KBG1"
+#: Order code, register or nothing, and text.
+TEXTS = (
+    (BISS, "", "0F 42 43 D3"),
+    (BISS, "", "0F:42:43:D3"),
+    (BISS, "", "0f-42-43-d3"),
+    (BISS, "", "[0x0F, 0x42, 0x43, 0xD3]"),
+    (BISS, "", r'"\x0F\x42\x43\xD3"'),
+    (BISS, "", r"b'\x0f\x42\x43\xd3'"),
+    (BISS, "", "{0x0F, 0x42, 0x43, 0xD3};"),
+    (BISS, "", "F4243D3h"),
+    (BISS, "", "0xF4243D3"),
+    (BISS, "", "0xF4243D3ULL"),
+    (BISS, "", "0b" + f"{0xF4243D3:045b}"),
+    (BISS, "", "0b" + f"{0xF4243D3:046b}"),
+    (BISS, "", "0F4243D3"),
+    (BISS, "", "101"),
+    (BISS, "", "10 11"),
+    (BISS, "", "0F 42 4"),
+    (BISS, "", "0F 42 zz"),
+    (BISS, "", "0xF4243D2"),
+    (BISS, "", "0x1" + "0" * 12),
+    (BISS, "", "z" * 100),
+    (RS485, "", "02 00 C7 D1 6A 7E"),
+    (RS485, "", "02:00:C7:D1:6A:7E"),
+    (RS485, "", "02-00-C7-D1-6A-7E"),
+    (RS485, "", "02h 00h C7h D1h 6Ah 7Eh"),
+    (RS485, "", "[2, 0, 199]"),
+    (RS485, "", r"\x02\x00\xC7\xD1\x6A\x7E"),
+    (RS485, "", "0x2 0x0 0xC7 0xD1 0x6A 0x7E"),
+    (RS485, "", "02 20C"),
+    (RS485, "", "022 0C7D16A5E"),
+    (RS485, "", "2 20 C7 D1 6A 5E"),
+    (RS485, "", ","),
+    (RS485, "", "()"),
+    (RS485, "", "02 00 C7"),
+    (SSI, "", "0x1234"),
+    (BISS, "command", "01"),
+    (BISS, "command", "01 02"),
+    (BISS, "preset", "{0x00, 0x30, 0x24, 0xf4, 0x00, 0x00, 0x00}"),
+    (BISS, "preset", "00 30"),
+    (
+        RS485,
+        "",
+        """\
+# captured on the bench
+
+0.000125  02 00 C7 D1 6A 7E
+0.000250, 02:20:C7:D1:6A:5E   # an error is active
+[12:30:01.5] [0x02, 0x20, 0xC7, 0xD1, 0x6A, 0x5F]
+2026-11-25T12:30:02Z;02 00 C7 D1 6A 7E
+250 µs\t0200C7D16A7E
+3.5 ms zz
+10:42:43 02
+""",
+    ),
+    (BISS, "", "0F:42:43:D3\r\n12:00:01 0F:42:43:D3\r\n"),
+    (BISS, "", "0x" + "F" * 5000),
+)
+
+
+def said(library: Library, code: str, register: str, text: str) -> list[Any]:
+    """Return what the command line makes of the lines of a text."""
+    device, match = find(library.devices, code)
+    case = Case(device, match.variant, None)  # type: ignore[arg-type]
+
+    def one(text: str) -> str:
+        try:
+            return case.said(
+                decode_register_text(device, match.variant, register, text)
+                if register
+                else decode_text(device, match.variant, "encoder", text)
+            )
+        except (FrameTextError, RegisterError) as error:
+            return str(error)
+
+    return [[line.number, line.time, one(line.text)] for line in frame_lines(text.splitlines())]
+
+
+@pytest.mark.slow
+def test_page_and_command_line_say_the_same(node: Asker, library: Library) -> None:
+    items = [{"code": code, "register": register, "text": text} for code, register, text in TEXTS]
+    for item, answer in zip(items, node("lines", items), strict=True):
+        assert answer == said(library, item["code"], item["register"], item["text"]), item
+
+
+def test_all_spellings_of_one_frame_are_the_same(library: Library) -> None:
+    first = said(library, *TEXTS[0])
+    assert "verdict\tusable" in first[0][2]
+    assert all(said(library, *case) == first for case in TEXTS[1:11])
+
+
+def test_times_are_not_part_of_the_frame(library: Library) -> None:
+    lines = said(library, *TEXTS[-3])
+    times = ["0.000125", "0.000250", "12:30:01.5", "2026-11-25T12:30:02Z", "250 µs", "3.5 ms", "10:42:43"]
+    assert [line[1] for line in lines] == times
+    assert [line[0] for line in lines] == [3, 4, 5, 6, 7, 8, 9]
