@@ -13,34 +13,61 @@ not affiliated with either company and claims no certification.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Final, NoReturn, cast, overload
+from typing import TYPE_CHECKING, Final, overload
 
-from ._codec import (
+from codewheel_runtime.version import require
+
+#: Version of the runtime. It is checked first, because the other imports can fail with one that does not fit.
+__runtime__: Final = require(__name__, "1.0")
+
+from codewheel_runtime import (
     BitField,
+    Bus,
     ConstantError,
     CrcError,
-    Data,
+    Encoder,
+    Family,
     FamilyError,
+    Frame,
     FrameError,
     Interface,
     InterfaceError,
     LengthError,
+    Line,
+    Modify,
+    Movement,
+    OrderCodeError,
+    Poll,
+    PositionFrame,
     RangeError,
+    Read,
+    Reading,
+    Report,
+    Send,
+    Step,
+    StepError,
+    Verdict,
+    Verify,
+    VerifyError,
+    Wait,
+    Write,
+    run,
+    why,
 )
-from ._encoder import Encoder, Frame, PositionFrame
-from ._order_codes import OrderCodeError, checked, nearest
-from ._reports import Family, Movement, Report, Verdict
-from ._run import Bus, Line, Reading, StepError, VerifyError, run
-from ._steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
+from codewheel_runtime.package import Package
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from codewheel_runtime.codec import Data
+    from codewheel_runtime.stream import Files
+
     from . import _codes, am36, amm5, asc85, biss, sma21
-    from ._stream import decode_file, decode_partition
 
     #: All families, sorted by name.
     FAMILIES: Final[tuple[Family, ...]] = ()
+    decode_file = Files("lika_encoders").decode_file
+    decode_partition = Files("lika_encoders").decode_partition
 
 __all__ = [
     "BitField",
@@ -90,13 +117,16 @@ __all__ = [
 #: Version of this package.
 __version__: Final = "0.1.0"
 
-#: Prefixes of the order codes of each family, without spaces. The keys are the names of the modules.
-_BEGIN: Final = {
-    "am36": ("AM36", "AMC36"),
-    "amm5": ("AMM5",),
-    "asc85": ("ASC85",),
-    "sma21": ("SMA21-",),
-}
+_PACKAGE: Final = Package(
+    name=__name__,
+    beginnings={
+        "am36": ("AM36", "AMC36"),
+        "amm5": ("AMM5",),
+        "asc85": ("ASC85",),
+        "sma21": ("SMA21-",),
+    },
+    identified=("am36", "amm5", "asc85", "sma21"),
+)
 
 #: Modules of all families, with special models and other editions.
 _FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
@@ -107,7 +137,7 @@ if not TYPE_CHECKING:
         if name == "FAMILIES":
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
         if name in ("decode_file", "decode_partition"):
-            return getattr(import_module("._stream", __name__), name)
+            return getattr(import_module("codewheel_runtime.stream").Files(__name__), name)
         if name in __all__:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
@@ -173,45 +203,7 @@ def lookup(label: str) -> Encoder:
         OrderCodeError: There is no such order code. The error lists similar ones.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
-    for family, beginnings in _BEGIN.items():
-        if text.startswith(beginnings):
-            try:
-                return cast(Encoder, import_module(f".{family}", __name__).lookup(text))
-            except OrderCodeError:
-                pass
-    _refuse(text)
-
-
-def _refuse(text: str) -> NoReturn:
-    """Raise the most helpful error for an unknown label: it lists the wrong part or similar order codes."""
-    modules = [import_module(f".{family}", __name__) for family in _BEGIN]
-    for module in modules:
-        try:
-            module.lookup(text)
-        except OrderCodeError as error:
-            if error.part:
-                raise
-    codes = [code for module in modules for code in module.VARIANTS]
-    raise OrderCodeError(text, "", "is not an order code of these encoders", nearest(codes, text))
-
-
-def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
-    """Find the common mistakes that explain an invalid frame, such as swapped wires.
-
-    A short CRC is sometimes correct by chance. Check several frames, and look for the mistake that explains all of
-    them.
-
-    Args:
-        encoder: The encoder.
-        frame: The frame, in any form that ``encoder.decode`` accepts.
-
-    Returns:
-        Descriptions of the changes that make the frame valid, the most likely first. Empty if none is known.
-    """
-    from ._why import why
-
-    return why(encoder, frame)
+    return _PACKAGE.lookup(label)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -228,13 +220,4 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     Raises:
         ValueError: No family has such a register.
     """
-    codes: list[str] = []
-    errors: list[ValueError] = []
-    for family in ("am36", "amm5", "asc85", "sma21"):
-        try:
-            codes += import_module(f".{family}", __name__).identify(read)
-        except ValueError as error:
-            errors.append(error)
-    if len(errors) == 4:
-        raise errors[0]
-    return tuple(codes)
+    return _PACKAGE.identify(read)

@@ -47,14 +47,9 @@ from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
-from ._codec import (
+from codewheel_runtime.codec import (
     BitField,
-    ConstantError,
-    CrcError,
     Data,
-    FrameError,
-    Interface,
-    LengthError,
     Word,
     Words,
     as_bytes,
@@ -77,15 +72,17 @@ from ._codec import (
     wrong_encoder,
     zero_for,
 )
-from ._encoder import Encoder, fact
-from ._order_codes import checked
-from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
-from ._reports import Family, Movement, Report, Verdict
-from ._steps import Modify, Read, Step, Verify, Wait, writes
+from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
+from codewheel_runtime.order_codes import checked
+from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from codewheel_runtime.reports import Family, Interface, Movement, Report, Verdict
+from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from codewheel_runtime.table import Table
+
     from . import _codes
-    from ._table import Table
     from .facts.am36 import (
         ALARMS,
         BISS,
@@ -605,7 +602,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -625,7 +623,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -716,12 +715,12 @@ class SsiWord(NamedTuple):
             Binary, see the order code.
         Used: BG is binary, GG is Gray.
         Why: The manual does not say which is which. The AMM5 manual calls the output of its BG1 models binary. The
-            SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. The same meaning of the
-            letters in this manual is an inference. To check, turn the shaft slowly. If neighbouring positions jump, the
-            other code is in use.
+            SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. This spec infers that the
+            letters have the same meaning in this manual. To check, turn the shaft slowly. If neighbouring positions
+            jump, the other code is in use.
 
     Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]:
-        Printed: SSI word with bits 28 ... 1 and 31 ... 1.
+        Printed: The bits of the SSI words are numbered 28 ... 1 and 31 ... 1.
         Used: The words have bits 27:0 and 30:0.
         Why: The table counts from 1. Section 6 of the same manual counts from 0, as this spec does everywhere.
 
@@ -730,7 +729,7 @@ class SsiWord(NamedTuple):
         Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
 
     Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
-        Printed: Only the length of the position, without the order of singleturn and multiturn.
+        Printed: The manual gives only the length of the position, not the order of singleturn and multiturn.
         Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one word.
     """
 
@@ -820,7 +819,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.am36 import shape_of_ssi_word
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
@@ -842,7 +842,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.am36 import shape_of_ssi_word
 
         return encode_many(columns, shape_of_ssi_word(variant))
@@ -893,12 +894,12 @@ class SingleCycleData(NamedTuple):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    The frame has 44 bits with the defaults, and this is also the maximum. The manual uses Position for multiturn and
-    singleturn together: up to 36 bits, most significant bit first. Their widths are the values of registers 57h and
-    56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The CRC, the warning bit and
-    the error bit keep bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn and singleturn are coded as one
-    word. If the number of revolutions is not a power of two, the step from the last position to the first then changes
-    several bits at once.
+    With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn and singleturn
+    together Position. It has up to 36 bits, most significant bit first. The widths of the two parts are the values of
+    registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The CRC, the
+    warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn and
+    singleturn are coded as one word. If the number of revolutions is not a power of two, the step from the last
+    position to the first then changes several bits at once.
 
     Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
         Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
@@ -908,13 +909,12 @@ class SingleCycleData(NamedTuple):
             two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
 
     Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
-        Printed: Only the length of the position, without the order of singleturn and multiturn.
+        Printed: The manual gives only the length of the position, not the order of singleturn and multiturn.
         Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one word.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
 
     Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
         Printed: Error and warning: not used, always 1.
@@ -1036,7 +1036,8 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.am36 import shape_of_single_cycle_data
 
         return decode_many(frames, shape_of_single_cycle_data(variant), variant)
@@ -1058,7 +1059,8 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.am36 import shape_of_single_cycle_data
 
         return encode_many(columns, shape_of_single_cycle_data(variant))
@@ -1200,8 +1202,8 @@ class ProfileId(NamedTuple):
         Printed: Profile ID 00 00. See Standard encoder profile, Variant 0-24.
         Used: The value is 00 00. The outputs do not derive a data length from it.
         Why: In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the
-            data length in the low byte, for variants 0-24 and similar ones. A position of up to 36 bits does not fit 24
-            either.
+            data length in the low byte, for variants 0-24 and similar ones. Nor does a position of up to 36 bits fit
+            into 24.
 
     In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
@@ -1270,9 +1272,9 @@ class SerialNumber(NamedTuple):
         Used: The values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of the
             serial number.
         Why: The manual does not say whether year and week are binary or packed decimal digits, or from which year the
-            year counts. It does not say which of 46h and 47h is the high byte. There is no example. In the AMM5, the
-            same registers contain decimal digits of one number. In the ASC85, they contain one serial number. Both have
-            the high byte first. The AMM36 manual prints the AMM5's example with its four bytes in reverse.
+            year is counted. It does not say which of 46h and 47h is the high byte. There is no example. In the AMM5,
+            the same registers contain the decimal digits of one number. In the ASC85, they contain one serial number.
+            Both have the high byte first. The AMM36 manual prints the AMM5's example with its four bytes in reverse.
 
     In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
         Not known: register profile_id, register serial_number, register command, register device_type, register
@@ -1411,20 +1413,20 @@ class Configuration(NamedTuple):
     Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
     p.30]:
         Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1".
-            The table of Configuration: 0 is Enable, 1 is Disable.
+            The Configuration table says that 0 is Enable and 1 is Disable.
         Used: 0 enables the preset function. 1 disables it.
-        Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The
-            same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset.
+        Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. So does
+            the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset.
 
     Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]:
         Printed: Bit 8 Counting direction, in the list of the configuration example.
         Used: Counting direction is bit 6.
-        Why: In the list, it is between bits 5 and 7. The register has 8 bits. The table has bit 6. The result 60h =
-            01100000 has bit 6 set.
+        Why: In the list, the entry is between bits 5 and 7. The register has only 8 bits. The table lists it as bit 6.
+            The result 60h = 01100000 has bit 6 set.
 
     Erratum preset_example_bit (settled, wrong data) [6.5]:
         Printed: Table of the preset example: address 49, bit 2, data 0.
-        Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
+        Used: Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
         Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
 
     In edition 1.1 [am36_1_1: p.24, am36_1_1: p.30]:
@@ -1526,12 +1528,12 @@ class InformationPerRevolution(NamedTuple):
             two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
 
     Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
-        Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes.
+        Printed: The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F, without a table of the
+            bytes.
         Used: The high byte comes first.
 
     Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
@@ -1598,21 +1600,22 @@ class NumberOfRevolutions(NamedTuple):
     Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value takes effect
     immediately, which can change the length of the frame, and sets the preset to zero. The command Save parameters on
     EEPROM saves it. Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft
-    must not turn by more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute position is
-    lost.
+    must not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute
+    position is lost.
 
     Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
-            than 4,096 set, at most 2,047 revolutions either way while switched off.
+        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than
+            4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is
+            switched off.
         Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
 
     Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
-        Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes.
+        Printed: The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F, without a table of the
+            bytes.
         Used: The high byte comes first.
 
     Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
@@ -1693,16 +1696,16 @@ class Preset(NamedTuple):
     Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
     p.30]:
         Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1".
-            The table of Configuration: 0 is Enable, 1 is Disable.
+            The Configuration table says that 0 is Enable and 1 is Disable.
         Used: 0 enables the preset function. 1 disables it.
-        Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The
-            same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset.
+        Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. So does
+            the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset.
 
     Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]:
         Printed: Default = 00 00 00 00 00 00h.
         Used: The default is five bytes of 00.
-        Why: The register has five bytes, 50h to 54h. The list of defaults and both limits have five. The next byte is
-            Device type.
+        Why: The register has five bytes, 50h to 54h. The default in the list and both limits also have five bytes. The
+            next byte is the Device type register.
 
     Checked by decode():
         zero_above_position: Always zero.
@@ -1848,9 +1851,8 @@ class SingleturnBitsUsed(NamedTuple):
             two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
     """
 
     bits: int
@@ -1901,14 +1903,14 @@ class MultiturnBitsUsed(NamedTuple):
     Default: ``10``.
 
     Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
-            than 4,096 set, at most 2,047 revolutions either way while switched off.
+        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than
+            4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is
+            switched off.
         Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
 
     Erratum revolution_bits_rounding (open, omission) [6.5 p.28, 6.5 p.31]:
         Printed: Number of revolutions may be any number. Register 57h shows the bits used for it.
@@ -1973,7 +1975,7 @@ class DeviceId(NamedTuple):
         Used: I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
 
     Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
-        Printed: One device ID, AM I7 2 with the software version, for all models.
+        Printed: The manual gives one device ID, AM I7 2 with the software version, for all models.
         Used: The device ID is used as printed.
 
     In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
@@ -2220,7 +2222,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     new code.
 
     Args:
-        configuration: Value of the whole register, with its unused bits at 0. Written to ``configuration``.
+        configuration: Value of the whole register, with its unused bits set to 0. Written to ``configuration``.
         variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
@@ -2257,7 +2259,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Erratum preset_example_bit (settled, wrong data) [6.5]:
         Printed: Table of the preset example: address 49, bit 2, data 0.
-        Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
+        Used: Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
         Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
 
     Args:
@@ -2296,7 +2298,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Erratum preset_example_bit (settled, wrong data) [6.5]:
         Printed: Table of the preset example: address 49, bit 2, data 0.
-        Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
+        Used: Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
         Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
 
     Args:
@@ -2382,18 +2384,18 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: All parameters have their defaults, which are active and saved. All earlier values are lost, including the
     preset. The frame has 44 bits again.
 
-    The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn by more than 2,047
-    revolutions either way while the encoder is off. Otherwise the absolute position is lost.
+    The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must not turn by more
+    than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
 
     Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
-            than 4,096 set, at most 2,047 revolutions either way while switched off.
+        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than
+            4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is
+            switched off.
         Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2430,9 +2432,8 @@ def set_resolution(
     read a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
     Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+        Printed: Position has a variable length according to the resolution of the encoder, at most 36 bits.
+        Used: As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.
 
     Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
         Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution

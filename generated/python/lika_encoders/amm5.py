@@ -37,7 +37,7 @@ Differences from other editions of the manual are noted inline. Generate files f
 
 Before edition 1.4 [Document release]:
     Not known: Register 3Bh, Counting direction.
-    Why: The register was removed with this revision. The table does not say which values it took, or when.
+    Why: This revision removed the register. The table does not say which values it took, or when.
 
 Before edition 1.3 [Document release]:
     Not known: All information that was marked "to be updated".
@@ -57,15 +57,9 @@ from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
 
-from ._codec import (
+from codewheel_runtime.codec import (
     BitField,
-    ConstantError,
-    CrcError,
     Data,
-    FrameError,
-    Interface,
-    LengthError,
-    RangeError,
     Rows,
     Word,
     Words,
@@ -89,15 +83,17 @@ from ._codec import (
     whole_number,
     wrong_encoder,
 )
-from ._encoder import Encoder, fact
-from ._order_codes import checked
-from ._registers import agrees, held_bytes
-from ._reports import Family, Movement, Report, Verdict
-from ._steps import Send, Step, Verify, Wait, writes
+from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
+from codewheel_runtime.order_codes import checked
+from codewheel_runtime.registers import agrees, held_bytes
+from codewheel_runtime.reports import Family, Interface, Movement, Report, Verdict
+from codewheel_runtime.steps import Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from codewheel_runtime.table import Table
+
     from . import _codes
-    from ._table import Table
     from .facts.amm5 import (
         ALARMS,
         BISS,
@@ -680,7 +676,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -700,7 +697,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -789,9 +787,10 @@ class EepromAddress(Enum):
 
     Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
+        Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.
+        Used: Either position is possible. The user must choose, and there is no default. With the wrong choice, an
+            access reaches twice the address or half of it, and a write destroys other data there. Read and compare
+            before you write.
         Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
             4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
             them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
@@ -849,7 +848,8 @@ class SsiWord(NamedTuple):
         Why: The table just below it and the Italian edition have 65KBG1. No model has KG1.
 
     Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
-        Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the position.
+        Printed: The manual prints only "17 + 16 bits" and the like, not the order of singleturn and multiturn in the
+            position.
         Used: Multiturn comes first, as the more significant part. Singleturn follows.
     """
 
@@ -937,7 +937,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_ssi_word
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
@@ -959,7 +960,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_ssi_word
 
         return encode_many(columns, shape_of_ssi_word(variant))
@@ -1016,11 +1018,12 @@ class SingleCycleData(NamedTuple):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    The manual uses Position (it: Posizione) for multiturn and singleturn together: 17 to 39 bits, most significant bit
-    first.
+    The manual calls multiturn and singleturn together Position (Italian: Posizione). It has 17 to 39 bits, most
+    significant bit first.
 
     Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
-        Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the position.
+        Printed: The manual prints only "17 + 16 bits" and the like, not the order of singleturn and multiturn in the
+            position.
         Used: Multiturn comes first, as the more significant part. Singleturn follows.
 
     Erratum scd_length (settled, wrong data) [6.2.1 p.32, it: 6.2.1 p.32]:
@@ -1030,15 +1033,15 @@ class SingleCycleData(NamedTuple):
             top bit in the table.
 
     Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44, 9 p.51]:
-        Printed: nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the
-            magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for BUSY flag,
-            PS error, Battery alarm and MT error.
-        Used: Each is used as printed. None is derived from another.
+        Printed: nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and LED 2: an error in
+            the magnetic multiturn system, or a low battery, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for BUSY
+            flag, PS error, Battery alarm and MT error.
+        Used: Each bit, LED and alarm is used as printed. None is derived from another.
 
     Erratum position_under_error (open, omission) [6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24, 7.3.2 p.42, 7.4.1
     p.44]:
         Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low battery (warning
-            alone): the position is kept. The effect of the other errors on the position is not given.
+            alone): the position is kept. The manual does not say how the other errors affect the position.
         Used: The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors
             count until they are reset. In multiturn models, the MT error or the warning bit also makes the position not
             usable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, battery
@@ -1167,7 +1170,8 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_single_cycle_data
 
         return decode_many(frames, shape_of_single_cycle_data(variant), variant)
@@ -1189,7 +1193,8 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_single_cycle_data
 
         return encode_many(columns, shape_of_single_cycle_data(variant))
@@ -1289,7 +1294,8 @@ class DataRequest(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_data_request
 
         return decode_many(frames, shape_of_data_request(), None)
@@ -1308,7 +1314,8 @@ class DataRequest(NamedTuple):
             RangeError: A value does not fit its field. ``row`` is the first such row.
             TypeError: A column is missing or unknown.
         """
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_data_request
 
         return encode_many(columns, shape_of_data_request())
@@ -1352,9 +1359,10 @@ class EepromWriteRequest(NamedTuple):
 
     Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
+        Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.
+        Used: Either position is possible. The user must choose, and there is no default. With the wrong choice, an
+            access reaches twice the address or half of it, and a write destroys other data there. Read and compare
+            before you write.
         Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
             4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
             them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
@@ -1428,7 +1436,8 @@ class EepromWriteRequest(NamedTuple):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_eeprom_write_request
 
         return decode_many(frames, shape_of_eeprom_write_request(eeprom_address), None)
@@ -1449,7 +1458,8 @@ class EepromWriteRequest(NamedTuple):
             TypeError: A column is missing or unknown.
         """
         decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_eeprom_write_request
 
         return encode_many(columns, shape_of_eeprom_write_request(eeprom_address))
@@ -1498,9 +1508,10 @@ class EepromReadRequest(NamedTuple):
 
     Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
+        Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.
+        Used: Either position is possible. The user must choose, and there is no default. With the wrong choice, an
+            access reaches twice the address or half of it, and a write destroys other data there. Read and compare
+            before you write.
         Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
             4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
             them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
@@ -1572,7 +1583,8 @@ class EepromReadRequest(NamedTuple):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_eeprom_read_request
 
         return decode_many(frames, shape_of_eeprom_read_request(eeprom_address), None)
@@ -1593,7 +1605,8 @@ class EepromReadRequest(NamedTuple):
             TypeError: A column is missing or unknown.
         """
         decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_eeprom_read_request
 
         return encode_many(columns, shape_of_eeprom_read_request(eeprom_address))
@@ -1651,7 +1664,7 @@ class SingleturnReply(NamedTuple):
 
     Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
         Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
-        Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.
+        Used: EE_1 is one flag, status_other_error. Do not trust a position received with it until ALMC has been read.
 
     Erratum crc_example_frame (settled, wrong data) [7.6]:
         Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF, DF0 to DF3, CRC.
@@ -1764,7 +1777,8 @@ class SingleturnReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_singleturn_reply
 
         return decode_many(frames, shape_of_singleturn_reply(variant), variant)
@@ -1786,7 +1800,8 @@ class SingleturnReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_singleturn_reply
 
         return encode_many(columns, shape_of_singleturn_reply(variant))
@@ -1857,11 +1872,11 @@ class MultiturnReply(NamedTuple):
 
     Its ``data_id`` is 1 (multiturn).
 
-    In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
+    Singleturn models use no bit of these three bytes. Unused high bits are 0.
 
     Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
         Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
-        Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.
+        Used: EE_1 is one flag, status_other_error. Do not trust a position received with it until ALMC has been read.
 
     See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     power_on_twice, singleturn_without_battery.
@@ -1971,7 +1986,8 @@ class MultiturnReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_multiturn_reply
 
         return decode_many(frames, shape_of_multiturn_reply(variant), variant)
@@ -1993,7 +2009,8 @@ class MultiturnReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_multiturn_reply
 
         return encode_many(columns, shape_of_multiturn_reply(variant))
@@ -2153,7 +2170,8 @@ class EncoderIdReply(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_encoder_id_reply
 
         return decode_many(frames, shape_of_encoder_id_reply(), None)
@@ -2172,7 +2190,8 @@ class EncoderIdReply(NamedTuple):
             RangeError: A value does not fit its field. ``row`` is the first such row.
             TypeError: A column is missing or unknown.
         """
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_encoder_id_reply
 
         return encode_many(columns, shape_of_encoder_id_reply())
@@ -2449,7 +2468,8 @@ class CompleteReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_complete_reply
 
         return decode_many(frames, shape_of_complete_reply(variant), variant)
@@ -2471,7 +2491,8 @@ class CompleteReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_complete_reply
 
         return encode_many(columns, shape_of_complete_reply(variant))
@@ -2556,9 +2577,10 @@ class EepromWriteReply(NamedTuple):
 
     Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
+        Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.
+        Used: Either position is possible. The user must choose, and there is no default. With the wrong choice, an
+            access reaches twice the address or half of it, and a write destroys other data there. Read and compare
+            before you write.
         Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
             4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
             them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
@@ -2641,7 +2663,8 @@ class EepromWriteReply(NamedTuple):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_eeprom_write_reply
 
         return decode_many(frames, shape_of_eeprom_write_reply(eeprom_address), None)
@@ -2662,7 +2685,8 @@ class EepromWriteReply(NamedTuple):
             TypeError: A column is missing or unknown.
         """
         decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_eeprom_write_reply
 
         return encode_many(columns, shape_of_eeprom_write_reply(eeprom_address))
@@ -2719,9 +2743,10 @@ class EepromReadReply(NamedTuple):
 
     Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
+        Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.
+        Used: Either position is possible. The user must choose, and there is no default. With the wrong choice, an
+            access reaches twice the address or half of it, and a write destroys other data there. Read and compare
+            before you write.
         Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
             4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
             them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
@@ -2804,7 +2829,8 @@ class EepromReadReply(NamedTuple):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.amm5 import shape_of_eeprom_read_reply
 
         return decode_many(frames, shape_of_eeprom_read_reply(eeprom_address), None)
@@ -2825,7 +2851,8 @@ class EepromReadReply(NamedTuple):
             TypeError: A column is missing or unknown.
         """
         decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.amm5 import shape_of_eeprom_read_reply
 
         return encode_many(columns, shape_of_eeprom_read_reply(eeprom_address))
@@ -3208,8 +3235,8 @@ class Preset(NamedTuple):
         Used: Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.
 
     Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]:
-        Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 at 21 bits and 16 at 17
-            bits.
+        Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 with 21 bits and 16 with
+            17 bits.
         Used: All bits below the lowest singleturn bit are 0.
 
     Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
@@ -3381,7 +3408,7 @@ class SerialNumber(NamedTuple):
         Used: The high byte comes first, as printed.
         Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and reverses
             it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older AMM5 may
-            answer in the other order. An impossible year or week shows the wrong order.
+            answer in the other order. An impossible year or week indicates the wrong order.
 
     Before edition 1.7 [Document release, amm36: p.38]:
         Not known: register serial_number.
@@ -3501,7 +3528,7 @@ class DeviceId(NamedTuple):
     Byte order: high byte first, at 78h.
 
     Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
-        Printed: One device ID, AMM5 with the release, for all models.
+        Printed: The manual gives one device ID, AMM5 with the release, for all models.
         Used: The device ID is used as printed.
 
     Before edition 1.7 [Document release, amm36_device_id: p.39]:
@@ -3694,7 +3721,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
-            "close them before saving",
+            "close the Preset registers before saving",
             closes=True,
         ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
@@ -3746,7 +3773,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
-            "close them before saving",
+            "close the Preset registers before saving",
             closes=True,
         ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
@@ -3827,7 +3854,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
     Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
     docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
         Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
-        Used: The table is followed. Data ID 8 resets singleturn and multiturn data.
+        Used: The outputs follow the table. Data ID 8 resets singleturn and multiturn data.
         Why: The table says it twice, the note only in passing. However, public T-format documents list three resets: of
             the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first
             would be this request.
@@ -3838,7 +3865,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 
     Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
-        Used: The condition is a standstill, that is 300 rpm or less, as printed.
+        Used: The condition is standstill, which the manual defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3861,7 +3888,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset multiturn data and all errors [7.4.2 p.45].
 
-    Before: The shaft is at a standstill, that is 300 rpm or less.
+    Before: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
     Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST error, MT error, and
     according to 7.4.1 also the battery alarm) are cleared.
@@ -3879,7 +3906,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
     Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
-        Used: The condition is a standstill, that is 300 rpm or less, as printed.
+        Used: The condition is standstill, which the manual defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3902,7 +3929,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset all errors [7.4.2 p.45].
 
-    Before: The shaft is at a standstill, that is 300 rpm or less.
+    Before: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
     Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery alarm) are
     cleared.
@@ -3920,7 +3947,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
         Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
-        Used: The condition is a standstill, that is 300 rpm or less, as printed.
+        Used: The condition is standstill, which the manual defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -44,14 +44,9 @@ from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
 
-from ._codec import (
+from codewheel_runtime.codec import (
     BitField,
-    ConstantError,
-    CrcError,
     Data,
-    FrameError,
-    Interface,
-    LengthError,
     Word,
     Words,
     as_bytes,
@@ -71,15 +66,17 @@ from ._codec import (
     unwrap,
     wrong_encoder,
 )
-from ._encoder import Encoder, fact
-from ._order_codes import checked
-from ._registers import agrees, held_bytes
-from ._reports import Family, Movement, Report, Verdict
-from ._steps import Poll, Read, Step, writes
+from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
+from codewheel_runtime.order_codes import checked
+from codewheel_runtime.registers import agrees, held_bytes
+from codewheel_runtime.reports import Family, Interface, Movement, Report, Verdict
+from codewheel_runtime.steps import Poll, Read, Step, writes
 
 if TYPE_CHECKING:
+    from codewheel_runtime.table import Table
+
     from . import _codes
-    from ._table import Table
     from .facts.asc85 import (
         ALARMS,
         BISS,
@@ -521,7 +518,8 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35,
     onstepx: src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -542,7 +540,8 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35,
     onstepx: src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -592,8 +591,8 @@ class ZeroBit(Enum):
             bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
             undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
             word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
+            layout accepts every second position and shows half or twice its value. Also, the frame for 25 bits without
+            the 0 bit is as long as the frame for 24 bits with it.
     """
 
     AS_PRINTED = (1,)
@@ -631,8 +630,8 @@ class SsiWord(NamedTuple):
             meaning.
         Used: BG is binary, GG is Gray.
         Why: The AMM5 manual has one SSI code, BG1, and calls its output binary. The SMA21 manual calls the output of
-            its G1x models Gray and also lists BG and GG. The same meaning of the letters in this manual is an
-            inference. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use.
+            its G1x models Gray and also lists BG and GG. This spec infers that the letters have the same meaning in
+            this manual. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use.
 
     Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
         Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits.
@@ -711,7 +710,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.asc85 import shape_of_ssi_word
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
@@ -733,7 +733,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.asc85 import shape_of_ssi_word
 
         return encode_many(columns, shape_of_ssi_word(variant))
@@ -795,8 +796,8 @@ class SingleCycleData(NamedTuple):
             bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
             undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
             word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
+            layout accepts every second position and shows half or twice its value. Also, the frame for 25 bits without
+            the 0 bit is as long as the frame for 24 bits with it.
 
     Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35]:
         Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
@@ -910,7 +911,8 @@ class SingleCycleData(NamedTuple):
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         decided(ZeroBit, zero_bit)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.asc85 import shape_of_single_cycle_data
 
         return decode_many(frames, shape_of_single_cycle_data(variant, zero_bit), variant)
@@ -934,7 +936,8 @@ class SingleCycleData(NamedTuple):
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         decided(ZeroBit, zero_bit)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.asc85 import shape_of_single_cycle_data
 
         return encode_many(columns, shape_of_single_cycle_data(variant, zero_bit))
@@ -1046,8 +1049,8 @@ class ProfileId(NamedTuple):
             bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
             undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
             word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
+            layout accepts every second position and shows half or twice its value. Also, the frame for 25 bits without
+            the 0 bit is as long as the frame for 24 bits with it.
 
     Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35]:
         Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
@@ -1289,10 +1292,11 @@ class Command(IntEnum):
     data error are set accordingly.
     """
     SOFTWARE_RESET = 3
-    """Trigger software reset: Restarts the encoder and reads the configuration from the EEPROM, protected by a CRC.
-    If the CRC does not confirm it at the first attempt, as with an EEPROM never programmed, all configuration
-    registers become 0, Configuration error becomes 1, and the serial interface starts with the SSI protocol. Without
-    an EEPROM, the internal registers become 0, Configuration error becomes 1, and the interface starts as set.
+    """Trigger software reset: Restarts the encoder and reads the configuration, which a CRC protects, from the
+    EEPROM. If the CRC check fails at the first attempt, for example because the EEPROM was never programmed, all
+    configuration registers become 0, Configuration error becomes 1, and the serial interface starts with the SSI
+    protocol. Without an EEPROM, the internal registers become 0, Configuration error becomes 1, and the interface
+    starts as configured.
     """
     VERIFY_CONFIGURATION = 4
     """Verify CRC of internal configuration: Checks all configuration registers with the check sum. During the check,
@@ -1476,8 +1480,8 @@ class Position(NamedTuple):
             bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
             undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
             word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
+            layout accepts every second position and shows half or twice its value. Also, the frame for 25 bits without
+            the 0 bit is as long as the frame for 24 bits with it.
 
     Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]:
         Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models.
@@ -1927,8 +1931,8 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The encoder works with the configuration from the EEPROM.
 
     The wait follows from the meaning of the status bit. The manual gives no time, and it does not say that the bit goes
-    to 0 first. If the CRC does not confirm the configuration, the interface restarts with the SSI protocol and answers
-    no register access. Stop polling after a while.
+    to 0 first. If the CRC check of the configuration fails, the interface restarts with the SSI protocol and answers no
+    register access. Stop polling after a while.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1949,7 +1953,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             Address.ERROR_REGISTER,
             1,
             "error_register",
-            "0. Also read it if polling was stopped and the encoder still answers",
+            "should be 0. Also read it if you stopped polling and the encoder still answers",
         ),
     )
 

@@ -52,15 +52,9 @@ from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, cast, overload
 
-from ._codec import (
+from codewheel_runtime.codec import (
     BitField,
-    ConstantError,
-    CrcError,
     Data,
-    FrameError,
-    Interface,
-    LengthError,
-    RangeError,
     Rows,
     Word,
     Words,
@@ -87,15 +81,17 @@ from ._codec import (
     whole_number,
     wrong_encoder,
 )
-from ._encoder import Encoder, fact
-from ._order_codes import checked
-from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
-from ._reports import Family, Movement, Report, Verdict
-from ._steps import Modify, Read, Send, Step, Verify, Wait, writes
+from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
+from codewheel_runtime.order_codes import checked
+from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from codewheel_runtime.reports import Family, Interface, Movement, Report, Verdict
+from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from codewheel_runtime.table import Table
+
     from . import _codes
-    from ._table import Table
     from .facts.sma21 import (
         ALARMS,
         BISS,
@@ -713,7 +709,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -733,7 +730,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
+        Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic
+            circuits are lost.
         Used: The start value is 0.
 
     Args:
@@ -860,16 +858,17 @@ class SsiWord(NamedTuple):
     Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]:
         Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least as many clocks
             as data bits.
-        Used: The outputs do not enforce either rule. One clock more than the word has bits satisfies both.
+        Used: The outputs do not enforce either rule. Sending one more clock than there are bits in the word satisfies
+            both.
 
     Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
-        Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
+        Printed: The manual says that the output code can be binary or Gray, but not which bits of the frame it covers.
         Used: Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.
 
     Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
-        Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
-            has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
-            and of nW on the position is not given.
+        Printed: ea0: a fault may follow, but the position is correct. ea1: there is a fault or an error in the
+            position, or the motor must stop. nE: the last valid position may be frozen, or wrong data may be sent. The
+            manual does not say how single alarms and nW affect the position.
         Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
             errors count until they are reset. The position is usable with a warning if any of these is active: ea0, an
             alarm that is part of ea0, or nW. It is usable while none is active (9.1).
@@ -949,7 +948,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.sma21 import shape_of_ssi_word
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
@@ -971,7 +971,8 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.sma21 import shape_of_ssi_word
 
         return encode_many(columns, shape_of_ssi_word(variant))
@@ -1030,7 +1031,7 @@ class SingleCycleData(NamedTuple):
     does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
-        Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
+        Printed: The manual says that the output code can be binary or Gray, but not which bits of the frame it covers.
         Used: Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.
 
     Erratum scd_length (settled, wrong data) [6.2 p.25]:
@@ -1051,20 +1052,20 @@ class SingleCycleData(NamedTuple):
             could confirm this.
 
     Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
-        Printed: Positions before the preset get a value according to it. The values sent below zero or above the
-            maximum are not given.
+        Printed: Positions before the preset get a value according to it. The manual does not give the values sent below
+            zero or above the maximum.
         Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
             RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
 
     Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
-        Printed: Warning, nW, without the level that means a warning.
+        Printed: The manual lists Warning, nW, but does not say which level means a warning.
         Used: 0 means a warning, as with the error bit.
         Why: The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.
 
     Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
-        Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
-            has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
-            and of nW on the position is not given.
+        Printed: ea0: a fault may follow, but the position is correct. ea1: there is a fault or an error in the
+            position, or the motor must stop. nE: the last valid position may be frozen, or wrong data may be sent. The
+            manual does not say how single alarms and nW affect the position.
         Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
             errors count until they are reset. The position is usable with a warning if any of these is active: ea0, an
             alarm that is part of ea0, or nW. It is usable while none is active (9.1).
@@ -1160,7 +1161,8 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.sma21 import shape_of_single_cycle_data
 
         return decode_many(frames, shape_of_single_cycle_data(variant), variant)
@@ -1182,7 +1184,8 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.sma21 import shape_of_single_cycle_data
 
         return encode_many(columns, shape_of_single_cycle_data(variant))
@@ -1281,7 +1284,8 @@ class DataRequest(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.sma21 import shape_of_data_request
 
         return decode_many(frames, shape_of_data_request(), None)
@@ -1300,7 +1304,8 @@ class DataRequest(NamedTuple):
             RangeError: A value does not fit its field. ``row`` is the first such row.
             TypeError: A column is missing or unknown.
         """
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.sma21 import shape_of_data_request
 
         return encode_many(columns, shape_of_data_request())
@@ -1368,8 +1373,8 @@ class PositionReply(NamedTuple):
     bits 23:20.
 
     Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
-        Printed: Positions before the preset get a value according to it. The values sent below zero or above the
-            maximum are not given.
+        Printed: Positions before the preset get a value according to it. The manual does not give the values sent below
+            zero or above the maximum.
         Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
             RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
 
@@ -1384,7 +1389,7 @@ class PositionReply(NamedTuple):
         Used: The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
 
     Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
-        Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission.
+        Printed: Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of transmission.
         Used: ABS0 is sent first.
         Why: The text above both tables says that the position is sent from the least to the most significant byte. The
             examples do so.
@@ -1531,7 +1536,8 @@ class PositionReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.sma21 import shape_of_position_reply
 
         return decode_many(frames, shape_of_position_reply(variant), variant)
@@ -1553,7 +1559,8 @@ class PositionReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.sma21 import shape_of_position_reply
 
         return encode_many(columns, shape_of_position_reply(variant))
@@ -1645,8 +1652,8 @@ class WidePositionReply(NamedTuple):
     field reports errors.
 
     Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
-        Printed: Positions before the preset get a value according to it. The values sent below zero or above the
-            maximum are not given.
+        Printed: Positions before the preset get a value according to it. The manual does not give the values sent below
+            zero or above the maximum.
         Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
             RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
 
@@ -1668,7 +1675,7 @@ class WidePositionReply(NamedTuple):
             treated as usable with a warning.
 
     Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
-        Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission.
+        Printed: Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of transmission.
         Used: ABS0 is sent first.
         Why: The text above both tables says that the position is sent from the least to the most significant byte. The
             examples do so.
@@ -1773,7 +1780,8 @@ class WidePositionReply(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.sma21 import shape_of_wide_position_reply
 
         return decode_many(frames, shape_of_wide_position_reply(), None)
@@ -1792,7 +1800,8 @@ class WidePositionReply(NamedTuple):
             RangeError: A value does not fit its field. ``row`` is the first such row.
             TypeError: A column is missing or unknown.
         """
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.sma21 import shape_of_wide_position_reply
 
         return encode_many(columns, shape_of_wide_position_reply())
@@ -1879,7 +1888,7 @@ class IdentificationReply(NamedTuple):
         Used: The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
 
     Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
-        Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission.
+        Printed: Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of transmission.
         Used: ABS0 is sent first.
         Why: The text above both tables says that the position is sent from the least to the most significant byte. The
             examples do so.
@@ -2035,7 +2044,8 @@ class IdentificationReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
+        from codewheel_runtime.bulk_decode import decode_many
+
         from ._shapes.sma21 import shape_of_identification_reply
 
         return decode_many(frames, shape_of_identification_reply(variant), variant)
@@ -2057,7 +2067,8 @@ class IdentificationReply(NamedTuple):
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
+        from codewheel_runtime.bulk_encode import encode_many
+
         from ._shapes.sma21 import shape_of_identification_reply
 
         return encode_many(columns, shape_of_identification_reply(variant))
@@ -2414,8 +2425,8 @@ class ProfileId(NamedTuple):
             field of 24 bits.
         Used: Each is used as printed.
         Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the
-            whole field, not of the position, and one more bit goes with one plus sign fewer. A master that takes the
-            length of the data from the profile ID would miss 4, 2 or 1 bits here.
+            whole field, not of the position, and the variant with one more bit has one plus sign fewer. A master that
+            takes the length of the data from the profile ID would miss 4, 2 or 1 bits here.
     """
 
     variant: BissEncoder
@@ -2785,7 +2796,7 @@ class PresetOffset(NamedTuple):
 
     Erratum offset_range (settled, wrong limit) [6.4 p.32]:
         Printed: The values run from the offset to the sum of offset and number of positions.
-        Used: The values end at that sum less 1.
+        Used: The highest value is that sum minus 1.
     """
 
     preset_offset: int
@@ -3485,8 +3496,8 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     Result: The position is 0.
 
     The ten requests must follow one another directly. Stop polling the position during the reset. No request is
-    accepted during the reset, since the absolute positions are composed and the EEPROM is written. The manual does not
-    say how long it takes.
+    accepted during the reset, because the encoder is computing the absolute positions and writing the EEPROM. The
+    manual does not say how long it takes.
 
     Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
         Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and

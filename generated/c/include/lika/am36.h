@@ -85,13 +85,13 @@ extern "C" {
  * hyphen of edition 1.0 (the meaning of its last digit, printed as x, is unknown) [5, 6,
  * am36_1_1_biss: p.21].
  * On the label, a hyphen and further characters follow the output. The manual does not explain
- * them. For BiSS it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value
+ * them. For BiSS, it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value
  * for the singleturn resolution. The listed values are those of the SSI table. Over BiSS, other
- * values are accepted as unlisted. They have no effect on the frame, because its widths are read
- * from registers 56h and 57h. Edition 1.1 writes the codes without the hyphen, with SCx for BiSS.
- * Such labels are also accepted. The order code and the serial number are on the label on the body
- * and in the delivery document. Lika asks for both in every enquiry. Technical data are in the
- * catalogue.
+ * values are also accepted, and they are shown as unlisted. They do not affect the frame, because
+ * the widths of its fields are read from registers 56h and 57h. Edition 1.1 writes the codes
+ * without the hyphen, with SCx for BiSS. Such labels are also accepted. The order code and the
+ * serial number are printed on the label on the encoder body and in the delivery document. Lika
+ * asks for both numbers in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum order_code_17 (settled, wrong limit).
@@ -656,18 +656,18 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * With the factory defaults, the shaft must not turn by more than 2,047 revolutions either way
- * while the encoder is off. Otherwise the absolute position is lost. The reason is that the default
- * of 65,536 revolutions is more than 4,096. The encoder is always a slave, and the only one of its
- * master. It must never be installed in a network with several slaves. For everything else, the
- * manual refers to www.biss-interface.com.
+ * With the factory defaults, the shaft must not turn by more than 2,047 revolutions in either
+ * direction while the encoder is off. Otherwise the absolute position is lost. The reason is that
+ * the default of 65,536 revolutions is more than 4,096. The encoder is always a slave, and it must
+ * be the only slave of its master. Never install it in a network with several slaves. For
+ * everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6].
  * Profile: Standard encoder profile [6].
  * Description file: idbiss4C69.xml [6].
  * Network: point to point, one slave only [6].
- * Control data: Each frame carries one bit of control data, for reading and writing the registers.
- * The manual describes the main fields and refers to the BiSS C protocol description for the whole
- * structure.
+ * Control data: Each frame carries one bit of control data, which is used to read and write the
+ * registers. The manual describes the main fields and refers to the BiSS C protocol description for
+ * the complete structure.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum biss_timeout_length (open, omission).
  * In edition 1.1: differs, see the end of this file.
@@ -729,13 +729,13 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
  * used_multiturn_bits + 8 bits, most significant first [6.3 p.21, 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
- * The frame has 44 bits with the defaults, and this is also the maximum. The manual uses Position
- * for multiturn and singleturn together: up to 36 bits, most significant bit first. Their widths
- * are the values of registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller
- * resolution is written. The CRC, the warning bit and the error bit keep bits 5:0, 6 and 7. In Gray
- * code (Configuration, bit 5), multiturn and singleturn are coded as one word. If the number of
- * revolutions is not a power of two, the step from the last position to the first then changes
- * several bits at once.
+ * With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn
+ * and singleturn together Position. It has up to 36 bits, most significant bit first. The widths of
+ * the two parts are the values of registers 57h and 56h. The frame therefore becomes shorter as
+ * soon as a smaller resolution is written. The CRC, the warning bit and the error bit always remain
+ * in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn and singleturn are coded as
+ * one word. If the number of revolutions is not a power of two, the step from the last position to
+ * the first then changes several bits at once.
  *   from bit used_singleturn_bits + 8 up  multiturn   used_multiturn_bits bits.
  *   from bit 8 up                         singleturn  used_singleturn_bits bits.
  *   bit 7                                 error       Error, nE: Not used, always 1. In the BiSS
@@ -1634,8 +1634,8 @@ static inline lika_result lika_am36_write_information_per_revolution(
  * Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value
  * takes effect immediately, which can change the length of the frame, and sets the preset to zero.
  * The command Save parameters on EEPROM saves it. Register 57h shows the resulting number of bits.
- * With more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions
- * either way while the encoder is off. Otherwise the absolute position is lost.
+ * With more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions in
+ * either direction while the encoder is off. Otherwise the absolute position is lost.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum resolution_byte_order (open, omission).
@@ -2606,7 +2606,7 @@ static inline lika_result lika_am36_set_configuration_steps(
  *
  * @param transport  your bus access functions
  * @param variant  variant of the encoder
- * @param configuration  Value of the whole register, with its unused bits at 0. Written to
+ * @param configuration  Value of the whole register, with its unused bits set to 0. Written to
  *                       Configuration.
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
@@ -2874,9 +2874,9 @@ static inline lika_result lika_am36_activate_preset(
  * Load and save the default parameters [6.5 p.24, 6.5 p.28, 7 p.33].
  * Result: All parameters have their defaults, which are active and saved. All earlier values are
  * lost, including the preset. The frame has 44 bits again.
- * The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn
- * by more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute
- * position is lost.
+ * The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must
+ * not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise
+ * the absolute position is lost.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  */
@@ -3205,9 +3205,9 @@ static inline lika_result lika_am36_identify(
  */
 
 /**
- * Counting direction (Complementary input): Sets whether the position counts up with clockwise (CW)
- * or counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15, Electrical safety p.8,
- * 6.5 p.26].
+ * Counting direction (Complementary input): Selects whether the position counts up with clockwise
+ * (CW) or counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15, Electrical safety
+ * p.8, 6.5 p.26].
  * Low level: 0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the
  * Counting direction bit.
  * High level: +VDC: counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of
@@ -3243,15 +3243,15 @@ static inline lika_result lika_am36_identify(
  *   without the hyphen and with a digit after them.
  *   Why: Only the BiSS pages of edition 1.1 are available. The series under which that manual is
  *   listed is AM 3616/4096BG, without the hyphen. The meaning of the digit x is not known. In other
- *   families it stands for the supply. AMM is assumed to be a misprint of AM.
+ *   families it stands for the supply. AMM is assumed to be a misprint for AM.
  * Erratum output_letters (open, wrong data) [5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2]:
  *   Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark that the output code can
  *   be Gray or Binary, see the order code.
  *   Used: BG is binary, GG is Gray.
  *   Why: The manual does not say which is which. The AMM5 manual calls the output of its BG1 models
- *   binary. The SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. The
- *   same meaning of the letters in this manual is an inference. To check, turn the shaft slowly. If
- *   neighbouring positions jump, the other code is in use.
+ *   binary. The SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. This
+ *   spec infers that the letters have the same meaning in this manual. To check, turn the shaft
+ *   slowly. If neighbouring positions jump, the other code is in use.
  * Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22,
  * am36_1_1: p.29]:
  *   Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as
@@ -3263,17 +3263,19 @@ static inline lika_result lika_am36_identify(
  *   default of 20 bits.
  * Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
  *   Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum.
- *   Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off.
+ *   Warning: if more than 4,096 are set, the shaft may turn by at most 2,047 revolutions in either
+ *   direction while the encoder is switched off.
  *   Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
  *   Why: An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is
  *   half of 4,096 minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the
- *   order code without power and counts the others. The manual does not say so.
+ *   order code while it is off, and counts the others only while it is powered. The manual does not
+ *   say so.
  * Erratum ssi_positions_28_bits (settled, wrong limit) [5.2]:
  *   Printed: AMx3616/4096: 28 bits, 268,425,456.
  *   Used: 268,435,456.
  *   Why: 2^28 is 268,435,456. The next row, 2^31, is correct.
  * Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]:
- *   Printed: SSI word with bits 28 ... 1 and 31 ... 1.
+ *   Printed: The bits of the SSI words are numbered 28 ... 1 and 31 ... 1.
  *   Used: The words have bits 27:0 and 30:0.
  *   Why: The table counts from 1. Section 6 of the same manual counts from 0, as this spec does
  *   everywhere.
@@ -3281,41 +3283,44 @@ static inline lika_result lika_am36_identify(
  *   Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks
  *   as data bits.
  *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
- *   Why: The word is aligned to the left. One extra clock reads a zero after it. One missing clock
- *   may lose the LSB.
+ *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
+ *   few, the LSB may be lost.
  * Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
- *   Printed: Only the length of the position, without the order of singleturn and multiturn.
+ *   Printed: The manual gives only the length of the position, not the order of singleturn and
+ *   multiturn.
  *   Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code,
  *   both form one word.
  *   Why: The preset, which becomes the position, is one number from 0 to Information per revolution
  *   x Number of revolutions - 1. Figures that might show the order are lost.
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
- *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 3 MHz.
+ *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
+ *   to 3 MHz.
  *   Used: Both limits are listed as printed.
  *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
- *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 3 MHz.
+ *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
+ *   to 3 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
- *   kHz to 3 MHz.
+ *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
+ *   used at 400 kHz to 3 MHz.
  * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
  *   Printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us (Tp > 12 us).
  *   Used: The minimum is 12 us. Use a longer pause.
- *   Why: "At least" allows 12 us. The sign ">" does not. A pause of exactly 12 us leaves no margin
- *   in either case. A typical value means that longer times occur, and an encoder with a Tm above
- *   12 us is not ready then. The AMM5 manual, with the same Tm, asks for 20 us.
+ *   Why: The words "at least" allow 12 us, but the sign ">" does not. A pause of exactly 12 us
+ *   leaves no margin in either case. A typical value means that longer times occur, and an encoder
+ *   with a Tm above 12 us is not ready then. The AMM5 manual, with the same Tm, asks for 20 us.
  * Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet,
  * icmu: p.30]:
- *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
- *   circuits are lost.
+ *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
+ *   value. The logic circuits are lost.
  *   Used: The start value is 0.
  *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
  *   devices may have another start value. With another start value, the CRC of every frame fails,
  *   with or without errors on the line.
  * Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
- *   Printed: Position has a variable length according to the resolution of the encoder, 36 bits at
- *   the most.
- *   Used: From the moment that a resolution is written, the position has the number of bits in
+ *   Printed: Position has a variable length according to the resolution of the encoder, at most 36
+ *   bits.
+ *   Used: As soon as a resolution is written, the position has the number of bits given by
  *   registers 56h and 57h.
  *   Why: 56h and 57h show the bits used for the current resolution, and a new resolution is active
  *   at once. The manual does not state directly that the frame then becomes shorter instead of
@@ -3330,8 +3335,8 @@ static inline lika_result lika_am36_identify(
  *   Printed: Profile ID 00 00. See Standard encoder profile, Variant 0-24.
  *   Used: The value is 00 00. The outputs do not derive a data length from it.
  *   Why: In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have
- *   28xx, with the data length in the low byte, for variants 0-24 and similar ones. A position of
- *   up to 36 bits does not fit 24 either.
+ *   28xx, with the data length in the low byte, for variants 0-24 and similar ones. Nor does a
+ *   position of up to 36 bits fit into 24.
  * Erratum serial_number_coding (open, wrong data) [6.5 p.24, amm5: 6.4 p.38, asc85: 6.4, amm36:
  * p.38]:
  *   Printed: In hexadecimal notation. Register 44: year, register 45: week, registers 46 and 47:
@@ -3339,10 +3344,10 @@ static inline lika_result lika_am36_identify(
  *   Used: The values are plain binary numbers. The year is the plain value of its byte. 46h is the
  *   high byte of the serial number.
  *   Why: The manual does not say whether year and week are binary or packed decimal digits, or from
- *   which year the year counts. It does not say which of 46h and 47h is the high byte. There is no
- *   example. In the AMM5, the same registers contain decimal digits of one number. In the ASC85,
- *   they contain one serial number. Both have the high byte first. The AMM36 manual prints the
- *   AMM5's example with its four bytes in reverse.
+ *   which year the year is counted. It does not say which of 46h and 47h is the high byte. There is
+ *   no example. In the AMM5, the same registers contain the decimal digits of one number. In the
+ *   ASC85, they contain one serial number. Both have the high byte first. The AMM36 manual prints
+ *   the AMM5's example with its four bytes in reverse.
  * Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
  *   Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with
  *   a new resolution and a new preset set together, Save parameters and activate Preset stores the
@@ -3354,19 +3359,19 @@ static inline lika_result lika_am36_identify(
  * Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33,
  * sma21: 6.4, am36_1_1: p.30]:
  *   Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if
- *   the bit is "1". The table of Configuration: 0 is Enable, 1 is Disable.
+ *   the bit is "1". The Configuration table says that 0 is Enable and 1 is Disable.
  *   Used: 0 enables the preset function. 1 disables it.
  *   Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0
- *   for enable. The same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in
+ *   for enable. So does the same bit in the SMA21 manual. Edition 1.1 repeats the warning in
  *   Preset.
  * Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]:
  *   Printed: Bit 8 Counting direction, in the list of the configuration example.
  *   Used: Counting direction is bit 6.
- *   Why: In the list, it is between bits 5 and 7. The register has 8 bits. The table has bit 6. The
- *   result 60h = 01100000 has bit 6 set.
+ *   Why: In the list, the entry is between bits 5 and 7. The register has only 8 bits. The table
+ *   lists it as bit 6. The result 60h = 01100000 has bit 6 set.
  * Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
- *   Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the
- *   bytes.
+ *   Printed: The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F,
+ *   without a table of the bytes.
  *   Used: The high byte comes first.
  *   Why: Only Preset has such a table, with its MSB in the first register. In the BiSS protocol
  *   description, the most significant byte has the lowest address.
@@ -3380,16 +3385,16 @@ static inline lika_result lika_am36_identify(
  * Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]:
  *   Printed: Default = 00 00 00 00 00 00h.
  *   Used: The default is five bytes of 00.
- *   Why: The register has five bytes, 50h to 54h. The list of defaults and both limits have five.
- *   The next byte is Device type.
+ *   Why: The register has five bytes, 50h to 54h. The default in the list and both limits also have
+ *   five bytes. The next byte is the Device type register.
  * Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
  *   Printed: Error and warning: not used, always 1.
  *   Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not
  *   usable if nE is 0. If nW is 0, it is usable with a warning.
- *   Why: The manual does not say what 0 means in these bits. Over BiSS, both are active at 0.
- *   Another encoder or a later firmware may use them.
+ *   Why: The manual does not say what 0 means in these bits. In the BiSS protocol, both bits are
+ *   active when they are 0. Another encoder or a later firmware may use them.
  * Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
- *   Printed: One device ID, AM I7 2 with the software version, for all models.
+ *   Printed: The manual gives one device ID, AM I7 2 with the software version, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires a different device ID for each data length. Here the length follows the
  *   current resolution, while the device ID remains the same. A master must read 56h and 57h to
@@ -3397,11 +3402,11 @@ static inline lika_result lika_am36_identify(
  * Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
  *   Printed: BiSS time-out self-adaptable to the clock, 10 us max.
  *   Used: The time-out is at most 10 us. No rule is given.
- *   Why: The manual does not say how the time follows the clock. The BiSS protocol description has
- *   1.5 periods for the shortest adaptive time-out, 7.5 us at 200 kHz, which agrees with the bound.
+ *   Why: The manual does not say how the time follows the clock. In the BiSS protocol description,
+ *   the shortest adaptive time-out is 1.5 periods, which is 7.5 us at 200 kHz and within the limit.
  * Erratum preset_example_bit (settled, wrong data) [6.5]:
  *   Printed: Table of the preset example: address 49, bit 2, data 0.
- *   Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
+ *   Used: Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  *   Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray
  *   (bit 5).
  * In edition 1.1 [am36_1_1: p.22]:
@@ -3423,7 +3428,7 @@ static inline lika_result lika_am36_identify(
  * In edition 1.1 [am36_1_1_biss: p.21]:
  *   Instead of: the note on BiSS C-mode.
  *   Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is
- *   always a slave, and the only one of its master. It must never be installed in a network with
+ *   always a slave, and it must be the only slave of its master. Never install it in a network with
  *   several slaves.
  *   Why: Section 6.6, which gives the clock, is not on a public page.
  * In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:

@@ -81,8 +81,9 @@ extern "C" {
  * interface: Interface and additional signals: BG1 = SSI with 1 Vpp sine and cosine; SC1 = BiSS
  * C-mode with 1 Vpp sine and cosine; JP1 = RS-485 serial interface.
  * On the label, a hyphen and further characters follow the interface. The manual does not explain
- * them. The order code and the serial number are on the label on the body and in the delivery
- * document. Lika asks for both in every enquiry. Technical data are in the catalogue.
+ * them. The order code and the serial number are printed on the label on the encoder body and in
+ * the delivery document. Lika asks for both numbers in every enquiry. Technical data are in the
+ * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum heading_g1 (settled, wrong limit).
@@ -363,8 +364,8 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
  * Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
  * Choose the answer for your encoder. No known source settles it, and there is no default.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. The wrong choice accesses twice the address or half of it, and a
- * write destroys other data there. Read and compare before you write.
+ * choose, and there is no default. With the wrong choice, an access reaches twice the address or
+ * half of it, and a write destroys other data there. Read and compare before you write.
  */
 typedef enum lika_amm5_eeprom_address {
     /** Bits 7:1, with MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
@@ -485,7 +486,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "busy",
             "BUSY",
             "not ready after power-on or during a reset. All position data are 0",
-            "The flag clears itself (speed of rotation down to 300 rpm or less)",
+            "The flag clears itself (once the speed of rotation is 300 rpm or less)",
             "7.4.1 p.44"
         },
         {
@@ -769,15 +770,15 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * The encoder is always a slave, and the only one of its master. It must never be installed in a
+ * The encoder is always a slave, and it must be the only slave of its master. Never install it in a
  * network with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6 p.31].
  * Profile: Standard encoder profile [6 p.31].
  * Network: point to point, one slave only [6 p.31].
  * Time-out: 1.5 clock periods (30 us at 50 kHz, 7.5 us at 200 kHz, 150 ns at 10 MHz) [6.5 p.40].
- * Control data: Each frame carries one bit of control data, for reading and writing the registers.
- * The manual describes the main fields and refers to the BiSS C protocol description for the whole
- * structure.
+ * Control data: Each frame carries one bit of control data, which is used to read and write the
+ * registers. The manual describes the main fields and refers to the BiSS C protocol description for
+ * the complete structure.
  * Erratum profile_id_missing (open, omission).
  * Erratum biss_min_clock (open, wrong limit).
  * Before edition 1.4: may differ, see the end of this file.
@@ -859,8 +860,8 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * single_cycle_data, sent by the encoder over BiSS C-mode: singleturn_bits + multiturn_bits + 8
  * bits, most significant first [6.2.1 p.32].
  * In the manual: Single Cycle Data SCD.
- * The manual uses Position (it: Posizione) for multiturn and singleturn together: 17 to 39 bits,
- * most significant bit first.
+ * The manual calls multiturn and singleturn together Position (Italian: Posizione). It has 17 to 39
+ * bits, most significant bit first.
  *   from bit singleturn_bits + 8 up  multiturn   multiturn_bits bits.
  *   from bit 8 up                    singleturn  singleturn_bits bits.
  *   bit 7                            error
@@ -1059,14 +1060,14 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(
 /**
  * Each byte is sent between a start bit and a delimiter, least significant bit first (7.6). These
  * are ten bits, as a serial port with one stop bit sends them. The low byte of a number is sent
- * first, in binary code (7.4). The encoder answers each request of the master with the control
- * field it received. To check that a byte has been written to the EEPROM, read it back with data ID
- * D. The manual gives no EEPROM write time for this interface. MEM BUSY shows when a write is in
- * progress.
+ * first, in binary code (7.4). Each reply of the encoder begins with the control field that it
+ * received from the master. To check that a byte has been written to the EEPROM, read it back with
+ * data ID D. The manual gives no EEPROM write time for this interface. MEM BUSY shows when a write
+ * is in progress.
  * Memory read, busy 0: The byte was read. Address: that of the request. Data: the EEPROM's data
  * [7.5 p.46].
- * Memory read, busy 1: The memory is busy: reading according to the table, writing according to the
- * sentence below it. The request is invalid. Address: that of the request. Data: 00h [7.5 p.46].
+ * Memory read, busy 1: The memory is busy. It is being read (table) or written (sentence below it).
+ * The request is invalid. Address: that of the request. Data: 00h [7.5 p.46].
  * Memory write, busy 0: The request was accepted. Address: that of the request. Data: that of the
  * request [7.5 p.46].
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
@@ -1078,7 +1079,7 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(
  * Erratum power_on_twice (open, omission).
  * Erratum singleturn_without_battery (open, omission).
  * Erratum battery_alarm_reset (open, omission).
- * Erratum data_id_8_scope (open, wrong data): Used: The table is followed. Data ID 8 resets
+ * Erratum data_id_8_scope (open, wrong data): Used: The outputs follow the table. Data ID 8 resets
  * singleturn and multiturn data.
  * Erratum reset_interval (open, omission).
  * Erratum busy_clear (open, omission).
@@ -1264,8 +1265,8 @@ static inline lika_result lika_amm5_data_request_encode(
  *   byte 2                              data
  *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. The wrong choice accesses twice the address or half of it, and a
- * write destroys other data there. Read and compare before you write.
+ * choose, and there is no default. With the wrong choice, an access reaches twice the address or
+ * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH 4U
 
@@ -1371,8 +1372,8 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
  *   byte 2                              crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. The wrong choice accesses twice the address or half of it, and a
- * write destroys other data there. Read and compare before you write.
+ * choose, and there is no default. With the wrong choice, an access reaches twice the address or
+ * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH 3U
 
@@ -1654,7 +1655,7 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(
  * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * Its data_id is 1 (multiturn).
- * In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
+ * Singleturn models use no bit of these three bytes. Unused high bits are 0.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: Type of the request, repeated in the reply.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -2283,8 +2284,8 @@ static inline uint32_t lika_amm5_complete_reply_reports(
  *   byte 2                              data
  *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. The wrong choice accesses twice the address or half of it, and a
- * write destroys other data there. Read and compare before you write.
+ * choose, and there is no default. With the wrong choice, an access reaches twice the address or
+ * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH 4U
 
@@ -2409,8 +2410,8 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  *   byte 2                              data
  *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. The wrong choice accesses twice the address or half of it, and a
- * write destroys other data there. Read and compare before you write.
+ * choose, and there is no default. With the wrong choice, an access reaches twice the address or
+ * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_READ_REPLY_LENGTH 4U
 
@@ -3520,7 +3521,7 @@ static inline lika_result lika_amm5_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    /* close them before saving, also done if an earlier step fails */
+    /* close the Preset registers before saving, also done if an earlier step fails */
     steps[15] = lika_step_close(0x40U, 0xFFU, 0x00U);
     steps[16] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
     steps[17] = lika_step_wait(30000U); /* EEPROM writing time */
@@ -3606,7 +3607,7 @@ static inline lika_result lika_amm5_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    /* close them before saving, also done if an earlier step fails */
+    /* close the Preset registers before saving, also done if an earlier step fails */
     steps[15] = lika_step_close(0x40U, 0xFFU, 0x00U);
     steps[16] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
     steps[17] = lika_step_wait(30000U); /* EEPROM writing time */
@@ -3722,7 +3723,7 @@ static inline lika_result lika_amm5_activate_preset(
  * Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with
  * or without an external battery.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
- * Erratum data_id_8_scope (open, wrong data): Used: The table is followed. Data ID 8 resets
+ * Erratum data_id_8_scope (open, wrong data): Used: The outputs follow the table. Data ID 8 resets
  * singleturn and multiturn data.
  * Erratum reset_interval (open, omission).
  * Erratum reset_standstill (open, wrong limit).
@@ -3765,7 +3766,7 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
 
 /**
  * Reset multiturn data and all errors [7.4.2 p.45].
- * Before: The shaft is at a standstill, that is 300 rpm or less.
+ * Before: The shaft is at a standstill, which the manual defines as 300 rpm or less.
  * Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST
  * error, MT error, and according to 7.4.1 also the battery alarm) are cleared.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
@@ -3808,7 +3809,7 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
 
 /**
  * Reset all errors [7.4.2 p.45].
- * Before: The shaft is at a standstill, that is 300 rpm or less.
+ * Before: The shaft is at a standstill, which the manual defines as 300 rpm or less.
  * Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery
  * alarm) are cleared.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
@@ -3857,7 +3858,7 @@ static inline lika_result lika_amm5_reset_errors(
  * Flag: busy in ALMC.
  * Detected: In normal operation, when the main power is turned on.
  * Clears itself when its cause is gone.
- * Remedy: The flag clears itself (speed of rotation down to 300 rpm or less).
+ * Remedy: The flag clears itself (once the speed of rotation is 300 rpm or less).
  * Erratum busy_clear (open, omission).
  */
 #define LIKA_AMM5_ALARM_BUSY_MASK 0x02U
@@ -3949,27 +3950,29 @@ static inline lika_result lika_amm5_reset_errors(
  *   Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13
  *   bits. 5.2: at least as many clocks as data bits.
  *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
- *   Why: The word is aligned to the left. One extra clock reads a zero after it. One missing clock
- *   may lose the LSB.
+ *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
+ *   few, the LSB may be lost.
  * Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2, it: 5.2]:
  *   Printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
  *   Used: 65KBG1.
  *   Why: The table just below it and the Italian edition have 65KBG1. No model has KG1.
  * Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
- *   Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the
- *   position.
+ *   Printed: The manual prints only "17 + 16 bits" and the like, not the order of singleturn and
+ *   multiturn in the position.
  *   Used: Multiturn comes first, as the more significant part. Singleturn follows.
  *   Why: The Preset registers contain one number with multiturn above singleturn (6.4). Figures
  *   that might show the order are lost.
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
- *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
+ *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
+ *   to 4 MHz.
  *   Used: Both limits are listed as printed.
  *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
- *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
+ *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
+ *   to 4 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
- *   kHz to 4 MHz.
+ *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
+ *   used at 400 kHz to 4 MHz.
  * Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
  *   Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is
  *   listed.
@@ -3983,24 +3986,24 @@ static inline lika_result lika_amm5_reset_errors(
  *   the number of the top bit in the table.
  * Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet,
  * icmu: p.30]:
- *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
- *   circuits are lost.
+ *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
+ *   value. The logic circuits are lost.
  *   Used: The start value is 0.
  *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
  *   devices may have another start value. With another start value, the CRC of every frame fails,
  *   with or without errors on the line.
  * Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44,
  * 9 p.51]:
- *   Printed: nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2:
- *   an error in the magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for
- *   ST error, EE_1 for BUSY flag, PS error, Battery alarm and MT error.
- *   Used: Each is used as printed. None is derived from another.
- *   Why: They do not map one to one. Over RS-485, MT error means a depleted battery and belongs to
- *   LED 1, but an error of the multiturn system is the warning of LED 2. PS error and BUSY flag
- *   have no LED and no bit of their own, and ST error is not mentioned with nE. A depleted battery
- *   is an error over BiSS. Over RS-485, it is in the same bit as a low battery.
+ *   Printed: nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and
+ *   LED 2: an error in the magnetic multiturn system, or a low battery, see Battery alarm. RS-485:
+ *   EE_0 for ST error, EE_1 for BUSY flag, PS error, Battery alarm and MT error.
+ *   Used: Each bit, LED and alarm is used as printed. None is derived from another.
+ *   Why: The bits, LEDs and alarms do not map one to one. Over RS-485, MT error means a depleted
+ *   battery and corresponds to LED 1, but an error in the multiturn system is the warning of LED 2.
+ *   PS error and BUSY flag have no LED and no bit of their own, and ST error is not mentioned with
+ *   nE. Over BiSS, a depleted battery is an error. Over RS-485, it shares a bit with a low battery.
  * Erratum unused_status_bits (open, omission) [7.3.2 p.42, 7.4 p.43]:
- *   Printed: EI_3 to EI_0 and four more bits of SF and ALMC: 0.
+ *   Printed: EI_3 to EI_0 and four more bits of SF and ALMC are printed as 0.
  *   Used: A reply with other values is decoded, and the bits are reported. Its position is usable
  *   with a warning.
  *   Why: The manual does not say what other values mean. Later firmware may use such a bit. Sync
@@ -4008,20 +4011,20 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum position_under_error (open, omission) [6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24,
  * 7.3.2 p.42, 7.4.1 p.44]:
  *   Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low
- *   battery (warning alone): the position is kept. The effect of the other errors on the position
- *   is not given.
+ *   battery (warning alone): the position is kept. The manual does not say how the other errors
+ *   affect the position.
  *   Used: The position is not usable if any of these is active: error, BUSY, PS error or ST error.
  *   Latched errors count until they are reset. In multiturn models, the MT error or the warning bit
  *   also makes the position not usable. With the battery alarm, it is usable with a warning. EE_1,
  *   which combines BUSY, PS error, battery alarm and MT error, makes the position not usable. If
  *   the frame also carries these four flags (data ID 3), they decide instead.
  *   Why: PS error and ST error are faults of the counting itself. The position may have been
- *   counted wrongly before the error was detected. Where EE_1 is the only information, the position
- *   may be the 0 of BUSY. The warning bit means a low battery, with which the position is kept
- *   (4.3.1), or an error in the magnetic multiturn system, which may make the number of revolutions
- *   wrong. The frame does not distinguish them, so the worse case applies. After a depleted battery
- *   the singleturn position is correct (4.3.2, step 9). Replies that carry only the singleturn
- *   position are still treated as not usable.
+ *   counted wrongly before the error was detected. If EE_1 is the only information, the position
+ *   may be the 0 that is sent while BUSY is active. The warning bit means a low battery, with which
+ *   the position is kept (4.3.1), or an error in the magnetic multiturn system, which may make the
+ *   number of revolutions wrong. The frame does not distinguish them, so the worse case applies.
+ *   After a depleted battery the singleturn position is correct (4.3.2, step 9). Replies that carry
+ *   only the singleturn position are still treated as not usable.
  * Erratum preset_limit (settled, wrong limit) [6.4, it: 6.4]:
  *   Printed: English: less than the total hardware resolution. Italian: less than or equal to it
  *   (minore o uguale).
@@ -4031,14 +4034,14 @@ static inline lika_result lika_amm5_reset_errors(
  *   Printed: English: the number of revolutions is always 65,536 in all models. Italian: in all
  *   multiturn models.
  *   Used: Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.
- *   Why: Models of 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not
+ *   Why: Models with 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not
  *   give the content of their bits 48:33.
  * Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]:
- *   Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 at 21
- *   bits and 16 at 17 bits.
+ *   Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 with 21
+ *   bits and 16 with 17 bits.
  *   Used: All bits below the lowest singleturn bit are 0.
- *   Why: The example at 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual has the same
- *   at 20 bits. Bits 15:10 at 17 bits are not given anywhere.
+ *   Why: The example with 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual has the
+ *   same with 20 bits. For 17 bits, the manual does not define bits 15:10.
  * Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
  *   Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
  *   Used: The registers are used as printed.
@@ -4046,7 +4049,7 @@ static inline lika_result lika_amm5_reset_errors(
  *   switches. A master that follows the map may write 40h on its own. Bank 1 would open the preset,
  *   and bank 0 would close it.
  * Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
- *   Printed: One device ID, AMM5 with the release, for all models.
+ *   Printed: The manual gives one device ID, AMM5 with the release, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires a different device ID for each data length. The SC1 models have six lengths.
  *   Unless the release bytes, printed as xx, differ with them, a master cannot distinguish the
@@ -4056,14 +4059,14 @@ static inline lika_result lika_amm5_reset_errors(
  *   Used: The high byte comes first, as printed.
  *   Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to
  *   47h and reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to
- *   47h, so an older AMM5 may answer in the other order. An impossible year or week shows the wrong
- *   order.
+ *   47h, so an older AMM5 may answer in the other order. An impossible year or week indicates the
+ *   wrong order.
  * Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
- *   Printed: The clock is 50 kHz at least. The time-out is worked out for 50 kHz as well.
+ *   Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
  *   Used: The lowest clock is 50 kHz.
- *   Why: The BiSS protocol description starts at 80 kHz.
+ *   Why: In the BiSS protocol description, the clock range starts at 80 kHz.
  * Erratum control_field_structure (settled, omission) [7.3.1 p.42, stmbl: src/comps/smartabs.c]:
- *   Printed: One byte for each data ID, without its structure.
+ *   Printed: The manual prints one byte for each data ID, without its structure.
  *   Used: Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.
  *   Why: All nine printed bytes fit this structure. Public sources give it for the T-format.
  * Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
@@ -4076,8 +4079,8 @@ static inline lika_result lika_amm5_reset_errors(
  *   not show whether the frame is valid. Sync code, data ID, length and CRC do.
  * Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
  *   Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
- *   Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has
- *   been read.
+ *   Used: EE_1 is one flag, status_other_error. Do not trust a position received with it until ALMC
+ *   has been read.
  *   Why: BUSY does not latch, and all position data are 0 while it is active. The other three
  *   latch, and the position may be correct. The replies to data IDs 0, 1, 2, 7, 8 and C do not
  *   distinguish them. Data ID 3 has ALMC, which does.
@@ -4110,18 +4113,18 @@ static inline lika_result lika_amm5_reset_errors(
  * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
  *   Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting
  *   after Data ID 8.
- *   Used: The table is followed. Data ID 8 resets singleturn and multiturn data.
+ *   Used: The outputs follow the table. Data ID 8 resets singleturn and multiturn data.
  *   Why: The table says it twice, the note only in passing. However, public T-format documents list
  *   three resets: of the data in one revolution, of the multiturn data, and of errors. C and 7 are
  *   two of them, so the first would be this request.
  * Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk:
  * samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
  * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
- *   Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is
+ *   Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is
  *   sent as 0Ah.
- *   Used: Either position is possible. The user must choose, and there is no default. The wrong
- *   choice accesses twice the address or half of it, and a write destroys other data there. Read
- *   and compare before you write.
+ *   Used: Either position is possible. The user must choose, and there is no default. With the
+ *   wrong choice, an access reaches twice the address or half of it, and a write destroys other
+ *   data there. Read and compare before you write.
  *   Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro
  *   prints 32 7F 01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address
  *   01h). Bit 0 is 1 in all of them, but according to this manual it is 0 from a master. TI's
@@ -4155,7 +4158,7 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
  *   Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or
  *   less).
- *   Used: The condition is a standstill, that is 300 rpm or less, as printed.
+ *   Used: The condition is standstill, which the manual defines as 300 rpm or less.
  *   Why: A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition
  *   at all. The description of data ID 8 requires a stop but gives no speed.
  * Erratum busy_clear (open, omission) [7.4.1 p.44, it: 7.4.1 p.44]:
@@ -4167,16 +4170,16 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
  *   Printed: Pause of at least 20 us (Tp > 20 us).
  *   Used: The minimum is 20 us. Use a longer pause.
- *   Why: "At least" allows 20 us. The sign ">" does not.
+ *   Why: The words "at least" allow 20 us, but the sign ">" does not.
  * Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
- *   Printed: Requests and replies, without the time between them.
+ *   Printed: The manual describes requests and replies, but not the time between them.
  *   Used: The outputs have no reply time and no time-out. The master chooses its time-out.
  *   Why: The manual gives neither the shortest nor the longest time from the end of a request to
  *   the reply. Without a shortest time, the master must release the line immediately after the stop
  *   bit of its request. Otherwise the first byte of the reply is lost.
  * Before edition 1.8 [Document release]:
  *   Not present: order codes with mount B.
- *   Why: AMM5B was introduced with this revision.
+ *   Why: This revision introduced AMM5B.
  * Before edition 1.7 [Document release, amm36: p.38]:
  *   Not known: register serial_number.
  *   Why: Registers 44h to 47h were updated. The table does not give their earlier content. The
@@ -4189,12 +4192,10 @@ static inline lika_result lika_amm5_reset_errors(
  *   in 7Ch and the software release in 7Dh. An older AMM5 may do the same.
  * Before edition 1.6 [Document release]:
  *   Not present: order codes with interface BG1 and order codes with interface JP1.
- *   Why: The versions with SSI and with RS-485 came with this revision. All earlier encoders had
- *   BiSS.
+ *   Why: This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.
  * Before edition 1.6 [Document release]:
  *   Not present: SSI and RS-485.
- *   Why: The versions with SSI and with RS-485 came with this revision. All earlier encoders had
- *   BiSS.
+ *   Why: This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.
  * Before edition 1.4 [Document release]:
  *   Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure
  *   store_preset, procedure save_parameters and procedure activate_preset.

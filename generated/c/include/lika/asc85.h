@@ -72,8 +72,9 @@ extern "C" {
  * DC +/-5 %; 2 = +10 V DC to +30 V DC.
  * Other values that match [0-9] are accepted and shown as unlisted.
  * On the label, a hyphen and further characters follow the supply. The manual does not explain
- * them. The order code and the serial number are on the label on the body and in the delivery
- * document. Lika asks for both in every enquiry. Technical data are in the catalogue.
+ * them. The order code and the serial number are printed on the label on the encoder body and in
+ * the delivery document. Lika asks for both numbers in every enquiry. Technical data are in the
+ * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum supply_digit (open, omission).
@@ -599,14 +600,14 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * The encoder is always a slave, and the only one of its master. It must never be installed in a
+ * The encoder is always a slave, and it must be the only slave of its master. Never install it in a
  * network with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for CLOCK IN (MA) and DATA OUT (SLO) [6 p.19].
  * Profile: BP1: Standard Encoder Profile [6 p.19].
  * Network: point to point, one slave only [6 p.19].
- * Control data: Each frame carries one bit of control data, for reading and writing the registers.
- * The manual describes the main fields and refers to the BiSS C protocol description for the whole
- * structure.
+ * Control data: Each frame carries one bit of control data, which is used to read and write the
+ * registers. The manual describes the main fields and refers to the BiSS C protocol description for
+ * the complete structure.
  * Erratum biss_timeout (open, omission).
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 10 MHz [6.5 p.32]. */
@@ -1301,11 +1302,12 @@ typedef enum lika_asc85_command {
      */
     LIKA_ASC85_COMMAND_READ_ABSOLUTE_DATA = 0x02,
     /**
-     * Trigger software reset: Restarts the encoder and reads the configuration from the EEPROM,
-     * protected by a CRC. If the CRC does not confirm it at the first attempt, as with an EEPROM
-     * never programmed, all configuration registers become 0, Configuration error becomes 1, and
-     * the serial interface starts with the SSI protocol. Without an EEPROM, the internal registers
-     * become 0, Configuration error becomes 1, and the interface starts as set. [6.4 p.26]
+     * Trigger software reset: Restarts the encoder and reads the configuration, which a CRC
+     * protects, from the EEPROM. If the CRC check fails at the first attempt, for example because
+     * the EEPROM was never programmed, all configuration registers become 0, Configuration error
+     * becomes 1, and the serial interface starts with the SSI protocol. Without an EEPROM, the
+     * internal registers become 0, Configuration error becomes 1, and the interface starts as
+     * configured. [6.4 p.26]
      */
     LIKA_ASC85_COMMAND_SOFTWARE_RESET = 0x03,
     /**
@@ -2250,7 +2252,7 @@ static inline lika_result lika_asc85_read_absolute_data(
  * Reset the encoder [6.4 p.26].
  * Result: The encoder works with the configuration from the EEPROM.
  * The wait follows from the meaning of the status bit. The manual gives no time, and it does not
- * say that the bit goes to 0 first. If the CRC does not confirm the configuration, the interface
+ * say that the bit goes to 0 first. If the CRC check of the configuration fails, the interface
  * restarts with the SSI protocol and answers no register access. Stop polling after a while.
  */
 #define LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT 3U
@@ -2264,7 +2266,8 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
         /* Configuration completed: configuration verified, absolute data read */
         { LIKA_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
         /*
-         * Configuration error: 0. Also read it if polling was stopped and the encoder still answers
+         * Configuration error: should be 0. Also read it if you stopped polling and the encoder
+         * still answers
          */
         { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
@@ -2277,8 +2280,8 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
  */
 typedef struct lika_asc85_software_reset_read {
     /**
-     * Configuration error of Error register: 0. Also read it if polling was stopped and the encoder
-     * still answers
+     * Configuration error of Error register: should be 0. Also read it if you stopped polling and
+     * the encoder still answers
      */
     uint8_t error_register[1];
 } lika_asc85_software_reset_read;
@@ -2717,15 +2720,15 @@ static inline lika_result lika_asc85_identify(
  *   GG, without their meaning.
  *   Used: BG is binary, GG is Gray.
  *   Why: The AMM5 manual has one SSI code, BG1, and calls its output binary. The SMA21 manual calls
- *   the output of its G1x models Gray and also lists BG and GG. The same meaning of the letters in
- *   this manual is an inference. To check, turn the shaft slowly. If neighbouring positions jump,
- *   the other code is in use.
+ *   the output of its G1x models Gray and also lists BG and GG. This spec infers that the letters
+ *   have the same meaning in this manual. To check, turn the shaft slowly. If neighbouring
+ *   positions jump, the other code is in use.
  * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
  *   Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks
  *   as data bits.
  *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
- *   Why: The word is aligned to the left. One extra clock reads a zero after it. One missing clock
- *   may lose the LSB.
+ *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
+ *   few, the LSB may be lost.
  * Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]:
  *   Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
  *   Used: The bits are 19:0 to 24:0, with bit 0 as the LSB.
@@ -2733,25 +2736,27 @@ static inline lika_result lika_asc85_identify(
  *   at 0. Everything else in the manual counts from 0. (The SMA21 manual also numbers its position
  *   n ... 1, and has an error bit at 0.).
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
- *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
+ *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
+ *   to 4 MHz.
  *   Used: Both limits are listed as printed.
  *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
- *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
+ *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
+ *   to 4 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
- *   kHz to 4 MHz.
+ *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
+ *   used at 400 kHz to 4 MHz.
  * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
  *   Printed: Pause of at least 12 us (Tp > 12 us). Tm has a typical duration of 12 us.
  *   Used: The minimum is 12 us. Use a longer pause.
- *   Why: "At least" allows 12 us. The sign ">" does not. A pause of exactly 12 us leaves no margin
- *   in either case. The encoder is ready again only after Tm, and the typical Tm is too short for
- *   every encoder with a longer Tm. The AMM5 manual asks for 20 us with the same Tm, the SMA21
- *   manual for 16 us.
+ *   Why: The words "at least" allow 12 us, but the sign ">" does not. A pause of exactly 12 us
+ *   leaves no margin in either case. The encoder is ready again only after Tm, and the typical Tm
+ *   is too short for every encoder with a longer Tm. The AMM5 manual asks for 20 us with the same
+ *   Tm, the SMA21 manual for 16 us.
  * Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet,
  * icmr: p.35, onstepx: src/lib/encoder/bissc/Asc85.cpp]:
- *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
- *   circuits are lost.
+ *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
+ *   value. The logic circuits are lost.
  *   Used: The start value is 0.
  *   Why: In public BiSS documents, the start value is 0 unless something else is stated. The one
  *   public driver for this encoder does so too. However, a public controller with the same
@@ -2761,8 +2766,8 @@ static inline lika_result lika_asc85_identify(
  *   Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter
  *   and the interpolator.
  *   Used: The command and the error are described as printed.
- *   Why: This encoder has one turn and no revolutions to count. The manual does not say what the
- *   counter counts. In a public controller with the same commands, it counts the periods of the
+ *   Why: This encoder has a single turn and no revolutions to count. The manual does not say what
+ *   the counter counts. In a public controller with the same commands, it counts the periods of the
  *   sine and cosine signals within the turn.
  * Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23,
  * onstepx: src/lib/encoder/bissc/Asc85.cpp]:
@@ -2777,8 +2782,8 @@ static inline lika_result lika_asc85_identify(
  *   bit too many or too few rejects every undisturbed frame, because the inverted CRC never fits a
  *   frame shifted by one bit. This does not hold for a word that a master received with the correct
  *   length. The CRC does not detect leading zeros, so the wrong layout accepts every second
- *   position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
- *   long as that of 24 bits with it.
+ *   position and shows half or twice its value. Also, the frame for 25 bits without the 0 bit is as
+ *   long as the frame for 24 bits with it.
  * Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr:
  * p.34-35]:
  *   Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
@@ -2841,7 +2846,7 @@ static inline lika_result lika_asc85_identify(
  *   Since the profile ID is also the same, a master cannot distinguish the models.
  * Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
  *   Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
- *   Used: Only this value is used. There is no rule for other clocks.
+ *   Used: Only this value is used. The outputs have no rule for other clock frequencies.
  *   Why: An adaptive time-out follows the clock, but the manual gives no rule. At 10 MHz, the one
  *   and a half clock periods of the BiSS description and of the AMM5 manual are 0.15 us. 0.35 us
  *   are three and a half periods.

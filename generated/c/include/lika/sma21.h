@@ -80,9 +80,9 @@ extern "C" {
  * resolution: Resolution: 0050 = 50 um; 0010 = 10 um; 0005 = 5 um; 0002 = 2 um; 0001 = 1 um.
  * On the label, a hyphen and further characters follow the resolution. The manual does not explain
  * them. It prints x for the supply digit of all models except JP1, and explains 1 and 4 by example.
- * The order code and the serial number are on the label on the body and in the delivery document.
- * Lika asks for both in every enquiry. Technical data are in the catalogue. The order code of the
- * tape is in its data sheet.
+ * The order code and the serial number are printed on the label on the encoder body and in the
+ * delivery document. Lika asks for both numbers in every enquiry. Technical data are in the
+ * catalogue. The order code of the tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum order_code_key (open, omission).
@@ -828,15 +828,15 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
- * The encoder is a slave, and the only one of its master. It must not be connected to a network
- * with several slaves. For everything else, the manual refers to www.biss-interface.com.
+ * The encoder is a slave, and it must be the only slave of its master. Do not connect it to a
+ * network with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock (MA) and Data (SLO) [6 p.24].
  * Profile: Standard encoder profile, data format, Variant 0-24 (50 um to 2 um) or Variant 0-24+++
  * (1 um) [6 p.24].
  * Network: point to point, one slave only [6 p.24].
- * Control data: Each frame carries one bit of control data, for reading and writing the registers.
- * The manual describes the main fields and refers to the document "Protocol description C-mode" for
- * the whole structure.
+ * Control data: Each frame carries one bit of control data, which is used to read and write the
+ * registers. The manual describes the main fields and refers to the document "Protocol description
+ * C-mode" for the complete structure.
  * Erratum profile_variants (open, wrong data): Used: Each is used as printed.
  * Erratum biss_timeout (open, omission).
  */
@@ -1083,8 +1083,9 @@ static inline uint32_t lika_sma21_single_cycle_data_reports(
 /**
  * Each byte is sent between a start bit, 0, and a delimiter, 1, least significant bit first (7.3.1
  * to 7.3.4). These are ten bits, as a serial port with one stop bit sends them. The low byte of a
- * number is sent first. The encoder answers each request of the master with the control field it
- * received. A request is not valid if its sync code, data ID, parity, delimiter or length is wrong.
+ * number is sent first. Each reply of the encoder begins with the control field that it received
+ * from the master. A request is not valid if its sync code, data ID, parity, delimiter or length is
+ * wrong.
  * Erratum zero_setting_rs485 (open, wrong limit).
  * Erratum control_field_structure (settled, omission).
  * Erratum position_under_error (open, omission).
@@ -3824,8 +3825,8 @@ static inline lika_result lika_sma21_reset_errors(
  * Before: The encoder is at rest.
  * Result: The position is 0.
  * The ten requests must follow one another directly. Stop polling the position during the reset. No
- * request is accepted during the reset, since the absolute positions are composed and the EEPROM is
- * written. The manual does not say how long it takes.
+ * request is accepted during the reset, because the encoder is computing the absolute positions and
+ * writing the EEPROM. The manual does not say how long it takes.
  * Erratum zero_setting_rs485 (open, wrong limit).
  * Erratum reset_interval (open, omission).
  * Erratum rs485_reset_duration (open, omission).
@@ -3936,16 +3937,17 @@ static inline lika_result lika_sma21_reset_position(
 
 /**
  * Erratum order_code_key (open, omission) [4.1 p.15, 5.1, 5.2 p.20]:
- *   Printed: See the order code (si veda il codice di ordinazione), for the output code, the supply
- *   and the incremental signals.
+ *   Printed: The manual refers to the order code (si veda il codice di ordinazione) for the output
+ *   code, the supply and the incremental signals.
  *   Used: BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.
- *   Why: The key is not in the manual. It explains only G1 (Gray with AB /AB), SC, and, by the
- *   example of SC, the supplies 1 and 4. BG is binary in the AMM5 manual of the same manufacturer.
- *   GG is the remaining code. Other supply digits and the rest of the label have no explanation.
+ *   Why: The manual does not contain the key to the order code. It explains only G1 (Gray with AB
+ *   /AB) and SC, and it shows the supplies 1 and 4 with SC as an example. BG is binary in the AMM5
+ *   manual of the same manufacturer. GG is the remaining code. Other supply digits and the rest of
+ *   the label have no explanation.
  * Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet,
  * icmu: p.30]:
- *   Printed: Polynomials and inverted output of both CRCs, without a start value. The logic
- *   circuits are lost.
+ *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
+ *   value. The logic circuits are lost.
  *   Used: The start value is 0.
  *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
  *   devices may have another start value. With another start value, the CRC of every frame fails,
@@ -3959,23 +3961,25 @@ static inline lika_result lika_sma21_reset_position(
  * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]:
  *   Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least
  *   as many clocks as data bits.
- *   Used: The outputs do not enforce either rule. One clock more than the word has bits satisfies
- *   both.
+ *   Used: The outputs do not enforce either rule. Sending one more clock than there are bits in the
+ *   word satisfies both.
  *   Why: Because of the error bit, the word is one bit longer than the resolution. n + 1 edges with
  *   the resolution as n would be just enough for that last bit. 5.1 describes SSI in general, where
  *   the word has as many bits as the resolution.
  * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
- *   Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 1 MHz.
+ *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
+ *   to 1 MHz.
  *   Used: Both limits are listed as printed.
  *   Why: For cables of 200 m or more, the table allows no clock within the range.
  * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
- *   Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 1 MHz.
+ *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
+ *   to 1 MHz.
  *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest row of the table. According to the table, no cable may be used at 400
- *   kHz to 1 MHz.
+ *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
+ *   used at 400 kHz to 1 MHz.
  * Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
- *   Printed: The output code can be binary or Gray, without saying which bits of the frame it
- *   covers.
+ *   Printed: The manual says that the output code can be binary or Gray, but not which bits of the
+ *   frame it covers.
  *   Used: Only the position is coded. The error bit, the warning bit and the CRC are sent
  *   unchanged.
  *   Why: 6.4 refers to the absolute position information, and a flag in Gray code would change with
@@ -3996,15 +4000,15 @@ static inline lika_result lika_sma21_reset_position(
  *   from 50 um to 5 um the bits above the position carry data. The zeros of 6.2 apply without an
  *   offset. Only a frame of an encoder with an offset could confirm this.
  * Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
- *   Printed: Positions before the preset get a value according to it. The values sent below zero or
- *   above the maximum are not given.
+ *   Printed: Positions before the preset get a value according to it. The manual does not give the
+ *   values sent below zero or above the maximum.
  *   Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit
  *   replies over RS-485, it wraps around after as many counts as its bits can represent. The 48-bit
  *   position goes below zero.
  *   Why: A preset of 0 or a reset of the position within the travel leaves positions below it. All
  *   position fields are unsigned except that of data ID 5.
  * Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
- *   Printed: Warning, nW, without the level that means a warning.
+ *   Printed: The manual lists Warning, nW, but does not say which level means a warning.
  *   Used: 0 means a warning, as with the error bit.
  *   Why: The name nW and the BiSS documents make it active low. The bit is only for Lika's
  *   technicians.
@@ -4013,15 +4017,16 @@ static inline lika_result lika_sma21_reset_position(
  *   position in a field of 24 bits.
  *   Used: Each is used as printed.
  *   Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the
- *   length of the whole field, not of the position, and one more bit goes with one plus sign fewer.
- *   A master that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here.
+ *   length of the whole field, not of the position, and the variant with one more bit has one plus
+ *   sign fewer. A master that takes the length of the data from the profile ID would miss 4, 2 or 1
+ *   bits here.
  * Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
  *   Printed: Year, week and number in hexadecimal (in esadecimale), without an example.
  *   Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte
  *   first.
  *   Why: The text does not say whether the digits are binary or decimal in each byte, from which
- *   year the year counts, or which of 46h and 47h is the high byte. The AMM5 manual reads the same
- *   four registers as one number whose decimal digits are year, week and number.
+ *   year the year is counted, or which of 46h and 47h is the high byte. The AMM5 manual reads the
+ *   same four registers as one number whose decimal digits are year, week and number.
  * Erratum offset_meaning (open, wrong data) [6.4 p.32]:
  *   Printed: An offset gives a position a wanted value, is applied to the position at its
  *   activation, and shifts all values by its amount.
@@ -4030,7 +4035,7 @@ static inline lika_result lika_sma21_reset_position(
  *   does not depend on the sensor position. A value given to a position would be a preset.
  * Erratum offset_range (settled, wrong limit) [6.4 p.32]:
  *   Printed: The values run from the offset to the sum of offset and number of positions.
- *   Used: The values end at that sum less 1.
+ *   Used: The highest value is that sum minus 1.
  *   Why: The same number of values as before, starting with the offset, ends one below the sum.
  *   With the highest offset, the sum itself would need one bit more than the field has.
  * Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
@@ -4039,7 +4044,8 @@ static inline lika_result lika_sma21_reset_position(
  *   Why: BiSS requires a different device ID for each data length, and 1 um has one more bit.
  *   Unless the release bytes, printed as xx, differ, only the profile ID distinguishes the models.
  * Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
- *   Printed: The BiSS time-out adapts itself to the clock, 16 us at most. No rule is printed.
+ *   Printed: The BiSS time-out adapts to the clock frequency and is at most 16 us. The manual does
+ *   not print a rule.
  *   Used: The time-out is at most 16 us.
  *   Why: In the BiSS protocol description, the time-out is at least 1.5 clock periods, which is 7.5
  *   us at 200 kHz. The ASC85 manual has 3.5 periods, which would be 17.5 us.
@@ -4050,21 +4056,21 @@ static inline lika_result lika_sma21_reset_position(
  *   sets bits 6 and 5.
  * Erratum control_field_structure (settled, omission) [7.3.1 p.38, 7.2.2 p.37, stmbl:
  * src/comps/smartabs.c]:
- *   Printed: Five bits cc0 to cc4 as ID code.
- *   Used: cc0 to cc3 are the data ID, cc4 is its even parity bit.
+ *   Printed: The ID code has five bits, cc0 to cc4.
+ *   Used: cc0 to cc3 are the data ID, and cc4 is its even parity bit.
  *   Why: 7.2.2 mentions a parity that the structure does not show. All five printed bytes fit. With
  *   five bits, A2h would be ID 14h and DAh would be ID 1Bh.
  * Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
- *   Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the
- *   position, or the motor has to stop. nE: the last valid position may be frozen, wrong data may
- *   be sent. The effect of single alarms and of nW on the position is not given.
+ *   Printed: ea0: a fault may follow, but the position is correct. ea1: there is a fault or an
+ *   error in the position, or the motor must stop. nE: the last valid position may be frozen, or
+ *   wrong data may be sent. The manual does not say how single alarms and nW affect the position.
  *   Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of
  *   ea1. Stored errors count until they are reset. The position is usable with a warning if any of
  *   these is active: ea0, an alarm that is part of ea0, or nW. It is usable while none is active
  *   (9.1).
  *   Why: ea1 does not show which of the three it is. With an error only in the EEPROM, the position
  *   may be correct, but the manual does not say so. nW is for Lika's technicians, and there is no
- *   evidence against a position with it.
+ *   evidence that a position with it is wrong.
  * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
  *   Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
  *   Used: The highest value is 7FFFFFFFFFFFh.
@@ -4112,9 +4118,9 @@ static inline lika_result lika_sma21_reset_position(
  *   alto).
  *   Used: This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error,
  *   and it stays high until it is reset.
- *   Why: 7.3.2 and the note in 9.1 say so. Section 9 does not distinguish the interfaces.
+ *   Why: 7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.
  * Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
- *   Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of
+ *   Printed: Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of
  *   transmission.
  *   Used: ABS0 is sent first.
  *   Why: The text above both tables says that the position is sent from the least to the most
@@ -4128,9 +4134,9 @@ static inline lika_result lika_sma21_reset_position(
  * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
  *   Printed: Pause of at least 16 us (Tp > 16 us).
  *   Used: The minimum is 16 us. Use a longer pause.
- *   Why: "At least" allows 16 us. The sign ">" does not.
+ *   Why: The words "at least" allow 16 us, but the sign ">" does not.
  * Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
- *   Printed: Requests and replies, without the time between them.
+ *   Printed: The manual describes requests and replies, but not the time between them.
  *   Used: The outputs have no reply time and no time-out. The master chooses its time-out.
  *   Why: The manual gives neither the shortest nor the longest time from the end of a request to
  *   the reply. Without a shortest time, the master must release the line immediately after the stop
@@ -4139,7 +4145,7 @@ static inline lika_result lika_sma21_reset_position(
  *   In the spec: whether field encoder_inharmonious_error of group of fields alarm_field is
  *   implemented and whether alarm encoder_inharmonious_error is implemented.
  *   In that edition: yes.
- *   Why: The alarm was removed with this revision, so older encoders may have it.
+ *   Why: This revision removed the alarm, so older encoders may have it.
  * Before edition 1.1 [Release table]:
  *   In the spec: the meaning of an active field encoder_inharmonious_error of group of fields
  *   alarm_field.

@@ -8,8 +8,9 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
-from .._reports import Verdict
+from codewheel_runtime.shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
+from codewheel_runtime.reports import Verdict
+
 from ..am36 import BissEncoder, SsiEncoder, crc_biss_6
 
 

@@ -10,9 +10,10 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
-from .._reports import Verdict
-from .._table import Fault
+from codewheel_runtime.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
+from codewheel_runtime.reports import Verdict
+from codewheel_runtime.table import Fault
+
 from ..asc85 import BissEncoder, SsiEncoder, ZeroBit, crc_biss_6
 
 

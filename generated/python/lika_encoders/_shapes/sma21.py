@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
-from .._reports import Verdict
-from .._table import Fault
+from codewheel_runtime.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
+from codewheel_runtime.reports import Verdict
+from codewheel_runtime.table import Fault
+
 from ..sma21 import BissEncoder, Rs485Encoder, SsiEncoder, crc_biss_6, crc_rs485_8
 
 

@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from .._codec import Interface
-from .._facts import (
+from codewheel_runtime.facts import (
     AboveMax,
     Access,
     Alarm,
@@ -46,8 +45,8 @@ from .._facts import (
     TimeoutRule,
     Timing,
 )
-from .._order_codes import OrderCode, Part, PartValue, SpelledValue, Spelling
-from .._reports import ReadOnly, Report, Reports, Verdict
+from codewheel_runtime.order_codes import OrderCode, Part, PartValue, SpelledValue, Spelling
+from codewheel_runtime.reports import Interface, ReadOnly, Report, Reports, Verdict
 
 MANUAL: Final = Manual(
     title="AM36 AMC36",
@@ -110,13 +109,13 @@ ORDER_CODE: Final = OrderCode(
         "electrically. It may come with its own documentation for special connections (Technical Info)."
     ),
     note=(
-        "On the label, a hyphen and further characters follow the output. The manual does not explain them. For BiSS "
+        "On the label, a hyphen and further characters follow the output. The manual does not explain them. For BiSS, "
         "it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value for the singleturn "
-        "resolution. The listed values are those of the SSI table. Over BiSS, other values are accepted as unlisted. "
-        "They have no effect on the frame, because its widths are read from registers 56h and 57h. Edition 1.1 writes "
-        "the codes without the hyphen, with SCx for BiSS. Such labels are also accepted. The order code and the "
-        "serial number are on the label on the body and in the delivery document. Lika asks for both in every "
-        "enquiry. Technical data are in the catalogue."
+        "resolution. The listed values are those of the SSI table. Over BiSS, other values are also accepted, and "
+        "they are shown as unlisted. They do not affect the frame, because the widths of its fields are read from "
+        "registers 56h and 57h. Edition 1.1 writes the codes without the hyphen, with SCx for BiSS. Such labels are "
+        "also accepted. The order code and the serial number are printed on the label on the encoder body and in the "
+        "delivery document. Lika asks for both numbers in every enquiry. Technical data are in the catalogue."
     ),
     source="5, 5.2, 6, 6.5 p.31",
     also_written=(
@@ -185,12 +184,12 @@ CRCS: Final[tuple[Crc, ...]] = (
 # SSI
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
-# Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 3 MHz.
+# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
-# Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 3 MHz.
+# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
@@ -248,8 +247,8 @@ SSI: Final = SsiFacts(
 # BiSS C-mode
 #
 # Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-# Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more than
-# 4,096 set, at most 2,047 revolutions either way while switched off.
+# Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than 4,096
+# are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 #
 # Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
@@ -258,8 +257,8 @@ SSI: Final = SsiFacts(
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
 # Instead of: the note on BiSS C-mode.
-# Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is always a slave, and the
-# only one of its master. It must never be installed in a network with several slaves.
+# Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is always a slave, and it
+# must be the only slave of its master. Never install it in a network with several slaves.
 # Why: Section 6.6, which gives the clock, is not on a public page.
 #
 # In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
@@ -311,8 +310,8 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
-        "main fields and refers to the BiSS C protocol description for the whole structure."
+        "Each frame carries one bit of control data, which is used to read and write the registers. The manual "
+        "describes the main fields and refers to the BiSS C protocol description for the complete structure."
     ),
     description_file="idbiss4C69.xml",
     timings=(
@@ -327,10 +326,10 @@ BISS: Final = BissFacts(
         ),
     ),
     note=(
-        "With the factory defaults, the shaft must not turn by more than 2,047 revolutions either way while the "
-        "encoder is off. Otherwise the absolute position is lost. The reason is that the default of 65,536 "
-        "revolutions is more than 4,096. The encoder is always a slave, and the only one of its master. It must never "
-        "be installed in a network with several slaves. For everything else, the manual refers to "
+        "With the factory defaults, the shaft must not turn by more than 2,047 revolutions in either direction while "
+        "the encoder is off. Otherwise the absolute position is lost. The reason is that the default of 65,536 "
+        "revolutions is more than 4,096. The encoder is always a slave, and it must be the only slave of its master. "
+        "Never install it in a network with several slaves. For everything else, the manual refers to "
         "www.biss-interface.com."
     ),
     source="6",
@@ -554,8 +553,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value "
                 "takes effect immediately, which can change the length of the frame, and sets the preset to zero. The "
                 "command Save parameters on EEPROM saves it. Register 57h shows the resulting number of bits. With "
-                "more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions either way "
-                "while the encoder is off. Otherwise the absolute position is lost."
+                "more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions in either "
+                "direction while the encoder is off. Otherwise the absolute position is lost."
             ),
             source="6.5 p.28, 7 p.33",
         ),
@@ -732,8 +731,8 @@ INPUTS: Final[tuple[Input, ...]] = (
     Input(
         name="counting_direction",
         meaning=(
-            "Sets whether the position counts up with clockwise (CW) or counter-clockwise (CCW) rotation, seen from "
-            "the shaft end"
+            "Selects whether the position counts up with clockwise (CW) or counter-clockwise (CCW) rotation, seen "
+            "from the shaft end"
         ),
         printed_name="Counting direction (Complementary input)",
         low="0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the Counting direction bit",
@@ -774,18 +773,18 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
-            "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
-            "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
-            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
+            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
+            "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
+            "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="Electrical safety p.8",
     ),
     Characteristic(
         name="shield_connection",
         value=(
-            "Connect the shield, the connector housing or the frame, or several of them, to a ground free of noise, "
-            "on the device's side or on the user's side. The user must find out which connection works best."
+            "Connect the shield, the connector housing, the frame, or any combination of these to a noise-free "
+            "ground, at the device end or at the user's end. The user must find out which connection works best."
         ),
         source="Electrical safety p.8, 4.3",
     ),
@@ -848,8 +847,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="supply_class",
         value=(
-            "Supply the encoder from a Class 2 circuit, from limited energy at low voltage, or from an energy source, "
-            "of no more than 30 V DC. For the supply voltage, the manual refers to the order code."
+            "Supply the encoder from a Class 2 circuit, a low-voltage limited-energy circuit or an energy source, "
+            "with no more than 30 V DC. For the supply voltage, the manual refers to the order code."
         ),
         source="Back cover",
     ),
@@ -863,8 +862,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="revolutions_while_off",
         value=(
             "With more than 4,096 revolutions set, which is the factory default (65,536), the shaft must not turn by "
-            "more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute position is "
-            "lost."
+            "more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute "
+            "position is lost."
         ),
         only="...-I7-...",
         source="6.5 p.28",
@@ -882,15 +881,15 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
 
 #: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Drawings with the overall dimensions of AM36 and AMC36.", source="3.1, 3.2"),
-    LostFigure("Picture with coupling (1), flange (2) and screws (3).", source="3.3"),
-    LostFigure("Picture with collar (3), fixing plate (4) and screw (5).", source="3.4"),
-    LostFigure("Frontal view of the connector with its pin numbers.", source="4.1"),
+    LostFigure("Drawings of the overall dimensions of AM36 and AMC36.", source="3.1, 3.2"),
+    LostFigure("Picture of the coupling (1), the flange (2) and the screws (3).", source="3.3"),
+    LostFigure("Picture of the collar (3), the fixing plate (4) and the screw (5).", source="3.4"),
+    LostFigure("Front view of the connector with its pin numbers.", source="4.1"),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text describes it as well.",
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
         source="5.1",
     ),
-    LostFigure("The content after the pause Tp, probably its picture.", source="5.3"),
+    LostFigure("Content missing after the description of the pause Tp, probably a drawing of the pause.", source="5.3"),
     LostFigure("Recommended SSI input circuit.", source="5.4"),
     LostFigure(
         "Logic circuit of the 6-bit CRC. The text does not give the start value, so it is taken from public documents.",
@@ -911,7 +910,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The outputs give the directive as printed.",
         why=(
             "Directive 2014/30/EU replaced 2004/108/EC on 20 April 2016. The manual is from 2014. Only the "
-            "manufacturer can say which directive is declared for an encoder made later."
+            "manufacturer can say which directive it declares for encoders made later."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -922,7 +921,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="do_not_tool",
         printed="Do not tool the encoder or its shaft.",
         used="The outputs say that neither the encoder nor its shaft may be machined.",
-        why="\"To tool\" means to work something with a tool.",
+        why="\"To tool\" means to work a part with a tool.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("characteristics.mechanical_safety",),
@@ -968,7 +967,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "Only the BiSS pages of edition 1.1 are available. The series under which that manual is listed is AM "
             "3616/4096BG, without the hyphen. The meaning of the digit x is not known. In other families it stands "
-            "for the supply. AMM is assumed to be a misprint of AM."
+            "for the supply. AMM is assumed to be a misprint for AM."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -984,9 +983,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="BG is binary, GG is Gray.",
         why=(
             "The manual does not say which is which. The AMM5 manual calls the output of its BG1 models binary. The "
-            "SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. The same meaning of the "
-            "letters in this manual is an inference. To check, turn the shaft slowly. If neighbouring positions jump, "
-            "the other code is in use."
+            "SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. This spec infers that the "
+            "letters have the same meaning in this manual. To check, turn the shaft slowly. If neighbouring positions "
+            "jump, the other code is in use."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1017,14 +1016,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="revolutions_4096",
         printed=(
-            "Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more than "
-            "4,096 set, at most 2,047 revolutions either way while switched off"
+            "Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than "
+            "4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is "
+            "switched off"
         ),
         used="The registers and the frame use 65,536. 4096 is used only as the text on the label.",
         why=(
             "An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is half of 4,096 "
-            "minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order code without power "
-            "and counts the others. The manual does not say so."
+            "minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order code while it is "
+            "off, and counts the others only while it is powered. The manual does not say so."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1041,8 +1041,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="supply_by_order_code",
         printed=(
-            "For the supply voltage refer to the ordering code. The connections have +10VDC +30VDC without a "
-            "condition"
+            "For the supply voltage refer to the ordering code. The connection table lists +10VDC +30VDC "
+            "unconditionally"
         ),
         used="All models have +10 V to +30 V.",
         why="None of the printed order codes has a part for the supply.",
@@ -1077,7 +1077,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_bit_numbers",
-        printed="SSI word with bits 28 ... 1 and 31 ... 1",
+        printed="The bits of the SSI words are numbered 28 ... 1 and 31 ... 1",
         used="The words have bits 27:0 and 30:0.",
         why="The table counts from 1. Section 6 of the same manual counts from 0, as this spec does everywhere.",
         status=Status.SETTLED,
@@ -1090,8 +1090,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
         used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
-            "The word is aligned to the left. One extra clock reads a zero after it. One missing clock may lose the "
-            "LSB."
+            "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
+            "be lost."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1100,7 +1100,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
-        printed="Only the length of the position, without the order of singleturn and multiturn",
+        printed="The manual gives only the length of the position, not the order of singleturn and multiturn",
         used=(
             "Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one "
             "word."
@@ -1116,7 +1116,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 3 MHz",
+        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 3 MHz",
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -1126,9 +1126,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 3 MHz",
+        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 3 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 3 MHz.",
+        why=(
+            "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
+            "to 3 MHz."
+        ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1139,9 +1142,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
-            "\"At least\" allows 12 µs. The sign \">\" does not. A pause of exactly 12 µs leaves no margin in either "
-            "case. A typical value means that longer times occur, and an encoder with a Tm above 12 µs is not ready "
-            "then. The AMM5 manual, with the same Tm, asks for 20 µs."
+            "The words \"at least\" allow 12 µs, but the sign \">\" does not. A pause of exactly 12 µs leaves no "
+            "margin in either case. A typical value means that longer times occur, and an encoder with a Tm above 12 "
+            "µs is not ready then. The AMM5 manual, with the same Tm, asks for 20 µs."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1154,10 +1157,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.4: \"BiSS C Protocol "
             "Description\""
         ),
-        used="The reference is to the BiSS C protocol description of iC-Haus.",
+        used="The document meant is the BiSS C protocol description of iC-Haus.",
         why=(
-            "The manuals of the same manufacturer use different names for the document. The protocol description is "
-            "public, and their terms come from it."
+            "The manufacturer's manuals use different names for this document. The protocol description is public, "
+            "and the manuals use its terms."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1166,7 +1169,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
+        printed=(
+            "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
+            "circuits are lost"
+        ),
         used="The start value is 0.",
         why=(
             "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
@@ -1180,11 +1186,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="command_default",
-        printed="Register 48h is write only (wo). It has the default 00, also in the list of defaults",
+        printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
         used="The register is write only. 00 is the value to which it returns.",
         why=(
             "The default of a register that cannot be read cannot be observed. The manual does not say whether 48h "
-            "answers a read at all, or with 00."
+            "can be read at all, or whether a read returns 00."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1206,11 +1212,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length_at_run_time",
-        printed="Position has a variable length according to the resolution of the encoder, 36 bits at the most",
-        used=(
-            "From the moment that a resolution is written, the position has the number of bits in registers 56h and "
-            "57h."
-        ),
+        printed="Position has a variable length according to the resolution of the encoder, at most 36 bits",
+        used="As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.",
         why=(
             "56h and 57h show the bits used for the current resolution, and a new resolution is active at once. The "
             "manual does not state directly that the frame then becomes shorter instead of containing zeros."
@@ -1249,8 +1252,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The value is 00 00. The outputs do not derive a data length from it.",
         why=(
             "In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the "
-            "data length in the low byte, for variants 0-24 and similar ones. A position of up to 36 bits does not "
-            "fit 24 either."
+            "data length in the low byte, for variants 0-24 and similar ones. Nor does a position of up to 36 bits "
+            "fit into 24."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1266,8 +1269,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "The manual does not say whether year and week are binary or packed decimal digits, or from which year "
-            "the year counts. It does not say which of 46h and 47h is the high byte. There is no example. In the "
-            "AMM5, the same registers contain decimal digits of one number. In the ASC85, they contain one serial "
+            "the year is counted. It does not say which of 46h and 47h is the high byte. There is no example. In the "
+            "AMM5, the same registers contain the decimal digits of one number. In the ASC85, they contain one serial "
             "number. Both have the high byte first. The AMM36 manual prints the AMM5's example with its four bytes in "
             "reverse."
         ),
@@ -1298,12 +1301,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="enable_preset_polarity",
         printed=(
             "Enable preset: \"set to 1 the bit 2\" to enable. Preset: values can be entered only if the bit is \"1\". "
-            "The table of Configuration: 0 is Enable, 1 is Disable"
+            "The Configuration table says that 0 is Enable and 1 is Disable"
         ),
         used="0 enables the preset function. 1 disables it.",
         why=(
-            "The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The "
-            "same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset."
+            "The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. So "
+            "does the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1315,8 +1318,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Bit 8 Counting direction, in the list of the configuration example",
         used="Counting direction is bit 6.",
         why=(
-            "In the list, it is between bits 5 and 7. The register has 8 bits. The table has bit 6. The result 60h = "
-            "01100000 has bit 6 set."
+            "In the list, the entry is between bits 5 and 7. The register has only 8 bits. The table lists it as bit "
+            "6. The result 60h = 01100000 has bit 6 set."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1338,7 +1341,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_byte_order",
-        printed="10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes",
+        printed=(
+            "The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F, without a table of the "
+            "bytes"
+        ),
         used="The high byte comes first.",
         why=(
             "Only Preset has such a table, with its MSB in the first register. In the BiSS protocol description, the "
@@ -1385,8 +1391,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Default = 00 00 00 00 00 00h",
         used="The default is five bytes of 00.",
         why=(
-            "The register has five bytes, 50h to 54h. The list of defaults and both limits have five. The next byte "
-            "is Device type."
+            "The register has five bytes, 50h to 54h. The default in the list and both limits also have five bytes. "
+            "The next byte is the Device type register."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1401,8 +1407,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "If nW is 0, it is usable with a warning."
         ),
         why=(
-            "The manual does not say what 0 means in these bits. Over BiSS, both are active at 0. Another encoder or "
-            "a later firmware may use them."
+            "The manual does not say what 0 means in these bits. In the BiSS protocol, both bits are active when they "
+            "are 0. Another encoder or a later firmware may use them."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1411,7 +1417,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        printed="One device ID, AM I7 2 with the software version, for all models",
+        printed="The manual gives one device ID, AM I7 2 with the software version, for all models",
         used="The device ID is used as printed.",
         why=(
             "BiSS requires a different device ID for each data length. Here the length follows the current "
@@ -1427,8 +1433,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="BiSS time-out self-adaptable to the clock, 10 µs max.",
         used="The time-out is at most 10 µs. No rule is given.",
         why=(
-            "The manual does not say how the time follows the clock. The BiSS protocol description has 1.5 periods "
-            "for the shortest adaptive time-out, 7.5 µs at 200 kHz, which agrees with the bound."
+            "The manual does not say how the time follows the clock. In the BiSS protocol description, the shortest "
+            "adaptive time-out is 1.5 periods, which is 7.5 µs at 200 kHz and within the limit."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1438,7 +1444,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="preset_example_bit",
         printed="Table of the preset example: address 49, bit 2, data 0",
-        used="The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.",
+        used="Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.",
         why="A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1513,7 +1519,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="interfaces.biss.note",
         used=(
             "The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is always a slave, "
-            "and the only one of its master. It must never be installed in a network with several slaves."
+            "and it must be the only slave of its master. Never install it in a network with several slaves."
         ),
         why="Section 6.6, which gives the clock, is not on a public page.",
         status=Status.SETTLED,

@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from .._codec import Interface
-from .._facts import (
+from codewheel_runtime.facts import (
     Access,
     Alarm,
     Alignment,
@@ -52,8 +51,8 @@ from .._facts import (
     TimeoutRule,
     Timing,
 )
-from .._order_codes import OrderCode, Part, PartValue
-from .._reports import ReadOnly, Report, Reports, Verdict
+from codewheel_runtime.order_codes import OrderCode, Part, PartValue
+from codewheel_runtime.reports import Interface, ReadOnly, Report, Reports, Verdict
 
 MANUAL: Final = Manual(
     title="AMM5A AMM5B",
@@ -139,8 +138,8 @@ ORDER_CODE: Final = OrderCode(
     ),
     note=(
         "On the label, a hyphen and further characters follow the interface. The manual does not explain them. The "
-        "order code and the serial number are on the label on the body and in the delivery document. Lika asks for "
-        "both in every enquiry. Technical data are in the catalogue."
+        "order code and the serial number are printed on the label on the encoder body and in the delivery document. "
+        "Lika asks for both numbers in every enquiry. Technical data are in the catalogue."
     ),
     source="Cover, 5 p.27, 6 p.31, 7 p.41",
 )
@@ -205,22 +204,22 @@ CRCS: Final[tuple[Crc, ...]] = (
 # variant, BG1.
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
-# Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
-# Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
 # Printed: Pause of at least 20 µs (Tp > 20 µs).
 # Used: The minimum is 20 µs. Use a longer pause.
-# Why: "At least" allows 20 µs. The sign ">" does not.
+# Why: The words "at least" allow 20 µs, but the sign ">" does not.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
-# Why: The versions with SSI and with RS-485 came with this revision. All earlier encoders had BiSS.
+# Why: This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -273,9 +272,9 @@ SSI: Final = SsiFacts(
 # Used: The outputs have no profile ID.
 #
 # Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
-# Printed: The clock is 50 kHz at least. The time-out is worked out for 50 kHz as well.
+# Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
 # Used: The lowest clock is 50 kHz.
-# Why: The BiSS protocol description starts at 80 kHz.
+# Why: In the BiSS protocol description, the clock range starts at 80 kHz.
 #
 # Before edition 1.4 [Document release]:
 # Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset, procedure
@@ -330,8 +329,8 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
-        "main fields and refers to the BiSS C protocol description for the whole structure."
+        "Each frame carries one bit of control data, which is used to read and write the registers. The manual "
+        "describes the main fields and refers to the BiSS C protocol description for the complete structure."
     ),
     timings=(
         Timing(
@@ -345,8 +344,8 @@ BISS: Final = BissFacts(
         ),
     ),
     note=(
-        "The encoder is always a slave, and the only one of its master. It must never be installed in a network with "
-        "several slaves. For everything else, the manual refers to www.biss-interface.com."
+        "The encoder is always a slave, and it must be the only slave of its master. Never install it in a network "
+        "with several slaves. For everything else, the manual refers to www.biss-interface.com."
     ),
     source="6 p.31",
 )
@@ -364,7 +363,7 @@ BISS: Final = BissFacts(
 # Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
-# Used: The table is followed. Data ID 8 resets singleturn and multiturn data.
+# Used: The outputs follow the table. Data ID 8 resets singleturn and multiturn data.
 # Why: The table says it twice, the note only in passing. However, public T-format documents list three resets: of the
 # data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
 # request.
@@ -374,12 +373,12 @@ BISS: Final = BissFacts(
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
-# Printed: Requests and replies, without the time between them.
+# Printed: The manual describes requests and replies, but not the time between them.
 # Used: The outputs have no reply time and no time-out. The master chooses its time-out.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
-# Why: The versions with SSI and with RS-485 came with this revision. All earlier encoders had BiSS.
+# Why: This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -472,8 +471,7 @@ RS485: Final = Rs485Facts(
             address="that of the request",
             data="00h",
             meaning=(
-                "The memory is busy: reading according to the table, writing according to the sentence below it. The "
-                "request is invalid"
+                "The memory is busy. It is being read (table) or written (sentence below it). The request is invalid"
             ),
             source="7.5 p.46",
         ),
@@ -517,9 +515,9 @@ RS485: Final = Rs485Facts(
     note=(
         "Each byte is sent between a start bit and a delimiter, least significant bit first (7.6). These are ten "
         "bits, as a serial port with one stop bit sends them. The low byte of a number is sent first, in binary code "
-        "(7.4). The encoder answers each request of the master with the control field it received. To check that a "
-        "byte has been written to the EEPROM, read it back with data ID D. The manual gives no EEPROM write time for "
-        "this interface. MEM BUSY shows when a write is in progress."
+        "(7.4). Each reply of the encoder begins with the control field that it received from the master. To check "
+        "that a byte has been written to the EEPROM, read it back with data ID D. The manual gives no EEPROM write "
+        "time for this interface. MEM BUSY shows when a write is in progress."
     ),
     source="7 p.41",
 )
@@ -602,7 +600,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="busy",
             printed_name="BUSY",
             meaning="not ready after power-on or during a reset. All position data are 0",
-            remedy="The flag clears itself (speed of rotation down to 300 rpm or less)",
+            remedy="The flag clears itself (once the speed of rotation is 300 rpm or less)",
             makes_position=Verdict.NOT_USABLE,
             source="7.4.1 p.44",
         ),
@@ -1234,7 +1232,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         field="busy",
         detected="In normal operation, when the main power is turned on",
         latch=False,
-        remedy="The flag clears itself (speed of rotation down to 300 rpm or less)",
+        remedy="The flag clears itself (once the speed of rotation is 300 rpm or less)",
         names=ReadOnly({"it": "Flag OCCUPATO"}),
         source="7.4.1 p.44",
     ),
@@ -1475,8 +1473,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="light_protection",
         value=(
-            "Light significantly affects the operation of the encoder, which is calibrated for work without light. "
-            "Before starting the system and checking it, mount the motor cap and shield the encoder from light "
+            "Light significantly affects the operation of the encoder, which is calibrated for operation without "
+            "light. Before starting the system and checking it, mount the motor cap and shield the encoder from light "
             "sources."
         ),
         source="Preliminary information p.7",
@@ -1509,19 +1507,19 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
-            "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
-            "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
-            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
+            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
+            "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
+            "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="1.2 p.8",
     ),
     Characteristic(
         name="shield_connection",
         value=(
-            "Connect the shield or the frame, or both, to a ground free of noise, on the device's side or on the "
-            "user's side. The user must find out which connection works best. The Italian edition adds that the "
-            "connection should be as close to the encoder as possible."
+            "Connect the shield, the frame, or both to a noise-free ground, at the device end or at the user's end. "
+            "The user must find out which connection works best. The Italian edition adds that the connection should "
+            "be as close to the encoder as possible."
         ),
         source="1.2 p.8, it: 1.2",
     ),
@@ -1536,9 +1534,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="esd_handling",
         value=(
-            "Open the box and handle the electronics only in an electrostatic protective area (EPA) and properly "
-            "grounded. Use a wrist strap to ground through a 1 MΩ resistor, a smock of dissipative material, and "
-            "dissipative gloves, which also keep the code disk clean."
+            "Open the box and handle the electronics only in an electrostatic protective area (EPA) and while you are "
+            "properly grounded. Use a wrist strap to ground through a 1 MΩ resistor, a smock of dissipative material, "
+            "and dissipative gloves, which also keep the code disk clean."
         ),
         source="1.4 p.9",
     ),
@@ -1568,8 +1566,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="ferromagnetic_flange",
         value=(
-            "A support flange of ferromagnetic material is suggested if strong magnetic fields are near, for example "
-            "from a magnetic brake"
+            "The manual suggests a support flange of ferromagnetic material if there are strong magnetic fields "
+            "nearby, for example from a magnetic brake"
         ),
         only=".../65K...",
         source="3.1",
@@ -1675,11 +1673,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="Below 242.02 Ω/km per conductor at +20 °C (UL 758, table 5.2.1)",
         source="4.1.5 p.22",
     ),
-    Characteristic(
-        name="ground",
-        value="Connect the encoder to a ground free of noise through pin 1",
-        source="4.2 p.22",
-    ),
+    Characteristic(name="ground", value="Connect the encoder to a noise-free ground through pin 1", source="4.2 p.22"),
     Characteristic(
         name="battery_voltage",
         value="3 V to 5.5 V between +Vb and 0Vb, typically 3.6 V",
@@ -1783,12 +1777,12 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Pictures of steps 3 to 8, among them the position of the mark on the disk.", source="3.4"),
     LostFigure("Picture of the connector with its pin numbers.", source="4.1 p.20"),
     LostFigure("Pictures next to the two battery replacement procedures.", source="4.3 p.23"),
-    LostFigure("Figure 6: standard counting direction. The text describes it as well.", source="4.6 p.26"),
+    LostFigure("Figure 6: standard counting direction. The text also describes it.", source="4.6 p.26"),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text describes it as well.",
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
         source="5.1",
     ),
-    LostFigure("The content after the pause Tp, probably its picture.", source="5.3"),
+    LostFigure("Content missing after the description of the pause Tp, probably a drawing of the pause.", source="5.3"),
     LostFigure("Recommended SSI input circuit.", source="5.4 p.30"),
     LostFigure(
         "Logic circuit of the 6-bit CRC. The text does not give the start value, so it is taken from public documents.",
@@ -1821,7 +1815,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="do_not_tool",
         printed="Do not tool the encoder or the disk/ring.",
         used="The outputs say that neither the encoder nor the disk or ring may be machined.",
-        why="The Italian edition has non eseguire lavorazioni meccaniche, no machining.",
+        why="The Italian edition says \"non eseguire lavorazioni meccaniche\", which means \"do not machine\".",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("characteristics.mechanical_safety",),
@@ -1830,13 +1824,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ground_wire",
         printed=(
-            "Pin 1 is the ground of the encoder and is to be used. The tables of the mating cable list no wire for "
-            "it."
+            "Pin 1 is the ground of the encoder and must be used. The tables of the mating cable list no wire for it."
         ),
         used="The tables are listed as printed. No wire is assumed for pin 1.",
         why=(
-            "All twelve conductors (6 × 2) are used for other functions. The manual does not say whether shield or "
-            "drain wire reaches pin 1."
+            "All twelve conductors (6 × 2) are used for other functions. The manual does not say whether the shield "
+            "or the drain wire is connected to pin 1."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1900,8 +1893,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
-            "The word is aligned to the left. One extra clock reads a zero after it. One missing clock may lose the "
-            "LSB."
+            "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
+            "be lost."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1933,7 +1926,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
-        printed="Only \"17 + 16 bits\" and the like, without the order of singleturn and multiturn in the position",
+        printed=(
+            "The manual prints only \"17 + 16 bits\" and the like, not the order of singleturn and multiturn in the "
+            "position"
+        ),
         used="Multiturn comes first, as the more significant part. Singleturn follows.",
         why=(
             "The Preset registers contain one number with multiturn above singleturn (6.4). Figures that might show "
@@ -1946,7 +1942,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -1956,9 +1952,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 4 MHz.",
+        why=(
+            "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
+            "to 4 MHz."
+        ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -2009,10 +2008,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
             "Description\""
         ),
-        used="The reference is to the BiSS C protocol description of iC-Haus.",
+        used="The document meant is the BiSS C protocol description of iC-Haus.",
         why=(
-            "The manuals of the same manufacturer use different names for the document. The protocol description is "
-            "public, and their terms come from it."
+            "The manufacturer's manuals use different names for this document. The protocol description is public, "
+            "and the manuals use its terms."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2021,7 +2020,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
+        printed=(
+            "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
+            "circuits are lost"
+        ),
         used="The start value is 0.",
         why=(
             "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
@@ -2036,16 +2038,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="error_bits_leds_alarms",
         printed=(
-            "nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the "
-            "magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for BUSY "
-            "flag, PS error, Battery alarm and MT error"
+            "nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and LED 2: an error in "
+            "the magnetic multiturn system, or a low battery, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for "
+            "BUSY flag, PS error, Battery alarm and MT error"
         ),
-        used="Each is used as printed. None is derived from another.",
+        used="Each bit, LED and alarm is used as printed. None is derived from another.",
         why=(
-            "They do not map one to one. Over RS-485, MT error means a depleted battery and belongs to LED 1, but an "
-            "error of the multiturn system is the warning of LED 2. PS error and BUSY flag have no LED and no bit of "
-            "their own, and ST error is not mentioned with nE. A depleted battery is an error over BiSS. Over RS-485, "
-            "it is in the same bit as a low battery."
+            "The bits, LEDs and alarms do not map one to one. Over RS-485, MT error means a depleted battery and "
+            "corresponds to LED 1, but an error in the multiturn system is the warning of LED 2. PS error and BUSY "
+            "flag have no LED and no bit of their own, and ST error is not mentioned with nE. Over BiSS, a depleted "
+            "battery is an error. Over RS-485, it shares a bit with a low battery."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2061,7 +2063,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="unused_status_bits",
-        printed="EI_3 to EI_0 and four more bits of SF and ALMC: 0",
+        printed="EI_3 to EI_0 and four more bits of SF and ALMC are printed as 0",
         used="A reply with other values is decoded, and the bits are reported. Its position is usable with a warning.",
         why=(
             "The manual does not say what other values mean. Later firmware may use such a bit. Sync code, data ID, "
@@ -2081,7 +2083,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="position_under_error",
         printed=(
             "BUSY: all position data are 0. \"The battery is spent. The encoder cannot operate.\" Low battery "
-            "(warning alone): the position is kept. The effect of the other errors on the position is not given."
+            "(warning alone): the position is kept. The manual does not say how the other errors affect the position."
         ),
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
@@ -2092,11 +2094,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "
-            "before the error was detected. Where EE_1 is the only information, the position may be the 0 of BUSY. "
-            "The warning bit means a low battery, with which the position is kept (4.3.1), or an error in the "
-            "magnetic multiturn system, which may make the number of revolutions wrong. The frame does not "
-            "distinguish them, so the worse case applies. After a depleted battery the singleturn position is correct "
-            "(4.3.2, step 9). Replies that carry only the singleturn position are still treated as not usable."
+            "before the error was detected. If EE_1 is the only information, the position may be the 0 that is sent "
+            "while BUSY is active. The warning bit means a low battery, with which the position is kept (4.3.1), or "
+            "an error in the magnetic multiturn system, which may make the number of revolutions wrong. The frame "
+            "does not distinguish them, so the worse case applies. After a depleted battery the singleturn position "
+            "is correct (4.3.2, step 9). Replies that carry only the singleturn position are still treated as not "
+            "usable."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2136,8 +2139,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="English: the number of revolutions is always 65,536 in all models. Italian: in all multiturn models",
         used="Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.",
         why=(
-            "Models of 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not give the content "
-            "of their bits 48:33."
+            "Models with 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not give the "
+            "content of their bits 48:33."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
@@ -2147,13 +2150,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="preset_bits_below_lsb",
         printed=(
-            "Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 at 21 bits and 16 at 17 "
+            "Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 with 21 bits and 16 with 17 "
             "bits."
         ),
         used="All bits below the lowest singleturn bit are 0.",
         why=(
-            "The example at 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual has the same at 20 bits. "
-            "Bits 15:10 at 17 bits are not given anywhere."
+            "The example with 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual has the same with 20 "
+            "bits. For 17 bits, the manual does not define bits 15:10."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2187,7 +2190,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        printed="One device ID, AMM5 with the release, for all models",
+        printed="The manual gives one device ID, AMM5 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
             "BiSS requires a different device ID for each data length. The SC1 models have six lengths. Unless the "
@@ -2205,7 +2208,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and "
             "reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older "
-            "AMM5 may answer in the other order. An impossible year or week shows the wrong order."
+            "AMM5 may answer in the other order. An impossible year or week indicates the wrong order."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2221,7 +2224,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The registers are write only. They are 00 after power-on, and 77h returns to 00.",
         why=(
             "The default of a register that cannot be read cannot be observed. The manual does not say whether these "
-            "registers answer a read at all, or with 00."
+            "registers can be read at all, or whether a read returns 00."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2230,9 +2233,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_min_clock",
-        printed="The clock is 50 kHz at least. The time-out is worked out for 50 kHz as well.",
+        printed="The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.",
         used="The lowest clock is 50 kHz.",
-        why="The BiSS protocol description starts at 80 kHz.",
+        why="In the BiSS protocol description, the clock range starts at 80 kHz.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.biss.clock",),
@@ -2240,7 +2243,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_field_structure",
-        printed="One byte for each data ID, without its structure",
+        printed="The manual prints one byte for each data ID, without its structure",
         used="Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.",
         why="All nine printed bytes fit this structure. Public sources give it for the T-format.",
         status=Status.SETTLED,
@@ -2270,7 +2273,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="busy_and_errors_in_one_bit",
         printed="EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error",
-        used="EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.",
+        used="EE_1 is one flag, status_other_error. Do not trust a position received with it until ALMC has been read.",
         why=(
             "BUSY does not latch, and all position data are 0 while it is active. The other three latch, and the "
             "position may be correct. The replies to data IDs 0, 1, 2, 7, 8 and C do not distinguish them. Data ID 3 "
@@ -2294,7 +2297,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="MEM BUSY 1 means that the memory is busy and the request is not executed. Send the request again.",
         why=(
             "If a read request were invalid because reading is being executed, it would never be answered. Probably a "
-            "write is in progress, as the sentence says. The row for writing has the same words with writing."
+            "write is in progress, as the sentence says. The row for writing has the same words, with writing instead "
+            "of reading."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2408,7 +2412,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed=(
             "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
         ),
-        used="The table is followed. Data ID 8 resets singleturn and multiturn data.",
+        used="The outputs follow the table. Data ID 8 resets singleturn and multiturn data.",
         why=(
             "The table says it twice, the note only in passing. However, public T-format documents list three resets: "
             "of the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the "
@@ -2421,11 +2425,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="mem_busy_position",
-        printed="MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.",
+        printed="MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.",
         used=(
-            "Either position is possible. The user must choose, and there is no default. The wrong choice accesses "
-            "twice the address or half of it, and a write destroys other data there. Read and compare before you "
-            "write."
+            "Either position is possible. The user must choose, and there is no default. With the wrong choice, an "
+            "access reaches twice the address or half of it, and a write destroys other data there. Read and compare "
+            "before you write."
         ),
         why=(
             "Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F "
@@ -2505,7 +2509,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, vista dal lato "
             "flangia)"
         ),
-        used="Both are quoted.",
+        used="The outputs quote both.",
         why=(
             "In 4.6, both editions count up clockwise seen from the flange side. If the shaft side is the opposite "
             "side, the order of A and B would be reversed. The waveforms are lost."
@@ -2605,7 +2609,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="reset_standstill",
         printed="Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less)",
-        used="The condition is a standstill, that is 300 rpm or less, as printed.",
+        used="The condition is standstill, which the manual defines as 300 rpm or less.",
         why=(
             "A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition at all. The "
             "description of data ID 8 requires a stop but gives no speed."
@@ -2639,7 +2643,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_pause",
         printed="Pause of at least 20 µs (Tp > 20 µs)",
         used="The minimum is 20 µs. Use a longer pause.",
-        why="\"At least\" allows 20 µs. The sign \">\" does not.",
+        why="The words \"at least\" allow 20 µs, but the sign \">\" does not.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.pause",),
@@ -2661,7 +2665,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
-        printed="Requests and replies, without the time between them",
+        printed="The manual describes requests and replies, but not the time between them",
         used="The outputs have no reply time and no time-out. The master chooses its time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
@@ -2678,8 +2682,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="English: when the main power is turned on. Italian: when it is on (quando l'alimentazione è on)",
         used="The flag is active when the main power is turned on.",
         why=(
-            "The flag indicates a delay at power-on or a reset in progress. According to the Italian words, it can "
-            "occur at any time under power. This matters for how it clears (see busy_clear)."
+            "The flag indicates a delay at power-on or a reset in progress. According to the Italian wording, the "
+            "flag can be set at any time under power, which affects how it clears (see busy_clear)."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2735,7 +2739,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_8_1",
         printed="order_code.parts.mount.values.B",
         used="left out",
-        why="AMM5B was introduced with this revision.",
+        why="This revision introduced AMM5B.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code.mount",),
@@ -2802,7 +2806,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_6_1",
         printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
         used="left out",
-        why="The versions with SSI and with RS-485 came with this revision. All earlier encoders had BiSS.",
+        why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code.interface",),
@@ -2812,7 +2816,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_6_2",
         printed="interfaces.ssi, interfaces.rs485",
         used="left out",
-        why="The versions with SSI and with RS-485 came with this revision. All earlier encoders had BiSS.",
+        why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi", "interfaces.rs485"),
@@ -2878,7 +2882,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_5_1",
         printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
         used="not known",
-        why="Pin 1 was connected to ground with this revision. The table does not give its earlier connection.",
+        why="This revision connected pin 1 to ground. The table does not give the earlier connection.",
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("connectors.ssi_biss_connector.1", "characteristics.ground"),
@@ -2888,7 +2892,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_4_1",
         printed="Register 3Bh, Counting direction",
         used="not known",
-        why="The register was removed with this revision. The table does not say which values it took, or when.",
+        why="This revision removed the register. The table does not say which values it took, or when.",
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         source="Document release",
@@ -2947,7 +2951,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "characteristics.cable_bending_radius, characteristics.cable_temperature and 4 more"
         ),
         used="not known",
-        why="Cable information and the replacement of the battery came with this revision.",
+        why="This revision added cable information and the replacement of the battery.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=(

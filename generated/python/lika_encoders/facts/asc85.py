@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from .._codec import Interface
-from .._facts import (
+from codewheel_runtime.facts import (
     Access,
     Alarm,
     Alignment,
@@ -46,8 +45,8 @@ from .._facts import (
     TimeoutRule,
     Timing,
 )
-from .._order_codes import OrderCode, Part, PartValue
-from .._reports import Report, Reports, Verdict
+from codewheel_runtime.order_codes import OrderCode, Part, PartValue
+from codewheel_runtime.reports import Interface, Report, Reports, Verdict
 
 MANUAL: Final = Manual(
     title="ASC85",
@@ -98,8 +97,8 @@ ORDER_CODE: Final = OrderCode(
     ),
     note=(
         "On the label, a hyphen and further characters follow the supply. The manual does not explain them. The order "
-        "code and the serial number are on the label on the body and in the delivery document. Lika asks for both in "
-        "every enquiry. Technical data are in the catalogue."
+        "code and the serial number are printed on the label on the encoder body and in the delivery document. Lika "
+        "asks for both numbers in every enquiry. Technical data are in the catalogue."
     ),
     source="Cover, 4 p.13, 5 p.15, 5.2 p.16, 6 p.19",
 )
@@ -141,12 +140,12 @@ CRCS: Final[tuple[Crc, ...]] = (
 # SSI
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
-# Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
-# Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
@@ -201,7 +200,7 @@ SSI: Final = SsiFacts(
 #
 # Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
-# Used: Only this value is used. There is no rule for other clocks.
+# Used: Only this value is used. The outputs have no rule for other clock frequencies.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=100_000, max_hz=10_000_000, source="6.5 p.32"),
@@ -245,12 +244,12 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
-        "main fields and refers to the BiSS C protocol description for the whole structure."
+        "Each frame carries one bit of control data, which is used to read and write the registers. The manual "
+        "describes the main fields and refers to the BiSS C protocol description for the complete structure."
     ),
     note=(
-        "The encoder is always a slave, and the only one of its master. It must never be installed in a network with "
-        "several slaves. For everything else, the manual refers to www.biss-interface.com."
+        "The encoder is always a slave, and it must be the only slave of its master. Never install it in a network "
+        "with several slaves. For everything else, the manual refers to www.biss-interface.com."
     ),
     source="6 p.19",
 )
@@ -889,18 +888,18 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
-            "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
-            "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
-            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
+            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
+            "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
+            "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="1.2 p.8",
     ),
     Characteristic(
         name="shield_connection",
         value=(
-            "Connect the shield, the connector housing or the frame, or several of them, to a ground free of noise, "
-            "on the device's side or on the user's side. The user must find out which connection works best."
+            "Connect the shield, the connector housing, the frame, or any combination of these to a noise-free "
+            "ground, at the device end or at the user's end. The user must find out which connection works best."
         ),
         source="1.2 p.8, 4.4 p.14",
     ),
@@ -938,8 +937,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="supply_source",
         value=(
-            "Supply the encoder from a Class 2 circuit, or from a low-voltage limited-energy circuit or an energy "
-            "source of not more than 30 V DC. The order code gives the supply voltage."
+            "Supply the encoder from a Class 2 circuit, a low-voltage limited-energy circuit or an energy source, "
+            "with no more than 30 V DC. The order code gives the supply voltage."
         ),
         source="Back cover",
     ),
@@ -984,30 +983,39 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Overall dimensions in millimetres.", source="3.1 p.11"),
     LostFigure("Dimensions of the mounting support in millimetres.", source="3.2 p.11"),
-    LostFigure("Picture of the mounting with the parts 1 to 4. The text names them as well.", source="3.3 p.12"),
+    LostFigure("Picture of the mounting with the parts 1 to 4. The text also names them.", source="3.3 p.12"),
     LostFigure(
-        "Frontal side of the M12 connector with its pin numbers. The table of section 4 has the numbers.",
+        "Front view of the M12 connector with its pin numbers. The table in section 4 lists the numbers.",
         source="4.1 p.13",
     ),
     LostFigure(
-        "Frontal side of the M23 connector with its pin numbers. The table of section 4 has the numbers.",
+        "Front view of the M23 connector with its pin numbers. The table in section 4 lists the numbers.",
         source="4.2 p.13",
     ),
     LostFigure(
         (
             "Standard counting direction. The text says clockwise as shown in the figure, but not from which side. "
-            "The spec cannot say it either."
+            "This spec therefore does not give the side."
         ),
         source="4.5 p.14",
     ),
-    LostFigure("The content below the heading, probably the master and the slave with their lines.", source="5.1 p.15"),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text describes it as well.",
+        "Content missing below the heading, probably a drawing of the master and the slave with their lines.",
+        source="5.1 p.15",
+    ),
+    LostFigure(
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
         source="5.1",
     ),
-    LostFigure("The content after the pause Tp, probably its picture.", source="5.3 p.17"),
+    LostFigure(
+        "Content missing after the description of the pause Tp, probably a drawing of the pause.",
+        source="5.3 p.17",
+    ),
     LostFigure("Recommended SSI input circuit.", source="5.4 p.18"),
-    LostFigure("The content at the end of the section, probably a frame with SCD and CD.", source="6.1 p.19"),
+    LostFigure(
+        "Content missing at the end of the section, probably a drawing of a frame with SCD and CD.",
+        source="6.1 p.19",
+    ),
     LostFigure(
         "Logic circuit of the 6-bit CRC. The text does not give the start value, so it is taken from public documents.",
         source="6.2.1 p.21",
@@ -1063,8 +1071,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="connector_free_pins",
         printed=(
-            "Rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with a dash for "
-            "both"
+            "The table has rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with "
+            "a dash for both connectors"
         ),
         used="Pins 7 and 8 of M12 and 5 to 10 of M23 are left out.",
         why=(
@@ -1101,8 +1109,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="BG is binary, GG is Gray.",
         why=(
             "The AMM5 manual has one SSI code, BG1, and calls its output binary. The SMA21 manual calls the output of "
-            "its G1x models Gray and also lists BG and GG. The same meaning of the letters in this manual is an "
-            "inference. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use."
+            "its G1x models Gray and also lists BG and GG. This spec infers that the letters have the same meaning in "
+            "this manual. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1114,8 +1122,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
         used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
-            "The word is aligned to the left. One extra clock reads a zero after it. One missing clock may lose the "
-            "LSB."
+            "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
+            "be lost."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1138,7 +1146,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -1148,9 +1156,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 4 MHz.",
+        why=(
+            "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
+            "to 4 MHz."
+        ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -1161,9 +1172,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
-            "\"At least\" allows 12 µs. The sign \">\" does not. A pause of exactly 12 µs leaves no margin in either "
-            "case. The encoder is ready again only after Tm, and the typical Tm is too short for every encoder with a "
-            "longer Tm. The AMM5 manual asks for 20 µs with the same Tm, the SMA21 manual for 16 µs."
+            "The words \"at least\" allow 12 µs, but the sign \">\" does not. A pause of exactly 12 µs leaves no "
+            "margin in either case. The encoder is ready again only after Tm, and the typical Tm is too short for "
+            "every encoder with a longer Tm. The AMM5 manual asks for 20 µs with the same Tm, the SMA21 manual for 16 "
+            "µs."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1176,10 +1188,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
             "Description\""
         ),
-        used="The reference is to the BiSS C protocol description of iC-Haus.",
+        used="The document meant is the BiSS C protocol description of iC-Haus.",
         why=(
-            "The manuals of the same manufacturer use different names for the document. The protocol description is "
-            "public, and their terms come from it."
+            "The manufacturer's manuals use different names for this document. The protocol description is public, "
+            "and the manuals use its terms."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1188,7 +1200,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
+        printed=(
+            "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
+            "circuits are lost"
+        ),
         used="The start value is 0.",
         why=(
             "In public BiSS documents, the start value is 0 unless something else is stated. The one public driver "
@@ -1211,9 +1226,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The command and the error are described as printed.",
         why=(
-            "This encoder has one turn and no revolutions to count. The manual does not say what the counter counts. "
-            "In a public controller with the same commands, it counts the periods of the sine and cosine signals "
-            "within the turn."
+            "This encoder has a single turn and no revolutions to count. The manual does not say what the counter "
+            "counts. In a public controller with the same commands, it counts the periods of the sine and cosine "
+            "signals within the turn."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1255,8 +1270,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "the 0 bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects "
             "every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not "
             "hold for a word that a master received with the correct length. The CRC does not detect leading zeros, "
-            "so the wrong layout accepts every second position and shows half or twice its value. The frame of 25 "
-            "bits without the 0 bit is also as long as that of 24 bits with it."
+            "so the wrong layout accepts every second position and shows half or twice its value. Also, the frame for "
+            "25 bits without the 0 bit is as long as the frame for 24 bits with it."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1426,7 +1441,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="biss_timeout",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
-        used="Only this value is used. There is no rule for other clocks.",
+        used="Only this value is used. The outputs have no rule for other clock frequencies.",
         why=(
             "An adaptive time-out follows the clock, but the manual gives no rule. At 10 MHz, the one and a half "
             "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs are three and a half "

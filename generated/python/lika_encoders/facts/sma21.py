@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from .._codec import Interface
-from .._facts import (
+from codewheel_runtime.facts import (
     Access,
     Alarm,
     Alignment,
@@ -51,8 +50,8 @@ from .._facts import (
     TimeoutRule,
     Timing,
 )
-from .._order_codes import OrderCode, Part, PartValue
-from .._reports import ReadOnly, Report, Reports, Verdict
+from codewheel_runtime.order_codes import OrderCode, Part, PartValue
+from codewheel_runtime.reports import Interface, ReadOnly, Report, Reports, Verdict
 
 MANUAL: Final = Manual(
     title="SMA21 + MTA-A154",
@@ -118,8 +117,9 @@ ORDER_CODE: Final = OrderCode(
     note=(
         "On the label, a hyphen and further characters follow the resolution. The manual does not explain them. It "
         "prints x for the supply digit of all models except JP1, and explains 1 and 4 by example. The order code and "
-        "the serial number are on the label on the body and in the delivery document. Lika asks for both in every "
-        "enquiry. Technical data are in the catalogue. The order code of the tape is in its data sheet."
+        "the serial number are printed on the label on the encoder body and in the delivery document. Lika asks for "
+        "both numbers in every enquiry. Technical data are in the catalogue. The order code of the tape is in its "
+        "data sheet."
     ),
     source="Cover, 4.1 p.15, 4.10 p.18, 5 p.19, 6 p.24, 7 p.37",
 )
@@ -177,18 +177,18 @@ CRCS: Final[tuple[Crc, ...]] = (
 # SSI
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
-# Printed: Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 1 MHz.
+# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
-# Printed: Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 1 MHz.
+# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
 # Used: The minimum is 16 µs. Use a longer pause.
-# Why: "At least" allows 16 µs. The sign ">" does not.
+# Why: The words "at least" allow 16 µs, but the sign ">" does not.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
@@ -251,11 +251,11 @@ SSI: Final = SsiFacts(
 # 24 bits.
 # Used: Each is used as printed.
 # Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the whole
-# field, not of the position, and one more bit goes with one plus sign fewer. A master that takes the length of the data
-# from the profile ID would miss 4, 2 or 1 bits here.
+# field, not of the position, and the variant with one more bit has one plus sign fewer. A master that takes the length
+# of the data from the profile ID would miss 4, 2 or 1 bits here.
 #
 # Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
-# Printed: The BiSS time-out adapts itself to the clock, 16 µs at most. No rule is printed.
+# Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
 # Used: The time-out is at most 16 µs.
 
 BISS: Final = BissFacts(
@@ -294,8 +294,9 @@ BISS: Final = BissFacts(
         ),
     ),
     control_data_note=(
-        "Each frame carries one bit of control data, for reading and writing the registers. The manual describes the "
-        "main fields and refers to the document \"Protocol description C-mode\" for the whole structure."
+        "Each frame carries one bit of control data, which is used to read and write the registers. The manual "
+        "describes the main fields and refers to the document \"Protocol description C-mode\" for the complete "
+        "structure."
     ),
     timings=(
         Timing(
@@ -309,8 +310,8 @@ BISS: Final = BissFacts(
         ),
     ),
     note=(
-        "The encoder is a slave, and the only one of its master. It must not be connected to a network with several "
-        "slaves. For everything else, the manual refers to www.biss-interface.com."
+        "The encoder is a slave, and it must be the only slave of its master. Do not connect it to a network with "
+        "several slaves. For everything else, the manual refers to www.biss-interface.com."
     ),
     source="6 p.24",
 )
@@ -327,7 +328,7 @@ BISS: Final = BissFacts(
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
-# Printed: Requests and replies, without the time between them.
+# Printed: The manual describes requests and replies, but not the time between them.
 # Used: The outputs have no reply time and no time-out. The master chooses its time-out.
 
 RS485: Final = Rs485Facts(
@@ -385,8 +386,8 @@ RS485: Final = Rs485Facts(
     note=(
         "Each byte is sent between a start bit, 0, and a delimiter, 1, least significant bit first (7.3.1 to 7.3.4). "
         "These are ten bits, as a serial port with one stop bit sends them. The low byte of a number is sent first. "
-        "The encoder answers each request of the master with the control field it received. A request is not valid if "
-        "its sync code, data ID, parity, delimiter or length is wrong."
+        "Each reply of the encoder begins with the control field that it received from the master. A request is not "
+        "valid if its sync code, data ID, parity, delimiter or length is wrong."
     ),
     source="7 p.37",
 )
@@ -1525,13 +1526,13 @@ TABLES: Final[tuple[Table, ...]] = (
             ),
             (
                 "No output signals",
-                "Unsuitable protective part between sensor and tape (for example, steel that is not non-magnetic)",
+                "Unsuitable protective part between sensor and tape (for example, made of magnetic steel)",
             ),
             (
                 "No output signals",
                 (
-                    "Mounting tolerances not met: sensor damaged by touching the tape (see its active surface), or "
-                    "too far away"
+                    "Mounting tolerances not met: sensor damaged by touching the tape (inspect its active surface), "
+                    "or too far away"
                 ),
             ),
             (
@@ -1591,8 +1592,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="tape_orientation",
         value=(
-            "The tape can be mounted in one direction only. The system cannot work if it is mounted differently from "
-            "Figure 1"
+            "The tape can be mounted in one direction only. The system does not work if the tape is mounted "
+            "differently from Figure 1"
         ),
         source="3.2 p.11, 3.3, 8 p.44",
     ),
@@ -1620,10 +1621,10 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised supply free of noise, with "
-            "EMC filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer "
-            "than necessary and away from power cables. Mount the device as far as possible from sources of "
-            "interference, or shield it from them. Keep strong magnets away from the unit."
+            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
+            "necessary and away from power cables. Mount the device as far as possible from sources of interference, "
+            "or shield it from them. Keep strong magnets away from the unit."
         ),
         source="1.2 p.9",
     ),
@@ -1635,9 +1636,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="shield_connection",
         value=(
-            "Connect the cable shield (or the connector housing) and the body of the device to a good ground point "
-            "free of noise, on the device's side or on the user's side, or both. The user must find out which "
-            "connection works best."
+            "Connect the cable shield (or the connector housing) and the body of the device to a good noise-free "
+            "ground point, at the device end, at the user's end, or at both. The user must find out which connection "
+            "works best."
         ),
         source="1.2 p.9, 4.6 p.17",
     ),
@@ -1844,7 +1845,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
         "Figure 2: tolerances of gap, flatness and parallelism between sensor and tape. Only the gap is in the text.",
         source="3.3",
     ),
-    LostFigure("The content after the text on the measuring length, probably its picture.", source="3.4 p.14"),
+    LostFigure("Content missing after the text on the measuring length, probably a drawing of it.", source="3.4 p.14"),
     LostFigure(
         (
             "Pictures of the two connectors with their pin numbers, contact side. The text does not give the coding "
@@ -1853,12 +1854,18 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
         source="4.3 p.16, 4.4 p.16",
     ),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text describes it as well.",
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
         source="5.1",
     ),
-    LostFigure("The content after the pause Tp, probably its picture.", source="5.3 p.22"),
+    LostFigure(
+        "Content missing after the description of the pause Tp, probably a drawing of the pause.",
+        source="5.3 p.22",
+    ),
     LostFigure("Recommended SSI circuit.", source="5.6 p.23"),
-    LostFigure("The content after the two kinds of transmission, probably a frame.", source="6.1 p.24"),
+    LostFigure(
+        "Content missing after the two kinds of transmission, probably a drawing of a frame.",
+        source="6.1 p.24",
+    ),
     LostFigure(
         "Logic circuit of the 6-bit CRC. The text does not give the start value, so it is taken from public documents.",
         source="6.2 p.26",
@@ -1870,8 +1877,8 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Recommended BiSS circuit.", source="6.7 p.36"),
     LostFigure(
         (
-            "Incremental signals against the pole pitch, with a factor of 4 as an example. The text does not say "
-            "which of A and B leads."
+            "Drawing of the incremental signals along the pole pitch, with a factor of 4 as an example. The text does "
+            "not say which of A and B leads."
         ),
         source="8 p.44",
     ),
@@ -1902,14 +1909,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="order_code_key",
         printed=(
-            "See the order code (si veda il codice di ordinazione), for the output code, the supply and the "
-            "incremental signals"
+            "The manual refers to the order code (si veda il codice di ordinazione) for the output code, the supply "
+            "and the incremental signals"
         ),
         used="BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.",
         why=(
-            "The key is not in the manual. It explains only G1 (Gray with AB /AB), SC, and, by the example of SC, the "
-            "supplies 1 and 4. BG is binary in the AMM5 manual of the same manufacturer. GG is the remaining code. "
-            "Other supply digits and the rest of the label have no explanation."
+            "The manual does not contain the key to the order code. It explains only G1 (Gray with AB /AB) and SC, "
+            "and it shows the supplies 1 and 4 with SC as an example. BG is binary in the AMM5 manual of the same "
+            "manufacturer. GG is the remaining code. Other supply digits and the rest of the label have no "
+            "explanation."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1922,7 +1930,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"Protocol description "
             "C-mode\""
         ),
-        used="The reference is to the BiSS C protocol description of iC-Haus.",
+        used="The document meant is the BiSS C protocol description of iC-Haus.",
         why=(
             "None of the names is the title of a public document. The manual's terms come from the protocol "
             "description."
@@ -1934,7 +1942,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost",
+        printed=(
+            "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
+            "circuits are lost"
+        ),
         used="The start value is 0.",
         why=(
             "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
@@ -1948,11 +1959,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="command_default",
-        printed="Register 48h is write only (wo). It has the default 00, also in the list of defaults",
+        printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
         used="The register is write only. 00 is the value to which it returns.",
         why=(
             "The default of a register that cannot be read cannot be observed. The manual does not say whether 48h "
-            "answers a read at all, or with 00."
+            "can be read at all, or whether a read returns 00."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1964,8 +1975,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Maximum length of the tape (lunghezza massima della banda): 16.339, without a unit, and 32.749 mm",
         used="The tape is at most 16,410 mm and 32,820 mm long. 16,339 mm and 32,749 mm are the travel.",
         why=(
-            "4.10 lists both. The preliminary information, 5.2 and the cover give the same numbers as measuring "
-            "length. The difference of 71 mm is the head of 63 mm and 4 mm at each end."
+            "4.10 lists both. The preliminary information, 5.2 and the cover print the smaller numbers as the "
+            "measuring length. The difference of 71 mm is made up of the head of 63 mm and 4 mm at each end."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
@@ -2004,7 +2015,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least as many clocks as "
             "data bits"
         ),
-        used="The outputs do not enforce either rule. One clock more than the word has bits satisfies both.",
+        used=(
+            "The outputs do not enforce either rule. Sending one more clock than there are bits in the word satisfies "
+            "both."
+        ),
         why=(
             "Because of the error bit, the word is one bit longer than the resolution. n + 1 edges with the "
             "resolution as n would be just enough for that last bit. 5.1 describes SSI in general, where the word has "
@@ -2017,7 +2031,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz. The clock ranges from 100 kHz to 1 MHz",
+        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 1 MHz",
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -2027,9 +2041,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz. The clock ranges from 100 kHz to 1 MHz",
+        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 1 MHz",
         used="Both limits are listed as printed.",
-        why="50 m is the shortest row of the table. According to the table, no cable may be used at 400 kHz to 1 MHz.",
+        why=(
+            "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
+            "to 1 MHz."
+        ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
@@ -2037,7 +2054,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="gray_scope",
-        printed="The output code can be binary or Gray, without saying which bits of the frame it covers",
+        printed="The manual says that the output code can be binary or Gray, but not which bits of the frame it covers",
         used="Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.",
         why=(
             "6.4 refers to the absolute position information, and a flag in Gray code would change with the bit next "
@@ -2107,8 +2124,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="position_below_zero",
         printed=(
-            "Positions before the preset get a value according to it. The values sent below zero or above the maximum "
-            "are not given"
+            "Positions before the preset get a value according to it. The manual does not give the values sent below "
+            "zero or above the maximum"
         ),
         used=(
             "Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over "
@@ -2131,7 +2148,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="warning_level",
-        printed="Warning, nW, without the level that means a warning",
+        printed="The manual lists Warning, nW, but does not say which level means a warning",
         used="0 means a warning, as with the error bit.",
         why="The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.",
         status=Status.OPEN,
@@ -2148,8 +2165,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="Each is used as printed.",
         why=(
             "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the "
-            "whole field, not of the position, and one more bit goes with one plus sign fewer. A master that takes "
-            "the length of the data from the profile ID would miss 4, 2 or 1 bits here."
+            "whole field, not of the position, and the variant with one more bit has one plus sign fewer. A master "
+            "that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2161,8 +2178,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Year, week and number in hexadecimal (in esadecimale), without an example",
         used="The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.",
         why=(
-            "The text does not say whether the digits are binary or decimal in each byte, from which year the year "
-            "counts, or which of 46h and 47h is the high byte. The AMM5 manual reads the same four registers as one "
+            "The text does not say whether the digits are binary or decimal in each byte, from which year the year is "
+            "counted, or which of 46h and 47h is the high byte. The AMM5 manual reads the same four registers as one "
             "number whose decimal digits are year, week and number."
         ),
         status=Status.OPEN,
@@ -2172,7 +2189,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_set",
-        printed="Limits of preset and offset by the resolution that is set (risoluzione impostata)",
+        printed="The limits of preset and offset depend on the resolution that is set (risoluzione impostata)",
         used="The limits depend on the resolution of the order code.",
         why="The Absolute resolution register is read only, and no other register sets a resolution.",
         status=Status.SETTLED,
@@ -2209,7 +2226,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="offset_range",
         printed="The values run from the offset to the sum of offset and number of positions.",
-        used="The values end at that sum less 1.",
+        used="The highest value is that sum minus 1.",
         why=(
             "The same number of values as before, starting with the offset, ends one below the sum. With the highest "
             "offset, the sum itself would need one bit more than the field has."
@@ -2245,8 +2262,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="release_coding",
         printed=(
-            "Name and release are expressed in hexadecimal values of ASCII. In the table 7Ch and 7Dh have xx, and in "
-            "its row ASCII a dash."
+            "Name and release are expressed in hexadecimal values of ASCII. In the table, 7Ch and 7Dh have xx, and "
+            "the ASCII row has a dash."
         ),
         used="The release is a number of two bytes.",
         why="The dash contradicts the sentence before it. The manual prints no value that could settle this.",
@@ -2257,7 +2274,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        printed="The BiSS time-out adapts itself to the clock, 16 µs at most. No rule is printed",
+        printed=(
+            "The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule"
+        ),
         used="The time-out is at most 16 µs.",
         why=(
             "In the BiSS protocol description, the time-out is at least 1.5 clock periods, which is 7.5 µs at 200 "
@@ -2293,8 +2312,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_field_structure",
-        printed="Five bits cc0 to cc4 as ID code",
-        used="cc0 to cc3 are the data ID, cc4 is its even parity bit.",
+        printed="The ID code has five bits, cc0 to cc4",
+        used="cc0 to cc3 are the data ID, and cc4 is its even parity bit.",
         why=(
             "7.2.2 mentions a parity that the structure does not show. All five printed bytes fit. With five bits, "
             "A2h would be ID 14h and DAh would be ID 1Bh."
@@ -2323,9 +2342,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="position_under_error",
         printed=(
-            "ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor "
-            "has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single "
-            "alarms and of nW on the position is not given."
+            "ea0: a fault may follow, but the position is correct. ea1: there is a fault or an error in the position, "
+            "or the motor must stop. nE: the last valid position may be frozen, or wrong data may be sent. The manual "
+            "does not say how single alarms and nW affect the position."
         ),
         used=(
             "The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored "
@@ -2334,8 +2353,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "ea1 does not show which of the three it is. With an error only in the EEPROM, the position may be "
-            "correct, but the manual does not say so. nW is for Lika's technicians, and there is no evidence against "
-            "a position with it."
+            "correct, but the manual does not say so. nW is for Lika's technicians, and there is no evidence that a "
+            "position with it is wrong."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2497,7 +2516,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it stays "
             "high until it is reset."
         ),
-        why="7.3.2 and the note in 9.1 say so. Section 9 does not distinguish the interfaces.",
+        why="7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("field_groups.status_field.status_error", "leds.diagnostics"),
@@ -2511,9 +2530,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The table is listed as printed.",
         why=(
-            "4.7 m/s is 587.5 and 2,350 kHz at 2 µm. 2.4 m/s is 600 and 2,400 kHz at 1 µm. 580 and 2,320 kHz belong "
-            "to 4.64 and 2.32 m/s. The other rows agree. At a distance of 0.25 µs, it would be 4,000 kHz in every "
-            "row."
+            "At 2 µm, 4.7 m/s corresponds to 587.5 and 2,350 kHz. At 1 µm, 2.4 m/s corresponds to 600 and 2,400 kHz. "
+            "580 and 2,320 kHz correspond to 4.64 and 2.32 m/s. The other rows agree. With a distance of 0.25 µs, the "
+            "frequency would be 4,000 kHz in every row."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -2522,7 +2541,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_sending_order",
-        printed="An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission",
+        printed="Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of transmission",
         used="ABS0 is sent first.",
         why=(
             "The text above both tables says that the position is sent from the least to the most significant byte. "
@@ -2550,11 +2569,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="unimplemented_alarms",
         printed=(
-            "ea0 stands for Signal on the strength alarm and Temperature alarm, ea1 among others for Encoder "
-            "inharmonious error and Higher track error. By the table of ALMC none of the four is implemented, and "
-            "release 1.1 removed one of them"
+            "ea0 stands for Signal on the strength alarm and Temperature alarm. ea1 stands for Encoder inharmonious "
+            "error and Higher track error, among others. According to the table of ALMC, none of the four is "
+            "implemented, and release 1.1 removed one of them"
         ),
-        used="The sums are used as printed. A decoder accepts these bits.",
+        used="The combined bits are used as printed. A decoder accepts these bits.",
         why="Alarms that are not implemented cannot set ea0. For ea1, bits 5, 2, 1 and 0 of ALMC remain.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2578,7 +2597,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_pause",
         printed="Pause of at least 16 µs (Tp > 16 µs)",
         used="The minimum is 16 µs. Use a longer pause.",
-        why="\"At least\" allows 16 µs. The sign \">\" does not.",
+        why="The words \"at least\" allow 16 µs, but the sign \">\" does not.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi.pause",),
@@ -2586,7 +2605,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
-        printed="Requests and replies, without the time between them",
+        printed="The manual describes requests and replies, but not the time between them",
         used="The outputs have no reply time and no time-out. The master chooses its time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
@@ -2602,7 +2621,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_2_1",
         printed="order_code.parts.output.values.JP.meaning",
         used="RS-485 serial interface",
-        why="Panasonic® was named with the RS-485 interface in this revision.",
+        why="This revision added the name Panasonic® to the RS-485 interface.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("order_code.output",),
@@ -2615,7 +2634,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "alarms.encoder_inharmonious_error.implemented"
         ),
         used="yes",
-        why="The alarm was removed with this revision, so older encoders may have it.",
+        why="This revision removed the alarm, so older encoders may have it.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=(

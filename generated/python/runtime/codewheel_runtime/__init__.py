@@ -1,0 +1,79 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Code that the packages of all manufacturers share, such as verdicts, errors, and the functions that run procedures.
+
+Programs import these names from the package of a manufacturer or from here. They are the same objects, so encoders of
+several manufacturers can be used together.
+"""
+
+from __future__ import annotations
+
+from .codec import BitField
+from .encoder import Encoder, Frame, PositionFrame
+from .errors import (
+    ConstantError,
+    CrcError,
+    FamilyError,
+    FrameError,
+    InterfaceError,
+    LengthError,
+    RangeError,
+)
+from .order_codes import OrderCodeError
+from .reports import Family, Interface, Movement, Report, Verdict
+from .running import Bus, Line, Reading, StepError, VerifyError, run
+from .steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
+from .version import __version__
+
+__all__ = [
+    "BitField",
+    "Bus",
+    "ConstantError",
+    "CrcError",
+    "Encoder",
+    "Family",
+    "FamilyError",
+    "Frame",
+    "FrameError",
+    "Interface",
+    "InterfaceError",
+    "LengthError",
+    "Line",
+    "Modify",
+    "Movement",
+    "OrderCodeError",
+    "Poll",
+    "PositionFrame",
+    "RangeError",
+    "Read",
+    "Reading",
+    "Report",
+    "Send",
+    "Step",
+    "StepError",
+    "Verdict",
+    "Verify",
+    "VerifyError",
+    "Wait",
+    "Write",
+    "__version__",
+    "run",
+    "why",
+]
+
+
+def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
+    """Find the common mistakes that explain an invalid frame, such as swapped wires.
+
+    A short CRC is sometimes correct by chance. Check several frames, and look for the mistake that explains all of
+    them.
+
+    Args:
+        encoder: The encoder.
+        frame: The frame, in any form that ``encoder.decode`` accepts.
+
+    Returns:
+        Descriptions of the changes that make the frame valid, the most likely first. Empty if none is known.
+    """
+    from .causes import why
+
+    return why(encoder, frame)

@@ -1,0 +1,147 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads frames from Arrow columns, and from Parquet files in chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any, BinaryIO, Final
+
+from . import inputs
+from .bulk_decode import of_floats
+from .inputs import DigitKind, InputError, Part, Source, Stored, column_of, kept_columns, numbers, short
+from .shape import Shape
+from .text import Cells
+
+np: Any = import_module("numpy")
+
+#: Number of bytes of a Parquet column that are read at once.
+_BUFFER: Final = 1 << 20
+
+
+def parquet(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
+    """Return the frames and the other columns of a Parquet file."""
+    with _told(name):
+        # Without a buffer, a whole column is read at once.
+        opened_file = import_module("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
+        schema = opened_file.schema_arrow
+        column = column_of(list(schema.names), stored.column, name)
+        total = int(opened_file.metadata.num_rows)
+    others = tuple(item for item in schema.names if item != column)
+    pa: Any = import_module("pyarrow")
+    kept = kept_columns(others, stored, lambda item: pa.array([], schema.field(item).type), name)
+    return Source(_batches(opened_file, column, tuple(kept), name, stored, shape), total, others, kept)
+
+
+def _batches(
+    file: Any, column: str, kept: tuple[str, ...], name: str, stored: Stored, shape: Shape
+) -> Generator[Part, None, None]:
+    done = 0
+    with _told(name):
+        # More columns mean fewer rows at once.
+        rows = max(inputs.CHUNK // (1 + len(kept)), 1)
+        batches = file.iter_batches(batch_size=rows, columns=[column, *kept])
+    while True:
+        with _told(name):
+            batch = next(batches, None)
+            if batch is None:
+                return
+        try:
+            frames = of_arrow(batch.column(column), shape, stored.digits, is_first=not done)
+        except _NoFrame as error:
+            raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
+        except TypeError as error:
+            raise InputError(name, f"column {short(column)}", str(error)) from None
+        done += len(batch)
+        yield Part(frames, done, {item: batch.column(item) for item in kept})
+
+
+@contextmanager
+def _told(name: str) -> Generator[None, None, None]:
+    """Convert the errors that pyarrow raises for an unreadable file to InputError."""
+    error: Any = import_module("pyarrow").lib.ArrowException
+    try:
+        yield
+    except InputError:
+        raise
+    except (error, OSError, ValueError, MemoryError) as fault:
+        said = next(iter(str(fault).splitlines()), type(fault).__name__)
+        raise InputError(name, "", f"this is not a valid Parquet file: {said}") from None
+
+
+class _NoFrame(ValueError):
+    """The cell in ``row`` does not contain a frame."""
+
+    def __init__(self, row: int, message: str) -> None:
+        super().__init__(message)
+        self.row = row
+
+
+def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_first: bool = True) -> Any:
+    """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
+
+    ``is_first`` marks the first frames of a file, most of which must be readable.
+    """
+    pa: Any = import_module("pyarrow")
+    kinds = pa.types
+    if isinstance(array, pa.ChunkedArray):
+        array = array.combine_chunks()
+    kind = array.type
+    if kinds.is_dictionary(kind):
+        array, kind = array.dictionary_decode(), kind.value_type
+    if kinds.is_null(kind):
+        return [None] * len(array)
+    if kinds.is_integer(kind):
+        if shape.length:
+            raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
+        if not array.null_count:
+            return array.to_numpy(zero_copy_only=False)
+        missing = array.is_null().to_numpy(zero_copy_only=False)
+        return np.ma.masked_array(array.fill_null(0).to_numpy(zero_copy_only=False), missing)
+    if kinds.is_float64(kind) and not shape.length:
+        return of_floats(array.to_numpy(zero_copy_only=False), shape.bits)
+    if kinds.is_string(kind) or kinds.is_large_string(kind):
+        return _each(array.to_pylist(), shape, digits, is_first)
+    if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):
+        raise TypeError(f"expected numbers, bytes or text, got items of the type {kind}")
+    length = shape.length or (shape.bits + 7) // 8
+    rows = _rows_of(array, length) if not array.null_count else None
+    if rows is not None:
+        return rows if shape.length else numbers(rows)
+    return of_bytes(array.to_pylist(), shape)
+
+
+def _rows_of(array: Any, length: int) -> Any:
+    """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
+    kind, count = array.type, len(array)
+    if not count:
+        return np.zeros((0, length), np.uint8)
+    buffers = array.buffers()
+    if import_module("pyarrow").types.is_fixed_size_binary(kind):
+        if kind.byte_width != length:
+            return None
+        start, data = array.offset * length, buffers[1]
+    else:
+        wide = import_module("pyarrow").types.is_large_binary(kind)
+        offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
+        if (np.diff(offsets) != length).any():
+            return None
+        start, data = int(offsets[0]), buffers[2]
+    return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
+
+
+def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
+    """Convert rows of bytes to the form that ``decode_many`` expects: unchanged, or as numbers. None is kept."""
+    if shape.length:
+        return list(items)
+    return [int.from_bytes(row, "big") if row else None for row in items]
+
+
+def _each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
+    """Return the frame in each text cell, or None for a cell without a frame."""
+    cells = Cells(shape, digits)
+    found = [cells.read(item or "", row) for row, item in enumerate(items)]
+    if is_first and cells.are_others:
+        raise _NoFrame(cells.place, cells.said)
+    return found

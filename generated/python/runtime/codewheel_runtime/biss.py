@@ -1,0 +1,698 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Register access over BiSS C: control frames for masters and slaves.
+
+A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the level of MA during the
+time-out, and CDS from the slave, after the start bit. The bits of successive frames form a control frame, which reads
+or writes registers:
+
+==== ================================= ==================================================================
+step CDM                               CDS, the answers to these bits
+==== ================================= ==================================================================
+1    at least 14 zeros                 0
+2    S = 1, CTS = 1, ID2..0, ADR6..0,  IDL0..15: each slave takes the first bit that is still 0 as its ID
+     CRC3..0                           (there are 8 IDs)
+3    R W: 10 to read, 01 to write      the same R W. An inverted W refuses the register
+4    S = 1                             S = 1, or 0 while the slave is busy. The master then sends S again
+5    DATA7..0, CRC3..0 to write, 12    DATA7..0, CRC3..0: the byte read, or the byte received
+     zeros to read
+6    P = 0                             P = 0, or 1 to refuse the next register
+7    S = 1 as in 4 for the next
+     register, or 0 to end
+==== ================================= ==================================================================
+
+CDS comes early in a frame and CDM at its end, so the answer to a bit comes in the next frame. The CRC is x^4 + x + 1,
+start value 0, inverted, over CTS, ID and ADR, or over a byte of data. S, R, W, P and IDL are not protected by a CRC.
+Therefore:
+
+* A write that no slave understood looks like a refused one: R W comes back as 00.
+* If the S of a slave is lost on its way to the master, master and slave continue one bit apart. A byte read then fails
+  its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they had
+  been stored. Read back what you write.
+* Zeros can complete a byte: if a write is aborted within a byte, the slave can store the bits that it has received,
+  followed by zeros, if the CRC of that value is 0 (one of 68 places and values). Write such a register again, and take
+  care with registers that act on any value.
+
+Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. CTS in the CRC, the
+frame in which each answer comes, and P before a further S follow published masters: lenzencoders/BISS-C
+(BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk (source/position_sense/bissc). Inferred: the
+end of the chain that has ID 0, and the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested
+on hardware. Commands (CTS = 0) are not covered: a :class:`Slave` ignores them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum
+from operator import index
+from typing import Final
+
+from .codec import Data, as_bytes, check_width, whole_number
+from .errors import ConstantError, CrcError, LengthError, RangeError
+
+__all__ = [
+    "IDS",
+    "REGISTERS",
+    "ZEROS",
+    "AccessError",
+    "Answer",
+    "Master",
+    "Outcome",
+    "RegisterBus",
+    "Request",
+    "Slave",
+    "Wants",
+    "crc",
+    "decode_byte",
+    "encode_byte",
+]
+
+#: Number of zeros that precede a control frame, and that end one at any time.
+ZEROS: Final = 14
+#: Number of IDs that slaves can take. ID 0 is the only slave, or the last of a chain, whose SLI is 0.
+IDS: Final = 8
+#: Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh.
+REGISTERS: Final = 64
+
+_READS: Final = 0x00014000
+_WRITES: Final = 0x0000C000
+
+
+class Outcome(Enum):
+    """State or result of an access."""
+
+    IDLE = "no access was started"
+    RUNNING = "the access is running"
+    DONE = "the access succeeded"
+    REFUSED = "the register is protected or not implemented, or the write was not understood"
+    NO_ANSWER = "no slave has this ID, or CDS never changes"
+    BUSY = "the slave was busy for more frames than allowed"
+    BAD_CRC = "the byte read has a CRC error"
+    BAD_ECHO = "R W or a byte was echoed wrongly, and may have been written"
+    ABORTED = "the caller aborted the access"
+
+
+class Wants(Enum):
+    """Request from a slave to the program that runs it. The slave is busy until the request is fulfilled."""
+
+    NOTHING = "nothing"
+    BYTE = "the byte of the register at the address: call give()"
+    STORE = "the value to be stored at the address: call stored()"
+
+
+def crc(value: int, bits: int) -> int:
+    """Compute the CRC of control data.
+
+    Args:
+        value: Control data, the highest bit sent first.
+        bits: Number of bits.
+
+    Returns:
+        The CRC, 4 bits.
+    """
+    value, register = index(value), 0
+    for left in range(bits - 1, -1, -1):
+        out = (register >> 3 ^ value >> left) & 1
+        register = register << 1 & 0xF ^ out * 0x3
+    return register ^ 0xF
+
+
+def encode_byte(value: int) -> int:
+    """Append the CRC to a byte of data.
+
+    Args:
+        value: The byte.
+
+    Returns:
+        The byte and its CRC, 12 bits.
+
+    Raises:
+        RangeError: ``value`` is not 0 to 255.
+    """
+    value = check_width("value", value, 8)
+    return value << 4 | crc(value, 8)
+
+
+def decode_byte(bits: int) -> int:
+    """Check the CRC of a byte of data.
+
+    Args:
+        bits: The byte and its CRC, 12 bits.
+
+    Returns:
+        The byte.
+
+    Raises:
+        LengthError: There are more than 12 bits.
+        CrcError: The CRC does not match.
+    """
+    bits = whole_number("bits", bits)
+    if not 0 <= bits < 1 << 12:
+        raise LengthError(12, bits.bit_length(), "bits")
+    if bits & 0xF != crc(bits >> 4, 8):
+        raise CrcError(bits & 0xF, crc(bits >> 4, 8))
+    return bits >> 4
+
+
+@dataclass(frozen=True)
+class Request:
+    """Access to one register.
+
+    Attributes:
+        slave_id: ID of the slave, 0 to 7.
+        address: Address of the register, 00h to 7Fh.
+        value: Byte to write, or None to read.
+    """
+
+    slave_id: int
+    address: int
+    value: int | None = None
+
+    def encode(self) -> int:
+        """Encode the access as a word, in the layout of TI's masters.
+
+        Returns:
+            The 32 bits that a master sends after the first S, the first one highest: CTS, ID2..0, ADR6..0, CRC3..0,
+            R, W, S, then DATA7..0, CRC3..0 or 12 zeros, P, and one more zero.
+
+        Raises:
+            RangeError: The ID, the address or the value is out of range.
+        """
+        slave_id = check_width("slave_id", self.slave_id, 3)
+        head = 0x400 | slave_id << 7 | check_width("address", self.address, 7)
+        access = _READS if self.value is None else _WRITES | encode_byte(self.value) << 2
+        return head << 21 | crc(head, 11) << 17 | access
+
+    @classmethod
+    def decode(cls, word: int) -> Request:
+        """Decode a word of the layout of ``encode``.
+
+        Args:
+            word: The 32 bits, the first one highest.
+
+        Returns:
+            The access.
+
+        Raises:
+            LengthError: There are more than 32 bits.
+            CrcError: One of the two CRCs does not match.
+            ConstantError: CTS or S is 0, R W is neither 10 nor 01, or the zeros at the end are not all 0.
+        """
+        word = whole_number("word", word)
+        if not 0 <= word < 1 << 32:
+            raise LengthError(32, word.bit_length(), "bits")
+        head, received, access = word >> 21, word >> 17 & 0xF, word & (_READS | _WRITES)
+        if received != crc(head, 11):
+            raise CrcError(received, crc(head, 11))
+        value = decode_byte(word >> 2 & 0xFFF) if access == _WRITES else None
+        if not head >> 10:
+            raise ConstantError("CTS", 0, 1)
+        if access not in (_READS, _WRITES):
+            raise ConstantError("R W S", access >> 14, _READS >> 14)
+        rest = word & (0x3FFF if value is None else 0x3)
+        if rest:
+            raise ConstantError("the zeros at the end", rest, 0)
+        return cls(head >> 7 & 0x7, head & 0x7F, value)
+
+    def bits(self) -> tuple[int, ...]:
+        """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
+        word = self.encode()
+        return (0,) * ZEROS + (1,) + tuple(word >> left & 1 for left in range(31, -1, -1))
+
+    def _echo(self, answers: int) -> Outcome:
+        """Return the outcome of the first 18 answers, IDL0 highest and W lowest. RUNNING if the slave takes part."""
+        if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
+            return Outcome.NO_ANSWER
+        expected = 0b10 if self.value is None else 0b01
+        if answers & 0b11 == expected:
+            return Outcome.RUNNING
+        if answers & 0b11 == expected ^ 0b01:
+            return Outcome.REFUSED
+        return Outcome.NO_ANSWER if answers & 0b11 == 0 else Outcome.BAD_ECHO
+
+    def _data(self, answers: int) -> tuple[Outcome, int | None]:
+        """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read."""
+        if self.value is not None:
+            return (Outcome.DONE if answers == encode_byte(self.value) else Outcome.BAD_ECHO), None
+        try:
+            return Outcome.DONE, decode_byte(answers)
+        except CrcError:
+            return Outcome.BAD_CRC, None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Result of a request that was sent as a whole word.
+
+    Attributes:
+        outcome: Result of the access.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8.
+        value: Byte that was read, otherwise None.
+    """
+
+    outcome: Outcome
+    slaves: int
+    value: int | None = None
+
+    @classmethod
+    def decode(cls, request: Request, cds: int) -> Answer:
+        """Decode the CDS bits of the 32 frames in which the word of a request was sent.
+
+        This is for masters that send a whole word before they look at the answer. They cannot wait for a busy slave.
+
+        Args:
+            request: The request.
+            cds: The CDS bits, the first one highest: IDL0..15, R, W, S, DATA7..0, CRC3..0, P.
+
+        Returns:
+            The result.
+
+        Raises:
+            LengthError: There are more than 32 bits.
+            RangeError: An attribute of the request is out of range.
+        """
+        request.encode()
+        cds = whole_number("cds", cds)
+        if not 0 <= cds < 1 << 32:
+            raise LengthError(32, cds.bit_length(), "bits")
+        slaves = _slaves(cds >> 16)
+        echo = request._echo(cds >> 14)
+        if echo is not Outcome.RUNNING:
+            return cls(echo, slaves)
+        if not cds >> 13 & 1:
+            return cls(Outcome.BUSY, slaves)
+        outcome, value = request._data(cds >> 1 & 0xFFF)
+        return cls(outcome, slaves, value)
+
+
+def _slaves(idl: int) -> int:
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
+    return min(9, 16 - (~idl & 0xFFFF).bit_length())
+
+
+class _Phase(Enum):
+    """Position of a state machine within a control frame."""
+
+    WAIT = "outside: waiting for 14 zeros, then for S"
+    HEADER = "steps 2 and 3"
+    START = "step 4"
+    BYTE = "steps 5 and 6"
+
+
+class Master:
+    """BiSS C master for register access.
+
+    Start an access with :meth:`read` or :meth:`write`. Then call :meth:`next` once in every BiSS frame, between its
+    CDS bit and its time-out, until ``outcome`` is no longer RUNNING. Continue to call it while frames are sent, because
+    it counts the zeros that are required between two accesses. An access to one register takes at most 46 frames. Each
+    further register adds 14 frames, and each frame in which the slave is busy adds one.
+
+    Attributes:
+        outcome: State or result of the access.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8. It is known after the header.
+        done: Number of bytes that were read or written.
+        data: Bytes that were read.
+    """
+
+    def __init__(self) -> None:
+        self.outcome = Outcome.IDLE
+        self.slaves = 0
+        self.done = 0
+        self.data = b""
+        self._phase = _Phase.WAIT
+        self._requests: tuple[Request, ...] = ()
+        self._zeros = 0
+        self._at = 0
+        self._busy = 0
+        self._busy_limit = 0
+        self._sending = 0
+        self._answers = 0
+
+    def read(self, address: int, count: int = 1, *, slave_id: int = 0, busy_limit: int) -> None:
+        """Start to read registers. A running access is aborted.
+
+        Args:
+            address: Address of the first register, 00h to 7Fh.
+            count: Number of registers.
+            slave_id: ID of the slave, 0 to 7.
+            busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
+
+        Raises:
+            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
+                sent.
+        """
+        # This bounds the list, whatever the count is.
+        values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
+        self._begin(slave_id, address, values, busy_limit)
+
+    def write(self, address: int, data: Data, *, slave_id: int = 0, busy_limit: int) -> None:
+        """Start to write registers. A running access is aborted.
+
+        Args:
+            address: Address of the first register, 00h to 7Fh.
+            data: Bytes to write to ascending addresses.
+            slave_id: ID of the slave, 0 to 7.
+            busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
+
+        Raises:
+            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
+                sent.
+        """
+        self._begin(slave_id, address, list(as_bytes(data)), busy_limit)
+
+    def _begin(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
+        slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
+        head = Request(slave_id, address, values[0] if values else None).encode()
+        most = REGISTERS - (address & 0x3F)
+        if not 0 < len(values) <= most:
+            raise RangeError("the number of registers", len(values), f"1 to {most} from address {address:02X}h")
+        self.outcome = Outcome.RUNNING
+        self.slaves = self.done = self._at = self._answers = 0
+        self.data = b""
+        self._phase = _Phase.WAIT
+        self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
+        self._busy_limit = busy_limit
+        self._sending = head >> 15
+
+    def abort(self) -> None:
+        """Abort the access by sending zeros. An aborted write can store another value, as described above."""
+        if self.outcome is Outcome.RUNNING:
+            self.outcome = Outcome.ABORTED
+        self._phase = _Phase.WAIT
+
+    def next(self, cds: int) -> int:
+        """Advance by one BiSS frame.
+
+        Args:
+            cds: The CDS bit of this frame.
+
+        Returns:
+            The CDM bit of this frame. MA carries its inverse during the time-out.
+        """
+        # A pin may be read as a bool, or as a number too narrow for the answers.
+        cds = int(cds & 1)
+        if self._phase is _Phase.HEADER:
+            cdm = self._header(cds)
+        elif self._phase is _Phase.START:
+            cdm = self._start(cds)
+        elif self._phase is _Phase.BYTE:
+            cdm = self._byte(cds)
+        else:
+            cdm = int(self.outcome is Outcome.RUNNING and self._zeros >= ZEROS)
+            if cdm:
+                self._phase = _Phase.HEADER
+        self._zeros = 0 if cdm else self._zeros + 1
+        return cdm
+
+    def _ends(self, outcome: Outcome) -> int:
+        self.outcome = outcome
+        self._phase = _Phase.WAIT
+        return 0
+
+    def _header(self, cds: int) -> int:
+        """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
+        self._answers = self._answers << 1 | cds
+        self._at += 1
+        if self._at <= 17:
+            return self._sending >> 17 - self._at & 1
+        self.slaves = _slaves(self._answers >> 2)
+        echo = self._requests[0]._echo(self._answers)
+        if echo is not Outcome.RUNNING:
+            return self._ends(echo)
+        return self._register()
+
+    def _register(self) -> int:
+        """Begin step 4."""
+        self._phase = _Phase.START
+        self._busy = 0
+        return 1
+
+    def _start(self, cds: int) -> int:
+        """Return the bit of step 4: S until it is answered, then DATA7."""
+        if not cds:
+            if self._busy >= self._busy_limit:
+                return self._ends(Outcome.BUSY)
+            self._busy += 1
+            return 1
+        self._phase = _Phase.BYTE
+        self._at = self._answers = 0
+        value = self._requests[self.done].value
+        self._sending = 0 if value is None else encode_byte(value)
+        return self._sending >> 11 & 1
+
+    def _byte(self, cds: int) -> int:
+        """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
+        if self._at == 12:
+            return self._ends(Outcome.REFUSED) if cds else self._register()
+        self._answers = self._answers << 1 | cds
+        self._at += 1
+        if self._at < 12:
+            return self._sending >> 11 - self._at & 1
+        outcome, value = self._requests[self.done]._data(self._answers)
+        if outcome is not Outcome.DONE:
+            return self._ends(outcome)
+        if value is not None:
+            self.data += bytes([value])
+        self.done += 1
+        # The answer to the last P does not matter, because it concerns a register that was not requested.
+        return self._ends(outcome) if self.done == len(self._requests) else 0
+
+
+class AccessError(RuntimeError):
+    """Error of an access to registers.
+
+    Attributes:
+        outcome: Result of the access.
+        address: Address of the first register.
+    """
+
+    def __init__(self, outcome: Outcome, address: int) -> None:
+        super().__init__(outcome, address)
+        self.outcome, self.address = outcome, address
+
+    def __str__(self) -> str:
+        return f"access to registers from {self.address:02X}h failed: {self.outcome.value}"
+
+
+class RegisterBus:
+    """Registers of one slave, for ``run`` and for programs that read and write bytes.
+
+    Args:
+        exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
+            carries during the time-out, and returns the CDS bit of this frame.
+        slave_id: ID of the slave, 0 to 7.
+        busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
+    """
+
+    def __init__(self, exchange: Callable[[int], int], *, slave_id: int = 0, busy_limit: int = 0) -> None:
+        self.slave_id, self.busy_limit = slave_id, busy_limit
+        self._exchange, self._master, self._cdm = exchange, Master(), 0
+
+    def read(self, address: int, length: int, /) -> bytes:
+        """Read registers.
+
+        Args:
+            address: Address of the first register, 00h to 7Fh.
+            length: Number of registers.
+
+        Returns:
+            Their bytes.
+
+        Raises:
+            AccessError: The registers could not be read.
+            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
+        """
+        self._master.read(address, length, slave_id=self.slave_id, busy_limit=self.busy_limit)
+        self._finish(address)
+        return self._master.data
+
+    def write(self, address: int, data: Data, /) -> None:
+        """Write registers.
+
+        Args:
+            address: Address of the first register, 00h to 7Fh.
+            data: Bytes to write to ascending addresses.
+
+        Raises:
+            AccessError: At least one register could not be written.
+            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
+        """
+        self._master.write(address, data, slave_id=self.slave_id, busy_limit=self.busy_limit)
+        self._finish(address)
+
+    def _finish(self, address: int) -> None:
+        while self._master.outcome is Outcome.RUNNING:
+            self._cdm = self._master.next(self._exchange(self._cdm))
+        if self._master.outcome is not Outcome.DONE:
+            raise AccessError(self._master.outcome, address)
+
+
+class Slave:
+    """BiSS C slave, for simulators and test benches.
+
+    Call :meth:`next` once in every BiSS frame, then check ``wants``. To answer S in time, the slave requests a byte
+    before it is certain that the master reads it: after W, and after P if several registers are read. Registers with
+    side effects on reading must allow for that.
+
+    Attributes:
+        readable: Addresses that a master may read. Others are refused.
+        writable: Addresses that a master may write. Others are refused.
+        wants: Request of the slave.
+        address: Address of the register in the request.
+        value: Value to store.
+        slave_id: ID in the last control frame, or None.
+    """
+
+    def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:
+        self.readable = set(readable)
+        self.writable = set(writable)
+        self.wants = Wants.NOTHING
+        self.address = 0
+        self.value = 0
+        self.slave_id: int | None = None
+        self._phase = _Phase.WAIT
+        self._locked = False
+        self._writes = False
+        self._given: int | None = None
+        self._current = 0
+        self._zeros = 0
+        self._at = 0
+        self._received = 0
+
+    def give(self, value: int) -> None:
+        """Provide the byte of the register that the slave requests. This has no effect if no byte is requested.
+
+        Args:
+            value: The byte.
+
+        Raises:
+            RangeError: ``value`` is not 0 to 255.
+        """
+        bits = encode_byte(value)
+        if self.wants is Wants.BYTE:
+            self.wants = Wants.NOTHING
+            self._given = bits
+
+    def stored(self) -> None:
+        """Confirm that the value has been stored. This has no effect if nothing is to be stored."""
+        if self.wants is Wants.STORE:
+            self.wants = Wants.NOTHING
+
+    def next(self, cdm: int, upstream: int = 0) -> int:
+        """Advance by one BiSS frame.
+
+        Args:
+            cdm: The CDM bit of the previous frame.
+            upstream: The CDS bit that arrives at SLI in this frame, from the next slave further from the master. 0 if
+                there is none.
+
+        Returns:
+            The CDS bit of this frame.
+        """
+        cdm, upstream, ready = int(cdm & 1), int(upstream & 1), self._zeros >= ZEROS
+        self._zeros = 0 if cdm else self._zeros + 1
+        if self._zeros >= ZEROS:
+            return self._leaves(upstream)
+        if self._phase is _Phase.HEADER:
+            return self._header(cdm, upstream)
+        if self._phase is _Phase.START:
+            return self._start(cdm, upstream)
+        if self._phase is _Phase.BYTE:
+            return self._byte(cdm)
+        if not cdm or not ready:
+            return upstream
+        self._phase = _Phase.HEADER
+        self._at = self._received = 0
+        self.slave_id = None
+        self._locked = False
+        return self._lock(upstream)
+
+    def _may(self) -> bool:
+        """Return whether the master may make this kind of access to the current register."""
+        return self._current in (self.writable if self._writes else self.readable)
+
+    def _fetch(self) -> None:
+        """Request the byte from the current register, unless a previous write has not been stored yet."""
+        if not self._writes and self._given is None and self.wants is Wants.NOTHING:
+            self.wants = Wants.BYTE
+            self.address = self._current
+
+    def _leaves(self, cds: int) -> int:
+        """Leave the control frame, because the rest of it is not for this slave."""
+        self._phase = _Phase.WAIT
+        if self.wants is Wants.BYTE:
+            self.wants = Wants.NOTHING
+        return cds
+
+    def _awaits(self) -> None:
+        """Fetch the current register, after W or P, and wait for S."""
+        self._phase = _Phase.START
+        self._given = None
+        self._fetch()
+
+    def _lock(self, upstream: int) -> int:
+        """Take the first IDL bit that no slave further from the master has taken."""
+        if upstream or self._locked or self._at > IDS:
+            return upstream
+        self._locked = True
+        # IDL8 only shows that there are more slaves than IDs.
+        self.slave_id = self._at if self._at < IDS else None
+        return 1
+
+    def _header(self, cdm: int, upstream: int) -> int:
+        """Return the answers of steps 2 and 3, after S."""
+        self._received = self._received << 1 | cdm
+        self._at += 1
+        if self._at <= 15:
+            cds = self._lock(upstream)
+            if self._at < 15:
+                return cds
+            head, received = self._received >> 4, self._received & 0xF
+            if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
+                return self._leaves(cds)
+            self._current = head & 0x7F
+            return cds
+        if self._at == 16:
+            return cdm
+        self._writes = bool(cdm)
+        if self._received >> 1 & 1 == cdm:
+            # R W is neither 10 nor 01. It is echoed as received, to inform the master.
+            return self._leaves(cdm)
+        if not self._may():
+            return self._leaves(1 - cdm)
+        self._awaits()
+        return cdm
+
+    def _start(self, cdm: int, upstream: int) -> int:
+        """Return the answer of step 4: S once every request is fulfilled."""
+        if not cdm:
+            return self._leaves(upstream)
+        self._fetch()
+        if self.wants is not Wants.NOTHING:
+            return 0
+        self._phase = _Phase.BYTE
+        self._at = self._received = 0
+        return 1
+
+    def _byte(self, cdm: int) -> int:
+        """Return the answers of steps 5 and 6: the byte, then P."""
+        self._received = self._received << 1 | cdm
+        self._at += 1
+        if self._at > 12:
+            last = self._current & 0x3F == 0x3F
+            self._current += not last
+            if cdm or last or not self._may():
+                return self._leaves(1)
+            self._awaits()
+            return 0
+        if self._given is not None:
+            return self._given >> 12 - self._at & 1
+        if self._at == 12:
+            try:
+                self.value = decode_byte(self._received)
+            except CrcError:
+                # The byte has a CRC error and is not stored. The master notices by the echo.
+                return self._leaves(cdm)
+            self.wants = Wants.STORE
+            self.address = self._current
+        return cdm

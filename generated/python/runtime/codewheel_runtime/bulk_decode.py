@@ -1,0 +1,444 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes many frames into NumPy arrays. Loaded only by ``decode_many`` and ``encode_many``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache, reduce
+from importlib import import_module
+from typing import Any, Final, cast
+
+from .codec import as_bytes, whole_number
+from .encoder import Encoder
+from .reports import Verdict
+from .shape import (
+    Check,
+    Column,
+    CrcOf,
+    Shape,
+    kinds,
+    late_fields,
+    measured,
+    smallest,
+    sound,
+    unused_bits,
+    unused_groups,
+    width_of,
+)
+from .table import Fault, Table
+
+#: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
+CHUNK: Final = 32_768
+
+#: NumPy, untyped so that type checkers accept all its versions.
+np: Any = import_module("numpy")
+
+
+class Chunk:
+    """Chunk of frames. Each is a number of ``bits`` bits, in 64-bit limbs, lowest limb first. Higher bits are 0."""
+
+    def __init__(self, limbs: list[Any], bits: int) -> None:
+        self.limbs, self.bits = limbs, bits
+        self._bytes: dict[int, Any] = {}
+
+    def byte(self, place: int) -> Any:
+        """Return the eight bits that start at bit ``8 * place``."""
+        if place not in self._bytes:
+            limb, shift = self.limbs[place // 8], 8 * (place % 8)
+            self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
+        return self._bytes[place]
+
+    def small(self, low: int, mask: int) -> Any:
+        """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
+        found = self.byte(low // 8)
+        found = found >> np.uint8(low % 8) if low % 8 else found
+        return found if mask == 0xFF >> low % 8 else found & np.uint8(mask)
+
+    def take(self, low: int, width: int, out: Any = None) -> Any:
+        """Return the ``width`` bits that start at ``low``, as 64-bit numbers in ``out`` if it is given."""
+        if width == 0 or low % 8 + width <= 8:
+            count = len(self.limbs[0])
+            found = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
+            return found if out is None else np.copyto(out, found)
+        at, shift = divmod(low, 64)
+        whole = shift + width in (64, self.bits - 64 * at)
+        number = np.right_shift(self.limbs[at], np.uint64(shift), out=out)
+        if shift + width > 64:
+            number |= self.limbs[at + 1] << np.uint64(64 - shift)
+            whole = low + width == self.bits or width == 64
+        if not whole:
+            number &= np.uint64((1 << width) - 1)
+        return number
+
+    def flag(self, low: int, active: bool, out: Any) -> None:
+        """Write to ``out`` whether a bit is 1, or whether it is 0 if ``active`` is False."""
+        bit = self.byte(low // 8) & np.uint8(1 << low % 8)
+        (np.not_equal if active else np.equal)(bit, 0, out=out)
+
+    def ungray(self, low: int, width: int) -> None:
+        """Convert bits from Gray code to binary."""
+        mask = np.uint64(((1 << width) - 1) << low)
+        gray = self.limbs[0] & mask
+        found, shift = gray, 1
+        while shift < width:
+            found = found ^ found >> np.uint64(shift) & mask
+            shift *= 2
+        self.limbs = [self.limbs[0] ^ gray ^ found]
+        self._bytes.clear()
+
+
+def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
+    """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
+    source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
+    count = len(source)
+    out = _columns(count, {**kinds(shape), "fault": "u1"})
+    fault = out.pop("fault")
+    fault[:] = 0
+    for start in range(0, count, CHUNK):
+        part = slice(start, start + CHUNK)
+        _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
+    if len(wrong):
+        fault[wrong] = Fault.LENGTH
+    worth = out.pop("verdict", None)
+    if worth is not None and len(wrong):
+        worth[wrong] = 0
+    parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
+    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape))
+
+
+def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
+    """Return columns in one block of memory, for which the system uses larger pages than for many small ones."""
+    size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
+    space = np.empty(count * sum(size.values()), np.uint8)
+    columns, start = {}, 0
+    for name in sorted(wanted, key=lambda name: -size[name]):
+        end = start + count * size[name]
+        columns[name], start = space[start:end].view(wanted[name]), end
+    return {name: columns[name] for name in wanted}
+
+
+def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
+    """Return frames as rows of bytes, and the indices of those with the wrong length."""
+    if isinstance(frames, (list, tuple)):
+        rows = [b"" if _is_missing(item) else as_bytes(item) for item in cast(Iterable[Any], frames)]
+        wrong = [place for place, row in enumerate(rows) if len(row) != length]
+        for place in wrong:
+            rows[place] = bytes(length)
+        return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong, np.intp)
+    if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
+        return rows_of(frames.tolist(), length)
+    found: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
+    if not isinstance(found, np.ndarray) or found.dtype != np.uint8:
+        raise TypeError(f"frames must be rows of {length} bytes, got {type(found).__name__} of other items")
+    if found.ndim == 1 and len(found) % length == 0:
+        found = found.reshape(-1, length)
+    if found.ndim != 2 or found.shape[1] != length:
+        raise ValueError(f"expected complete frames of {length} bytes, got an array of the shape {found.shape}")
+    return found, ()
+
+
+def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
+    """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
+    if isinstance(frames, (bytes, bytearray, memoryview)):
+        return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
+    if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
+        if frames.dtype.kind == "f" and frames.ndim == 1:
+            frames = of_floats(frames, bits)
+        if frames.dtype.kind not in "ui" or frames.ndim != 1:
+            raise TypeError(f"frames must be integers in one dimension, got an array of {frames.dtype} {frames.shape}")
+        if isinstance(frames, np.ma.MaskedArray):
+            return frames.filled(0).astype(np.uint64, copy=False), np.flatnonzero(np.ma.getmaskarray(frames))
+        return frames.astype(np.uint64, copy=False), ()
+    if not isinstance(frames, Iterable) or isinstance(frames, str):
+        raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
+    # A missing frame is replaced by -1, because both have a length error.
+    words = [-1 if _is_missing(item) else whole_number("a frame", item) for item in cast(list[Any], frames)]
+    wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
+    for place in wrong:
+        words[place] = 0
+    return np.array(words, np.uint64), np.array(wrong, np.intp)
+
+
+def of_floats(frames: Any, bits: int) -> Any:
+    """Return floating-point frames as integers, masked if they are NaN or out of range.
+
+    Raises:
+        TypeError: A value is not an integer, or the type cannot represent every frame of that length.
+    """
+    if bits > np.finfo(frames.dtype).nmant + 1:
+        raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
+    is_frame = (frames >= 0) & (frames < 2.0**63)
+    whole = np.where(is_frame, frames, 0)
+    if (whole != np.floor(whole)).any():
+        raise TypeError(f"{whole[whole != np.floor(whole)][0]} is not an integer")
+    return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
+
+
+def _is_missing(item: object) -> bool:
+    """Return whether the item is None, NaN or ``pandas.NA``."""
+    if type(item) is int or type(item) is bytes:
+        return False
+    return item is None or type(item).__name__ == "NAType" or (isinstance(item, float) and item != item)
+
+
+def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+    """Decode some frames into columns. Frames that fail the quick checks are examined for their errors."""
+    limbs, bits, doubts = _limbs(source, shape) if shape.length else [source], shape.bits, []
+    if not shape.length and bits < 64 and int(source.max()) >> bits:
+        doubts = [source >> np.uint64(bits)]
+        limbs = [source & np.uint64((1 << bits) - 1)]
+    chunk = Chunk(limbs, bits)
+    if shape.crc is not None:
+        doubts.append(crc_difference(chunk, shape.crc))
+    if shape.gray is not None:
+        chunk.ungray(*shape.gray)
+    doubts += _doubts(chunk, shape)
+    doubtful = [item for item in doubts if item.any()]
+    _write(chunk, shape, out)
+    if shape.otherwise is not None:
+        _judge(shape, out)
+    if doubtful:
+        where = np.flatnonzero(reduce(np.logical_or, doubtful))
+        _tell_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
+
+
+def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+    """Write the errors of the frames at ``where``. The position of a frame with an error is not usable."""
+    fault[where] = _faults(source, limbs, shape)
+    if shape.otherwise is not None:
+        worth: Any = out["verdict"]
+        worth *= fault == 0
+
+
+def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
+    """Return arrays that are nonzero for frames that fail a check other than the CRC."""
+    look = sound(shape)
+    found = [
+        limb & np.uint64(mask) ^ np.uint64(value)
+        for limb, (mask, value) in zip(chunk.limbs, look.fixed, strict=False)
+        if mask
+    ]
+    for place, values in look.bytes:
+        byte = chunk.byte(place)
+        found.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
+    return [*found, *(~_holds(chunk, item) for item in look.others)]
+
+
+def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
+    """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
+    chunk = Chunk(limbs, shape.bits)
+    found = [(Fault.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    if shape.gray is not None:
+        chunk.ungray(*shape.gray)
+    found += [(item.fault, np.logical_not(_holds(chunk, item))) for item in shape.checks]
+    if not shape.length and shape.bits < 64:
+        found.append((Fault.LENGTH, source >> np.uint64(shape.bits) != 0))
+    fault = np.zeros(len(source), np.uint8)
+    for kind, where in sorted(found, key=lambda item: -item[0]):
+        fault *= np.logical_not(where)
+        fault += where * np.uint8(kind)
+    return fault
+
+
+def _limbs(rows: Any, shape: Shape) -> list[Any]:
+    """Return rows of bytes as limbs, read eight bytes at a time. Bytes of a neighbouring limb are shifted out."""
+    rows = np.ascontiguousarray(rows)
+    count, length = rows.shape
+    is_little = shape.order == "little"
+    kind = "<u8" if is_little else ">u8"
+    if length < 8:
+        return [_short(rows, kind, is_little)]
+    limbs: list[Any] = []
+    for low in range(0, length, 8):
+        over = max(low + 8 - length, 0)
+        offset = low - over if is_little else length - low - 8 + over
+        limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
+        if over:
+            limb >>= np.uint64(8 * over)
+        limbs.append(limb)
+    return limbs
+
+
+def _short(rows: Any, kind: str, is_little: bool) -> Any:
+    """Return rows of fewer than eight bytes as numbers. All rows but the last eight are read beyond their end."""
+    count, length = rows.shape
+    most = max(count - 8, 0)
+    limb = np.empty(count, np.uint64)
+    if most:
+        limb[:most] = np.ndarray((most,), kind, rows, 0, (length,))
+    padded = np.zeros((count - most, 8), np.uint8)
+    padded[:, :length] = rows[most:]
+    limb[most:] = padded.view(kind)[:, 0]
+    if is_little:
+        limb &= np.uint64((1 << 8 * length) - 1)
+    else:
+        limb >>= np.uint64(8 * (8 - length))
+    return limb
+
+
+def _holds(chunk: Chunk, item: Check) -> Any:
+    bits = chunk.take(item.low, item.width)
+    if item.parity_of:
+        # The parity of several fields is the parity of their XOR.
+        parts = [chunk.take(*place) for place in item.parity_of]
+        of = parts[0] if len(parts) == 1 else np.bitwise_xor.reduce([part.astype(np.uint64) for part in parts])
+        width = max(width for _, width in item.parity_of)
+        kind, shift = of.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
+        while shift:
+            of = of ^ of >> kind(shift)
+            shift >>= 1
+        return bits == of & kind(1) ^ kind(item.odd)
+    if item.limit is not None:
+        return bits <= bits.dtype.type(item.limit)
+    values = [value for value in item.values if not value >> item.width]
+    if len(values) > 16:
+        return np.isin(bits, np.array(values, bits.dtype))
+    found = np.zeros(len(bits), bool)
+    for value in values:
+        found |= bits == bits.dtype.type(value)
+    return found
+
+
+def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
+    """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
+    if crc.steps:
+        return _folded(chunk.limbs[0], crc, chunk.bits)
+    if crc.is_xor:
+        number = reduce(np.bitwise_xor, chunk.limbs)
+        half = (number ^ number >> np.uint64(32)).astype(np.uint32)
+        half ^= half >> np.uint32(16)
+        half ^= half >> np.uint32(8)
+        found = half.astype(np.uint8)
+        return found ^ np.uint8(crc.xorout) if crc.xorout else found
+    tables = _tables(crc.differs, chunk.bits)
+    found = tables[0][chunk.byte(0)]
+    for place, table in enumerate(tables[1:], 1):
+        found ^= table[chunk.byte(place)]
+    return found
+
+
+def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
+    """Return remainders. Numbers are folded at multiples of the polynomial, in 32 bits as soon as they fit."""
+    found, one = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
+    for step in crc.steps:
+        if bits <= step.shift:
+            continue
+        high = found >> one(step.shift)
+        found = found & one(step.mask)
+        bits = max(step.shift, bits - step.shift + step.back)
+        if one is np.uint64 and bits <= 32:
+            found, high, one = found.astype(np.uint32), high.astype(np.uint32), np.uint32
+        found ^= high
+        if step.back:
+            high <<= one(step.back)
+            found ^= high
+    return found
+
+
+@lru_cache(maxsize=64)
+def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+    """Return one table per byte of a number, with its contribution to the CRC difference.
+
+    The entries of the first table also include the difference of the number 0.
+    """
+    none = differs(0)
+    tables: list[Any] = []
+    for low in range(0, bits, 8):
+        table = np.array([none if low == 0 else 0], np.uint64)
+        for place in range(low, low + 8):
+            change = differs(1 << place) ^ none if place < bits else 0
+            table = np.concatenate([table, table ^ np.uint64(change)])
+        tables.append(table)
+    return tuple(tables)
+
+
+def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
+    """Write the columns of the fields, of the joined numbers and of unused bits."""
+    by_name = {item.name: item for item in shape.columns}
+    for item in shape.columns:
+        if item.name in out or item.runs:
+            _write_column(chunk, item, out)
+    for join in shape.joins:
+        fields = [(by_name[name], low) for name, low in join.fields]
+        low, number = fields[0][0].low, out[join.name].view(np.uint64)
+        if all(item.low == low + place for item, place in fields):
+            chunk.take(low, width_of(shape, join), number)
+            continue
+        chunk.take(low, fields[0][0].width, number)
+        for item, place in fields[1:]:
+            part = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
+            number |= part << np.uint64(place)
+    if shape.unused:
+        _write_unused(chunk, shape, out["unused"])
+
+
+def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
+    """Write the unused bits that differ from the manual, in as few bytes as possible."""
+    kind = np.dtype(smallest(unused_bits(shape))).type
+    number = kind(0)
+    for low, mask, value, place in unused_groups(shape):
+        width = mask.bit_length()
+        small = low % 8 + width <= 8
+        turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
+        if value:
+            turned = turned ^ turned.dtype.type(value)
+        turned = turned.astype(kind, copy=False)
+        number = number | (turned << kind(place) if place else turned)
+    out[:] = number
+
+
+def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
+    if item.kind in ("flag", "not_flag"):
+        chunk.flag(item.low, item.kind == "flag", out[item.name])
+    elif item.kind == "choice":
+        out[item.name][:] = chunk.take(item.low, item.width)
+    elif item.kind == "digits":
+        bits = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
+        for name, divisor, modulus in item.runs:
+            out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
+    elif item.kind == "text":
+        length = item.width // 8
+        rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
+        for place in range(length):
+            rows[:, place] = chunk.take(item.low + 8 * (length - 1 - place), 8)
+        out[item.name][:] = rows.view(f"S{length}")[:, 0]
+    else:
+        number = out[item.name].view(np.uint64)
+        chunk.take(item.low, item.width, number)
+        if item.kind == "signed" and item.width:
+            top = np.uint64(1 << item.width - 1)
+            number ^= top
+            number -= top
+        elif item.zero_means:
+            number[number == 0] = item.zero_means
+
+
+def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
+    """Write the verdict on the position of each valid frame.
+
+    The computation has no branches, so the time does not depend on the frames.
+    """
+    otherwise, worth = VERDICTS.index(shape.otherwise), out["verdict"]
+    spare: Any = out.get("unused")
+    turned = bool(shape.unused) and spare.any()
+    speaking: dict[Verdict, list[Any]] = {}
+    for item in shape.speaks:
+        if item.flag:
+            where = out[item.flag]
+            for name in item.unless:
+                where = np.greater(where, out[name])
+        elif turned:
+            where = spare & spare.dtype.type(item.mask & (1 << 8 * spare.itemsize) - 1) != 0
+        else:
+            continue
+        speaking.setdefault(item.verdict, []).append(where)
+    worth[:] = otherwise
+    if Verdict.USABLE_WITH_WARNING in speaking:
+        less = np.uint8((otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+        worth -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
+    if Verdict.NOT_USABLE in speaking:
+        worth *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
+
+
+#: Verdicts in the order of their numbers in a column. The worst is 0.
+VERDICTS: Final[list[Verdict | None]] = [*Verdict]

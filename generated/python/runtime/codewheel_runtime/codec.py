@@ -1,0 +1,354 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Code that the encoder modules share: conversion of arguments, checks and CRCs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from enum import Enum, IntEnum
+from functools import cache
+from operator import index
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, cast, get_args
+
+from .encoder import Encoder
+from .errors import FamilyError, FrameError, InterfaceError, LengthError, RangeError
+from .reports import Interface
+
+#: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
+Data = bytes | bytearray | memoryview
+
+#: A frame that is a string of bits: a number, the first bit sent most significant, or a text of 0 and 1.
+Word = SupportsIndex | str
+
+#: Many frames of bytes: an array of uint8 with one row per frame, all bytes in sequence, or a list of frames.
+Rows: TypeAlias = Any
+
+#: Many frames given as numbers: an array or a list of integers, or eight bytes per frame, least significant first.
+Words: TypeAlias = Any
+
+_Answer = TypeVar("_Answer", bound=Enum)
+_Choice = TypeVar("_Choice", bound=IntEnum)
+_Kind = TypeVar("_Kind")
+#: The tuple class, untyped: its methods are called on tuples of any items.
+_TUPLE: Final[Any] = tuple
+
+
+def by_class(kind: type[_Kind]) -> type[_Kind]:
+    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple."""
+
+    def equals(self: tuple[object, ...], other: object) -> object:
+        if self.__class__ is other.__class__:
+            return _TUPLE.__eq__(self, other)
+        return False if isinstance(other, tuple) else NotImplemented
+
+    def differs(self: tuple[object, ...], other: object) -> object:
+        if self.__class__ is other.__class__:
+            return _TUPLE.__ne__(self, other)
+        return True if isinstance(other, tuple) else NotImplemented
+
+    def hashed(self: tuple[object, ...]) -> int:
+        return hash((self.__class__, _TUPLE.__hash__(self)))
+
+    for name, method in (("__eq__", equals), ("__ne__", differs), ("__hash__", hashed)):
+        setattr(kind, name, method)
+    return kind
+
+
+class _Made(Protocol):
+    def __call__(self, kind: type[_Kind], values: tuple[object, ...], /) -> _Kind: ...
+
+
+#: ``made(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
+made: Final = cast(_Made, _TUPLE.__new__)
+
+
+class BitField(NamedTuple):
+    """Position of a field in the number that a frame or register forms.
+
+    Attributes:
+        name: Name of the field.
+        low: Lowest bit of the field. Bit 0 is the least significant bit of the number.
+        width: Number of bits.
+    """
+
+    name: str
+    low: int
+    width: int
+
+    @property
+    def high(self) -> int:
+        """Highest bit of the field."""
+        return self.low + self.width - 1
+
+    @property
+    def mask(self) -> int:
+        """Mask of the field's bits."""
+        return ((1 << self.width) - 1) << self.low
+
+    def of(self, number: int) -> int:
+        """Return the bits of the field in ``number``, shifted down to bit 0."""
+        return (index(number) & self.mask) >> self.low
+
+
+def shown(value: object) -> str:
+    """Return ``value`` as text for a message, shortened if it is long."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:60]}..."
+
+
+#: No procedures to suggest instead.
+_NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
+
+
+def wrong_encoder(
+    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+) -> Exception:
+    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
+    if isinstance(found, kind):
+        own = found.interface
+        instead = f". Procedures over {own.title}: {', '.join(procedures[own])}" if own in procedures else ""
+        return InterfaceError(found.code, own, interface, instead)
+    if isinstance(found, Encoder):
+        return FamilyError(found.code, found.family.name, kind.family.name)
+    return TypeError(f"expected an encoder, got {shown(found)}; lookup() returns one for an order code")
+
+
+def check_encoder(
+    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+) -> None:
+    """Raise an error if the encoder belongs to another family or has another interface.
+
+    ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
+    """
+    if not isinstance(found, kind) or found.interface is not interface:
+        raise wrong_encoder(found, kind, interface, procedures)
+
+
+def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
+    """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
+    if not isinstance(answer, kind):
+        answers = " or ".join(f"{kind.__name__}.{item.name}" for item in kind)
+        raise TypeError(f"expected {answers}, got {shown(answer)}: the manual leaves this open")
+    return answer
+
+
+def check_kind(kind: object, kinds: object) -> None:
+    """Raise TypeError unless ``kind`` is one of ``kinds``: a union of classes, or one class."""
+    known: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
+    if kind not in known:
+        names = ", ".join(item.__name__ for item in known)
+        raise TypeError(f"{shown(kind)} is not a kind of frame that this encoder sends; it sends {names}")
+
+
+def whole_number(name: str, value: SupportsIndex) -> int:
+    """Return an integer of any type as an int. A bool is rejected."""
+    if not isinstance(value, bool):
+        try:
+            return index(value)
+        except TypeError:
+            pass
+    raise TypeError(f"{name} must be an integer, got {shown(value)}")
+
+
+def as_word(frame: Word, length: int, bits: int | None) -> int:
+    """Return a frame of ``length`` bits as one number. ``bits`` is the number of bits received, if known.
+
+    Raises:
+        LengthError: There are more or fewer bits.
+        RangeError: The text contains characters other than 0 and 1.
+    """
+    if isinstance(frame, str):
+        # Underscores and spaces between digits are accepted: they make long frames readable.
+        text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
+        if set(text) - {"0", "1"}:
+            part = frame if len(frame) <= 80 else f"{frame[:80]}..."
+            raise RangeError("the frame", part, "a string of 0 and 1 (for hexadecimal text, use int(text, 16))")
+        if bits is not None and bits != len(text):
+            raise LengthError(bits, len(text), "bits")
+        frame, bits = int(text or "0", 2), len(text)
+    elif isinstance(frame, (bytes, bytearray, memoryview)):
+        raise TypeError("this encoder's frames are strings of bits: pass a number or a text of 0 and 1, not bytes")
+    if bits is not None and bits != length:
+        raise LengthError(length, bits, "bits")
+    return whole_number("the frame", frame)
+
+
+def too_long(word: int, length: int) -> FrameError:
+    """Return the error for a word that does not fit into ``length`` bits."""
+    return RangeError("the frame", word, "0 or more") if word < 0 else LengthError(length, word.bit_length(), "bits")
+
+
+def as_bytes(data: Data) -> bytes:
+    """Return a frame or register as bytes. Only one-dimensional buffers of single bytes are accepted."""
+    if isinstance(data, bytes):
+        return data
+    try:
+        view = memoryview(data)
+    except TypeError:
+        wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
+        raise TypeError(f"expected bytes, got {shown(data)}: pass {wanted}") from None
+    if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
+        shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
+        raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
+    return view.tobytes()
+
+
+def check_width(field: str, value: SupportsIndex, bits: int) -> int:
+    """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
+    number = value if type(value) is int else whole_number(field, value)
+    if number >> bits:
+        raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
+    return number
+
+
+def check_bits(field: str, value: SupportsIndex, bits: int) -> int:
+    """Return ``value`` as an int. Raises RangeError if it has bits outside the mask ``bits``."""
+    number = value if type(value) is int else whole_number(field, value)
+    if number & ~bits:
+        raise RangeError(field, number, f"within the mask {bits:#x}")
+    return number
+
+
+def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> int:
+    """Return ``value`` as an int. Raises RangeError unless it is within ``limits``, which are inclusive."""
+    number = value if type(value) is int else whole_number(field, value)
+    if not limits[0] <= number <= limits[1]:
+        raise RangeError(field, number, f"{limits[0]} to {limits[1]}")
+    return number
+
+
+def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
+    """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits as two's complement."""
+    number = value if type(value) is int else whole_number(field, value)
+    top = 1 << bits >> 1
+    if not -top <= number < max(top, 1):
+        raise RangeError(field, number, f"{-top} to {top - 1}")
+    return number
+
+
+def check_power_of_two(field: str, value: SupportsIndex) -> None:
+    """Raise RangeError unless ``value`` is a power of two."""
+    number = whole_number(field, value)
+    if number < 1 or number & (number - 1):
+        raise RangeError(field, number, "a power of two")
+
+
+def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
+    """Return ``value`` as a member of ``kind``."""
+    number = value if type(value) is int else whole_number(field, value)
+    try:
+        return kind(number)
+    except ValueError:
+        raise RangeError(field, number, "one of " + ", ".join(str(int(item)) for item in kind)) from None
+
+
+def text_number(field: str, text: str, length: int) -> int:
+    """Return ``length`` characters as one number, with the first one most significant.
+
+    Latin-1 has a character for each byte, so every decoded text can be encoded again.
+    """
+    try:
+        data = text.encode("latin-1")
+    except UnicodeEncodeError:
+        data = b""
+    if len(data) != length:
+        raise RangeError(field, text, f"{length} Latin-1 characters")
+    return int.from_bytes(data, "big")
+
+
+def signed(value: int, bits: int) -> int:
+    """Interpret ``bits`` bits as a two's complement number."""
+    return value - (1 << bits) if value & (1 << bits >> 1) else value
+
+
+def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> int:
+    """Return the bits for ``value`` in a field where 0 means ``zero_means``."""
+    number = whole_number(field, value)
+    if number == 0:
+        raise RangeError(field, number, f"1 to {zero_means}")
+    return 0 if number == zero_means else check_width(field, number, bits)
+
+
+def from_gray(number: int, low: int, width: int) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary."""
+    mask = (1 << width) - 1
+    gray = number >> low & mask
+    binary = gray
+    while gray := gray >> 1:
+        binary ^= gray
+    return number & ~(mask << low) | binary << low
+
+
+def to_gray(number: int, low: int, width: int) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to Gray code."""
+    mask = (1 << width) - 1
+    binary = number >> low & mask
+    return number & ~(mask << low) | (binary ^ binary >> 1) << low
+
+
+def unwrap(previous: SupportsIndex, position: SupportsIndex, modulus: int, highest: int | None = None) -> int:
+    """Return the count nearest to ``previous`` that equals ``position`` modulo ``modulus``.
+
+    ``highest`` is the highest ``position``, by default ``modulus - 1``.
+    """
+    limits = (0, modulus - 1 if highest is None else highest)
+    previous, position = whole_number("previous", previous), check_limits("position", position, limits)
+    return previous + (position - previous + modulus // 2) % modulus - modulus // 2
+
+
+def crc_of_bits(
+    number: SupportsIndex, bits: int, *, width: int, poly: int, init: int, refout: bool, xorout: int
+) -> int:
+    """Return the CRC over ``bits`` bits of ``number``, most significant first."""
+    number = check_width("number", number, bits)
+    top, mask = 1 << (width - 1), (1 << width) - 1
+    register = init
+    for place in range(bits - 1, -1, -1):
+        feedback = bool(register & top) != bool(number >> place & 1)
+        register = register << 1 & mask
+        if feedback:
+            register ^= poly
+    return (_reflected(register, width) if refout else register) ^ xorout
+
+
+def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, refout: bool, xorout: int) -> int:
+    """Return the CRC over whole bytes, each least significant bit first if ``refin`` is set."""
+    data, number = as_bytes(data), 0
+    for byte in data:
+        number = number << 8 | (_reflected(byte, 8) if refin else byte)
+    return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)
+
+
+def crc_by_xor(data: Data, xorout: int = 0) -> int:
+    """Return the CRC for x^8 + 1 with start value 0: the XOR of the bytes."""
+    register = 0
+    for byte in as_bytes(data):
+        register ^= byte
+    return register ^ xorout
+
+
+@cache
+def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
+    """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
+
+    ``crc`` computes the CRC over the first ``covered`` bits of the word. Its ``width`` bits follow them.
+    """
+    none = crc(0, covered)
+    changes = [*(1 << place for place in range(width)), *(crc(1 << place, covered) ^ none for place in range(covered))]
+    changes += [0] * (16 * count - len(changes))
+    tables: list[Sequence[int]] = []
+    for low in range(0, 16 * count, 16):
+        first = none if low == 0 else 0
+        table = [first]
+        small = bytes(table) if width <= 8 else b""
+        for change in changes[low : low + 16]:
+            if small:
+                small += small.translate(bytes(item ^ change for item in range(256)))
+            else:
+                table += [item ^ change for item in table]
+        tables.append(small or table)
+    return tuple(tables)
+
+
+def _reflected(value: int, width: int) -> int:
+    return int(f"{value:0{width}b}"[::-1], 2)

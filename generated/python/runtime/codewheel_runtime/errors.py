@@ -1,0 +1,119 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Errors of all encoders. Each is a ``ValueError``, and errors of frames are a ``FrameError``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .reports import Interface
+
+if TYPE_CHECKING:
+    from .encoder import Encoder
+
+
+class FrameError(ValueError):
+    """A frame or register cannot be decoded, or values cannot be encoded.
+
+    Attributes:
+        frame: The frame that was passed to an encoder's ``decode``, otherwise None.
+        encoder: The encoder whose ``decode`` raised the error, otherwise None.
+        order_code: Order code of the encoder, otherwise empty.
+    """
+
+    frame: object = None
+    encoder: Encoder | None = None
+    order_code: str = ""
+
+    def add(self, frame: object, encoder: Encoder) -> None:
+        """Record the frame and the encoder."""
+        self.frame, self.encoder, self.order_code = frame, encoder, encoder.code
+
+    @property
+    def hint(self) -> str:
+        """Common mistake that would explain the frame, as a sentence. Empty if there is none.
+
+        Computed on access.
+        """
+        if self.encoder is None:
+            return ""
+        from .causes import hint
+
+        return hint(self.encoder, self.frame)
+
+
+class LengthError(FrameError):
+    """A frame or register has too many or too few bits or bytes."""
+
+    def __init__(self, expected: int, found: int, unit: str = "bytes") -> None:
+        super().__init__(expected, found, unit)
+        self.expected = expected
+        self.found = found
+        self.unit = unit
+
+    def __str__(self) -> str:
+        return f"expected {self.expected} {self.unit if self.expected != 1 else self.unit[:-1]}, got {self.found}"
+
+
+class CrcError(FrameError):
+    """The CRC of a frame does not match, because bits were changed in transmission."""
+
+    def __init__(self, received: int, computed: int) -> None:
+        super().__init__(received, computed)
+        self.received = received
+        self.computed = computed
+
+    def __str__(self) -> str:
+        return f"expected CRC {self.computed:#04x}, got {self.received:#04x}"
+
+
+class ConstantError(FrameError):
+    """Constant bits or a parity bit have the wrong value."""
+
+    def __init__(self, field: str, found: int, expected: int) -> None:
+        super().__init__(field, found, expected)
+        self.field = field
+        self.found = found
+        self.expected = expected
+
+    def __str__(self) -> str:
+        return f"{self.field} must be {self.expected:#x}, got {self.found:#x}"
+
+
+class RangeError(FrameError):
+    """A value is undefined, too large or outside its limits."""
+
+    def __init__(self, field: str, value: object, allowed: str) -> None:
+        super().__init__(field, value, allowed)
+        self.field = field
+        self.value = value
+        self.allowed = allowed
+
+    def __str__(self) -> str:
+        return f"{self.field} must be {self.allowed}, got {self.value!r}"
+
+
+class FamilyError(ValueError):
+    """The encoder belongs to another family."""
+
+    def __init__(self, code: str, found: str, expected: str) -> None:
+        super().__init__(code, found, expected)
+        self.code = code
+        self.found = found
+        self.expected = expected
+
+    def __str__(self) -> str:
+        return f"{self.code} belongs to the family {self.found}, not to {self.expected}"
+
+
+class InterfaceError(ValueError):
+    """The encoder does not have the required interface."""
+
+    def __init__(self, code: str, found: Interface, expected: Interface, instead: str = "") -> None:
+        super().__init__(code, found, expected, instead)
+        self.code = code
+        self.found = found
+        self.expected = expected
+        self.instead = instead
+
+    def __str__(self) -> str:
+        return f"{self.code} has the interface {self.found.title}, but this needs {self.expected.title}{self.instead}"

@@ -1,0 +1,525 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Classes for the facts of the manuals, other than frames and registers.
+
+``source`` is the section and page of the manual. An empty text, an empty tuple or None means that the manual does not
+say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import NamedTuple
+
+from .reports import Interface, ReadOnly
+
+_NO_NAMES: ReadOnly[str] = ReadOnly({})
+
+
+class Access(Enum):
+    """Access that a master has to a register."""
+
+    READ_ONLY = "read_only"
+    READ_WRITE = "read_write"
+    WRITE_ONLY = "write_only"
+
+
+class ByteOrder(Enum):
+    """Byte order of a number, named after the byte at the lowest address."""
+
+    LOW_BYTE_FIRST = "low_byte_first"
+    HIGH_BYTE_FIRST = "high_byte_first"
+
+
+class AboveMax(Enum):
+    """Reaction of an encoder to a value above the maximum."""
+
+    DEFAULT = "default"
+    REFUSED = "refused"
+
+
+class Alignment(Enum):
+    """Alignment of the data in an SSI word. Zeros follow left-aligned data and precede right-aligned data."""
+
+    MSB_LEFT = "msb_left"
+    LSB_RIGHT = "lsb_right"
+
+
+class TimeoutRule(Enum):
+    """Dependence of a time-out on the clock."""
+
+    FOLLOWS_CLOCK = "follows_clock"
+    FIXED = "fixed"
+
+
+class Purpose(Enum):
+    """Purpose of a request."""
+
+    CAPTURE = "capture"
+    WRITE = "write"
+    READ = "read"
+    RESET = "reset"
+
+
+class ConnectorKind(Enum):
+    """Kind of connection: a connector with pins, or a cable with coloured wires."""
+
+    CONNECTOR = "connector"
+    CABLE = "cable"
+
+
+class Status(Enum):
+    """Status of an erratum: settled by the manual's own evidence, or open until tested on hardware."""
+
+    SETTLED = "settled"
+    OPEN = "open"
+
+
+class Severity(Enum):
+    """Consequence of following the printed text of an erratum literally."""
+
+    WRONG_DATA = "wrong_data"
+    WRONG_LIMIT = "wrong_limit"
+    OMISSION = "omission"
+    WORDING = "wording"
+
+
+class Edition(NamedTuple):
+    """Edition of the manual in another language, which was also consulted."""
+
+    language: str
+    title: str
+    revision: str
+    date: str = ""
+
+
+class Revision(NamedTuple):
+    """Row of the manual's revision table."""
+
+    revision: str
+    changes: str
+    date: str = ""
+    hardware: str = ""
+    software: str = ""
+
+
+class Manual(NamedTuple):
+    """Manual that a module was generated from."""
+
+    title: str
+    revision: str
+    date: str
+    language: str
+    publisher: str = ""
+    editions: tuple[Edition, ...] = ()
+    history: tuple[Revision, ...] = ()
+
+
+class Document(NamedTuple):
+    """Public document that a source cites by ``key``."""
+
+    key: str
+    title: str
+    url: str = ""
+
+
+class Crc(NamedTuple):
+    """Standard parameters of a CRC. ``poly`` omits the top bit."""
+
+    name: str
+    width: int
+    poly: int
+    init: int
+    refin: bool
+    refout: bool
+    xorout: int
+    polynomial: str
+    note: str = ""
+    source: str = ""
+
+
+class FieldFacts(NamedTuple):
+    """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
+
+    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
+    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` names
+    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
+    ``zero_means`` is the value that is sent as 0, if there is one.
+    """
+
+    name: str
+    printed_name: str = ""
+    meaning: str = ""
+    unit: str = ""
+    active: str = ""
+    when_active: str = ""
+    when_inactive: str = ""
+    default: int | None = None
+    constant: int | None = None
+    unused: int | None = None
+    signed: bool = False
+    zero_means: int = 0
+    power_of_two: bool = False
+    implemented: bool = True
+    reserved: str = ""
+    explained_by: tuple[str, ...] = ()
+    names: Mapping[str, str] = _NO_NAMES
+    note: str = ""
+    source: str = ""
+
+
+class RegisterMeaning(NamedTuple):
+    """One of several meanings of a register. It applies while the field ``when`` has the value ``value``.
+
+    ``min`` and ``max`` are its limits as given in the manual. The register's class has them as numbers.
+    """
+
+    name: str
+    when: str
+    value: str
+    min: str = ""
+    max: str = ""
+    meaning: str = ""
+    source: str = ""
+
+
+class Register(NamedTuple):
+    """Register of ``length`` bytes, starting at ``address``.
+
+    If ``opened_by`` is given, that register must hold ``opened_by_value``, in its field ``opened_by_field`` if given,
+    before this register can be written. ``wait_ms`` is the minimum time to wait after a write. ``above_max`` is the
+    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved``
+    names the only party that may use the register.
+    """
+
+    name: str
+    printed_name: str
+    address: int
+    length: int
+    access: Access
+    byte_order: ByteOrder
+    default: bytes | None = None
+    opened_by: str = ""
+    opened_by_field: str = ""
+    opened_by_value: str = ""
+    clears_itself: bool = False
+    wait_ms: int = 0
+    volatile: bool = False
+    bank: int | None = None
+    above_max: AboveMax | None = None
+    write_clears: tuple[str, ...] = ()
+    meanings: tuple[RegisterMeaning, ...] = ()
+    reserved: str = ""
+    fields: tuple[FieldFacts, ...] = ()
+    names: Mapping[str, str] = _NO_NAMES
+    meaning: str = ""
+    note: str = ""
+    source: str = ""
+
+
+class Timing(NamedTuple):
+    """Time with its bounds in microseconds. ``only`` describes the order codes that have it, if not all do."""
+
+    name: str
+    meaning: str
+    at_least_us: int | None = None
+    typical_us: int | None = None
+    at_most_us: int | None = None
+    symbol: str = ""
+    source: str = ""
+    only: str = ""
+
+
+class Clock(NamedTuple):
+    """Range of clock frequencies, including both limits."""
+
+    min_hz: int
+    max_hz: int
+    source: str = ""
+
+
+class CableLength(NamedTuple):
+    """Clock limit: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``."""
+
+    shorter_than_m: int
+    below_hz: int
+    source: str = ""
+
+
+class Port(NamedTuple):
+    """Settings of a serial port."""
+
+    baud: int
+    data_bits: int
+    parity: str
+    stop_bits: int
+    flow_control: str
+    source: str = ""
+
+
+class Network(NamedTuple):
+    """Network topology of an encoder."""
+
+    topology: str
+    multiple_slaves: bool
+    source: str = ""
+
+
+class PrintedTimeout(NamedTuple):
+    """Time-out given in the manual for one clock frequency."""
+
+    clock_hz: int
+    timeout_ns: int
+
+
+class Timeout(NamedTuple):
+    """Time-out after a frame."""
+
+    rule: TimeoutRule
+    half_clock_periods: int | None = None
+    at_most_ns: int | None = None
+    typical_ns: int | None = None
+    printed: tuple[PrintedTimeout, ...] = ()
+    source: str = ""
+
+    def nanoseconds(self, clock_hz: int) -> float | None:
+        """Return the time-out for a clock frequency.
+
+        Args:
+            clock_hz: Clock frequency in hertz.
+
+        Returns:
+            The time-out in nanoseconds, or None if the manual does not give it for this frequency.
+        """
+        if self.half_clock_periods is not None:
+            return self.half_clock_periods * 500_000_000 / clock_hz
+        if self.rule is TimeoutRule.FOLLOWS_CLOCK:
+            return next((item.timeout_ns for item in self.printed if item.clock_hz == clock_hz), None)
+        return self.typical_ns if self.typical_ns is not None else self.at_most_ns
+
+
+class NamedValue(NamedTuple):
+    """Named value of a field."""
+
+    name: str
+    value: int
+    meaning: str = ""
+
+
+class ControlField(NamedTuple):
+    """Field of the BiSS control frame. ``crc`` is the name of the CRC in the field, if there is one."""
+
+    name: str
+    bits: int
+    meaning: str = ""
+    values: tuple[NamedValue, ...] = ()
+    crc: str = ""
+    printed_name: str = ""
+    source: str = ""
+
+
+class DataIdFacts(NamedTuple):
+    """Data ID. ``control`` is the control field that is sent for it."""
+
+    name: str
+    id: int
+    control: int
+    purpose: Purpose
+    meaning: str = ""
+    source: str = ""
+
+
+class MemoryAccess(NamedTuple):
+    """Reply of the encoder to a memory access, depending on the busy flag in the reply."""
+
+    access: str
+    busy: bool
+    address: str
+    data: str
+    meaning: str
+    source: str = ""
+
+
+class SsiFacts(NamedTuple):
+    """Facts about the SSI interface."""
+
+    clock: Clock
+    alignment: Alignment
+    output_code: str = ""
+    signals: str = ""
+    cable_lengths: tuple[CableLength, ...] = ()
+    timings: tuple[Timing, ...] = ()
+    note: str = ""
+    source: str = ""
+    alignment_source: str = ""
+    output_code_source: str = ""
+
+    def clock_below_hz(self, cable_m: float) -> int | None:
+        """Return the clock limit for a cable, according to the table in the manual.
+
+        Args:
+            cable_m: Length of the cable in metres.
+
+        Returns:
+            The limit in hertz. The clock must be below it. None if the cable is too long for the table.
+        """
+        return next((row.below_hz for row in self.cable_lengths if cable_m < row.shorter_than_m), None)
+
+
+class BissFacts(NamedTuple):
+    """Facts about the BiSS C-mode interface."""
+
+    clock: Clock
+    profile: str = ""
+    signals: str = ""
+    network: Network | None = None
+    timeout: Timeout | None = None
+    control_data: tuple[ControlField, ...] = ()
+    control_data_note: str = ""
+    description_file: str = ""
+    bank_select: str = ""
+    timings: tuple[Timing, ...] = ()
+    note: str = ""
+    source: str = ""
+
+
+class Rs485Facts(NamedTuple):
+    """Facts about the RS-485 interface."""
+
+    port: Port
+    data_ids: tuple[DataIdFacts, ...]
+    memory_access: tuple[MemoryAccess, ...] = ()
+    timings: tuple[Timing, ...] = ()
+    note: str = ""
+    source: str = ""
+
+
+class Alarm(NamedTuple):
+    """Error or warning of the encoder.
+
+    ``field`` is its flag, in a frame or in ``register``. ``latch`` is True if it stays active until it is reset.
+    ``below_mv`` is the voltage in millivolts below which it is raised. ``cleared_by`` lists the procedures that clear
+    it, ``by_hand`` the characteristics that describe manual steps. ``only`` describes the order codes that have
+    it, if not all do.
+    """
+
+    name: str
+    meaning: str
+    printed_name: str = ""
+    register: str = ""
+    field: str = ""
+    detected: str = ""
+    below_mv: int | None = None
+    latch: bool | None = None
+    implemented: bool = True
+    remedy: str = ""
+    cleared_by: tuple[str, ...] = ()
+    names: Mapping[str, str] = _NO_NAMES
+    source: str = ""
+    only: str = ""
+    by_hand: tuple[str, ...] = ()
+
+
+class Contact(NamedTuple):
+    """Pin or wire. ``only`` describes the order codes that have it, if not all do."""
+
+    contact: str
+    signal: str
+    only: str = ""
+
+
+class Connector(NamedTuple):
+    """Connector or cable."""
+
+    name: str
+    kind: ConnectorKind
+    title: str
+    interfaces: tuple[Interface, ...]
+    contacts: tuple[Contact, ...]
+    mating: str = ""
+    note: str = ""
+    source: str = ""
+
+
+class LedState(NamedTuple):
+    """State of an LED and its meaning.
+
+    ``only`` describes the order codes that have it, if not all do. ``by_hand`` lists the characteristics that describe
+    manual steps.
+    """
+
+    state: str
+    meaning: str
+    only: str = ""
+    by_hand: tuple[str, ...] = ()
+
+
+class Led(NamedTuple):
+    """LED and the meaning of its states."""
+
+    name: str
+    title: str
+    states: tuple[LedState, ...]
+    source: str = ""
+
+
+class Input(NamedTuple):
+    """Hardware input. ``inverts`` and ``needs`` are register bits, written as ``register.field``."""
+
+    name: str
+    meaning: str
+    printed_name: str = ""
+    low: str = ""
+    high: str = ""
+    pulse_at_least_us: int | None = None
+    inverts: str = ""
+    needs: str = ""
+    when_unused: str = ""
+    note: str = ""
+    names: Mapping[str, str] = _NO_NAMES
+    source: str = ""
+
+
+class Table(NamedTuple):
+    """Table of the manual."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+    source: str = ""
+
+
+class LostFigure(NamedTuple):
+    """Content of a figure in the manual that is missing from its text."""
+
+    content: str
+    source: str = ""
+
+
+class Characteristic(NamedTuple):
+    """Further fact, as text. ``only`` describes the order codes that it applies to, if not all."""
+
+    name: str
+    value: str
+    only: str = ""
+    source: str = ""
+
+
+class Erratum(NamedTuple):
+    """Error or ambiguity in the manual.
+
+    ``printed`` is the text of the manual, ``used`` the text that is used instead, and ``why`` the reason. ``only``
+    describes the order codes that it applies to, if not all.
+    """
+
+    name: str
+    printed: str
+    used: str
+    why: str
+    status: Status
+    severity: Severity
+    affects: tuple[str, ...] = ()
+    source: str = ""
+    only: str = ""

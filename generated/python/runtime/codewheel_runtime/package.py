@@ -1,0 +1,69 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Families of one manufacturer's package: finds the encoder for a label, and identifies encoders by their registers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any, NamedTuple, NoReturn
+
+from .codec import Data
+from .encoder import Encoder
+from .order_codes import OrderCodeError, checked, nearest
+
+
+class Package(NamedTuple):
+    """Package of a manufacturer. The modules of its families are loaded on first use.
+
+    Attributes:
+        name: Name of the package.
+        beginnings: Prefixes of the order codes of each family, without spaces, by the name of its module.
+        specials: Modules of special models, each with the ending of their order codes without the slash.
+        identified: Modules of the families that registers identify.
+    """
+
+    name: str
+    beginnings: Mapping[str, tuple[str, ...]]
+    specials: tuple[tuple[str, str], ...] = ()
+    identified: tuple[str, ...] = ()
+
+    def lookup(self, label: str) -> Encoder:
+        """Return the encoder that belongs to a label, from any family. See ``lookup`` of the package."""
+        text = checked(label)
+        families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
+        families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]
+        for family in families:
+            try:
+                found: Encoder = self._module(family).lookup(text)
+            except OrderCodeError:
+                continue  # Several families can have special models of that name, or codes with that prefix.
+            return found
+        self._refuse(text)
+
+    def identify(self, read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
+        """Return the order codes of all families that match registers. See ``identify`` of the package."""
+        codes: list[str] = []
+        errors: list[ValueError] = []
+        for family in self.identified:
+            try:
+                codes += self._module(family).identify(read)
+            except ValueError as error:
+                errors.append(error)
+        if len(errors) == len(self.identified):
+            raise errors[0]
+        return tuple(codes)
+
+    def _module(self, family: str) -> Any:
+        return import_module(f".{family}", self.name)
+
+    def _refuse(self, text: str) -> NoReturn:
+        """Raise the most helpful error for an unknown label: it lists the wrong part or similar order codes."""
+        modules = [self._module(family) for family in self.beginnings]
+        for module in modules:
+            try:
+                module.lookup(text)
+            except OrderCodeError as error:
+                if error.part:
+                    raise
+        codes = [code for module in modules for code in module.VARIANTS]
+        raise OrderCodeError(text, "", "is not an order code of these encoders", nearest(codes, text))

@@ -1,0 +1,252 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Runs procedures on any object that reads and writes registers, or that sends requests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from time import monotonic, sleep
+from typing import NamedTuple, Protocol, cast
+
+from .steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
+
+
+class Bus(Protocol):
+    """Object that reads and writes registers, such as ``biss.RegisterBus`` or your own master."""
+
+    def read(self, address: int, length: int, /) -> bytes:
+        """Return ``length`` bytes, starting at an address."""
+        ...
+
+    def write(self, address: int, data: bytes, /) -> object:
+        """Write bytes, starting at an address."""
+        ...
+
+
+class Line(Protocol):
+    """Line that sends a request and receives its reply, such as a serial port.
+
+    The reply to each request is read and checked, so it cannot be mistaken for a later one.
+    """
+
+    def drain(self) -> object:
+        """Discard all bytes that were received but not read."""
+        ...
+
+    def send(self, request: bytes, /) -> object:
+        """Send one request."""
+        ...
+
+    def receive(self, length: int, /) -> bytes:
+        """Return ``length`` bytes, or fewer after a time-out. An echo of the request must be omitted."""
+        ...
+
+
+class Reading(NamedTuple):
+    """Bytes that a step read.
+
+    Attributes:
+        step: The step.
+        data: Bytes of the register, in ascending order of address.
+    """
+
+    step: Read
+    data: bytes
+
+
+class StepError(RuntimeError):
+    """A step of a procedure failed. ``__cause__`` is the original error.
+
+    Attributes:
+        step: The step that failed.
+        at: Index of the step.
+        done: Steps that were carried out before it.
+        left_open: Names of registers that could not be closed or restored.
+        reason: Text of the original error.
+    """
+
+    def __init__(self, step: Step, at: int, done: tuple[Step, ...], left_open: tuple[str, ...], reason: str) -> None:
+        super().__init__(step, at, done, left_open, reason)
+        self.step, self.at, self.done, self.left_open, self.reason = step, at, done, left_open, reason
+
+    def __str__(self) -> str:
+        meaning = f" ({self.step.meaning})" if self.step.meaning else ""
+        still = f"; still open: {', '.join(self.left_open)}" if self.left_open else ""
+        return f"step {self.at + 1}, {type(self.step).__name__}{meaning}: {self.reason}{still}"
+
+
+class VerifyError(ValueError):
+    """A register does not hold the value that was written to it.
+
+    Nothing was saved or activated, so the procedure can be repeated.
+
+    Attributes:
+        register: Name of the register.
+        address: Address of its first byte.
+        written: Bytes that were written.
+        found: Bytes that were read.
+        mask: Bits that were compared, in the number that the bytes form.
+    """
+
+    def __init__(self, register: str, address: int, written: bytes, found: bytes, mask: int) -> None:
+        super().__init__(register, address, written, found, mask)
+        self.register, self.address, self.written, self.found, self.mask = register, address, written, found, mask
+
+    def __str__(self) -> str:
+        was, held = self.written.hex(" ").upper(), self.found.hex(" ").upper()
+        return f"register {self.register} at {self.address:02X}h holds {held}, but {was} was written"
+
+
+class _Run:
+    """One run of a procedure, with the values to restore if it fails."""
+
+    def __init__(self, bus: object, poll_s: float, wait: Callable[[float], object]) -> None:
+        self.bus, self.poll_s, self.wait = bus, poll_s, wait
+        self.readings: list[Reading] = []
+        self._written: set[int] = set()
+        self._stored: dict[int, int] = {}
+        self._before: dict[int, tuple[str, bytes]] = {}
+
+    def do(self, step: Step) -> None:
+        bus = cast(Bus, self.bus)
+        if isinstance(step, Write):
+            self._written.add(step.address)
+            self._stored[step.address] = step.value
+            bus.write(step.address, bytes([step.value]))
+        elif isinstance(step, Wait):
+            self.wait(step.microseconds / 1_000_000)
+        elif isinstance(step, Send):
+            self._send(step)
+        elif isinstance(step, Read):
+            self.readings.append(Reading(step, self._read(step)))
+        elif isinstance(step, Modify):
+            data = self._read(step)
+            number = int.from_bytes(data, step.order) & ~step.mask | step.value
+            self._before.setdefault(step.address, (step.register, data))
+            changed = number.to_bytes(step.length, step.order)
+            self._stored.update(enumerate(changed, step.address))
+            bus.write(step.address, changed)
+        elif isinstance(step, Verify):
+            self._verify(step)
+        else:
+            self._poll(step)
+
+    def _verify(self, step: Verify) -> None:
+        places = range(step.address, step.address + step.length)
+        if any(place not in self._stored for place in places):
+            raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
+        written, found = bytes(self._stored[place] for place in places), self._read(step)
+        if (int.from_bytes(written, step.order) ^ int.from_bytes(found, step.order)) & step.mask:
+            raise VerifyError(step.register, step.address, written, found, step.mask)
+
+    def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
+        data = bytes(cast(Bus, self.bus).read(step.address, step.length))
+        if len(data) != step.length:
+            raise ValueError(f"expected {step.length} bytes, read {len(data)}")
+        return data
+
+    def _poll(self, step: Poll) -> None:
+        end = monotonic() + self.poll_s
+        while int.from_bytes(self._read(step), step.order) & step.mask != step.value:
+            if monotonic() > end:
+                raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")
+
+    def _send(self, step: Send) -> None:
+        line = cast(Line, self.bus)
+        for name in ("drain", "send", "receive"):
+            if not callable(getattr(line, name, None)):
+                raise TypeError(f"{type(line).__name__} has no '{name}': a line needs drain, send and receive")
+        for _ in range(step.times):
+            line.drain()
+            line.send(step.request)
+            if step.reply:
+                _check_reply(step, bytes(line.receive(step.reply)))
+            self.wait(step.every_us / 1_000_000)
+        line.drain()
+
+    def put_back(self, left: Sequence[Step]) -> tuple[str, ...]:
+        """Close the registers that remaining steps would have closed, and restore the modified ones.
+
+        Return the names of the registers for which this failed.
+        """
+        failed: list[str] = []
+        for step in left:
+            if isinstance(step, Write) and step.closes and step.address in self._written:
+                failed += self._tried(step.register, step.address, bytes([step.value]))
+        for address, (register, data) in reversed(self._before.items()):
+            failed += self._tried(register, address, data)
+        return tuple(failed)
+
+    def _tried(self, register: str, address: int, data: bytes) -> list[str]:
+        try:
+            cast(Bus, self.bus).write(address, data)
+        except Exception:  # The original error is the one to report.
+            return [register]
+        return []
+
+
+def _check_reply(step: Send, reply: bytes) -> None:
+    """Raise an error unless ``reply`` is a complete reply to the request of the step."""
+    shown = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
+    if not reply:
+        raise TimeoutError(f"no reply to {step.request.hex(' ').upper()}")
+    if len(reply) != step.reply:
+        raise ValueError(f"{shown}: expected {step.reply} bytes, got {len(reply)}")
+    if reply[0] != step.request[0]:
+        raise ValueError(f"{shown}: it is the reply to another request")
+    crc = 0
+    for byte in reply[:-1]:
+        crc ^= byte
+    if step.is_xor and crc != reply[-1]:
+        echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
+        raise ValueError(f"{shown}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
+
+
+def run(
+    steps: Sequence[Step],
+    bus: Bus | Line,
+    *,
+    progress: Callable[[int, int, Step], object] | None = None,
+    poll_s: float = 1.0,
+    wait: Callable[[float], object] = sleep,
+) -> tuple[Reading, ...]:
+    """Carry out the steps of a procedure in order.
+
+    If a step fails or is interrupted, opened registers are closed and modified registers are restored. Commands are
+    not undone. Values are read back before a command acts on them. Omit the ``Verify`` steps for an encoder that
+    does not return the values that it stored.
+
+    On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
+    next request is sent.
+
+    Not yet tested on hardware.
+
+    Args:
+        steps: Steps, as returned by a function for a procedure.
+        bus: Object that reads and writes registers. For RS-485 requests, a line that sends them and receives replies.
+        progress: Called before each step with its index, the number of steps, and the step.
+        poll_s: Maximum time to poll a register, in seconds.
+        wait: Function that waits for a number of seconds.
+
+    Returns:
+        The registers that were read, in order.
+
+    Raises:
+        StepError: A step failed. Its ``__cause__`` is the reason, a ``VerifyError`` if a register does not hold the
+            value that was written.
+    """
+    from logging import getLogger
+
+    logger, going = getLogger("codewheel_runtime"), _Run(bus, poll_s, wait)
+    for at, step in enumerate(steps):
+        logger.debug("step %d of %d: %r", at + 1, len(steps), step)
+        try:
+            if progress is not None:
+                progress(at, len(steps), step)
+            going.do(step)
+        except BaseException as error:
+            left_open = going.put_back(steps[at:])
+            logger.warning("step %d of %d failed: %r; left open: %s", at + 1, len(steps), error, left_open or "nothing")
+            if not isinstance(error, Exception):
+                raise
+            raise StepError(step, at, tuple(steps[:at]), left_open, str(error) or repr(error)) from error
+    return tuple(going.readings)

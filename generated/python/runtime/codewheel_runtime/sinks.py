@@ -1,0 +1,284 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Writes columns of decoded frames to Parquet, Arrow or CSV files, and converts them for other libraries."""
+
+from __future__ import annotations
+
+import csv
+import io
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
+from pathlib import PurePath
+from types import TracebackType
+from typing import Any, Final, Literal, NamedTuple, Protocol, cast
+
+from .reports import Verdict
+from .table import Fault, Table
+
+TargetKind = Literal["parquet", "arrow", "csv"]
+_SUFFIXES: Final[dict[str, TargetKind]] = {
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".arrow": "arrow",
+    ".feather": "arrow",
+}
+
+#: Words that replace the numbers of a column, because readers of a file may not have this package.
+_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
+    "fault": tuple(item.name.lower() for item in Fault),
+    "verdict": tuple(item.value for item in Verdict),
+}
+
+
+#: Number of CSV rows that are formatted at once.
+_ROWS: Final = 1 << 14
+
+
+def target_kind(path: str) -> TargetKind:
+    """Return the format of a file according to its extension."""
+    return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
+
+
+def _texts(column: Any) -> list[str]:
+    return [item.decode("latin-1") for item in column.tolist()]
+
+
+def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
+    """Return columns as Arrow arrays, with ``fault`` and ``verdict`` as words. Positions can be null unless ``raw``."""
+    pa: Any = import_module("pyarrow")
+    found: dict[str, Any] = {}
+    for name in names:
+        column, hidden = table[name], None if raw else table.hidden(name)
+        if name in _WORDS:
+            found[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
+        else:
+            is_text = column.dtype.kind == "S"
+            found[name] = pa.array(_texts(column), pa.string()) if is_text else pa.array(column, mask=hidden)
+    return found
+
+
+def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
+    """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
+    pd: Any = import_module("pandas")
+    found: dict[str, Any] = {}
+    for name in names:
+        column, hidden = table[name], None if raw else table.hidden(name)
+        if name in _WORDS:
+            found[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
+        elif hidden is not None:
+            found[name] = pd.arrays.IntegerArray(column, hidden)
+        else:
+            found[name] = _texts(column) if column.dtype.kind == "S" else column
+    return found
+
+
+class Plan(NamedTuple):
+    """Columns of an output file.
+
+    Attributes:
+        names: Names of the columns, in order.
+        kept: Columns of the source that are also written, each as an empty column.
+        empty: A table without frames.
+        raw: True to write positions that are not usable.
+    """
+
+    names: tuple[str, ...]
+    kept: Mapping[str, Any]
+    empty: Table
+    raw: bool = False
+
+    @property
+    def decoded(self) -> tuple[str, ...]:
+        """Names of the columns that are decoded from frames."""
+        return tuple(name for name in self.names if name not in self.kept)
+
+
+class Sink(Protocol):
+    """Output file to which tables are appended."""
+
+    def __enter__(self) -> Sink: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+        """Append the frames of a table, and the other columns of the same rows."""
+
+    @property
+    def lost(self) -> int:
+        """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
+        ...
+
+
+class Texts:
+    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers."""
+
+    def __init__(self) -> None:
+        self._pa: Any = import_module("pyarrow")
+        self.kind: Any = None
+        self.lost = 0
+
+    def array(self, cells: Sequence[str]) -> Any:
+        """Return the cells as an array. Empty cells become null, and so do cells that should be numbers but are not."""
+        texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
+        if self.kind is None:
+            self.kind = self._kind_of(texts)
+        try:
+            return texts.cast(self.kind)
+        except self._pa.ArrowInvalid:
+            found = [self._number(cell) for cell in texts]
+            self.lost += sum(cell is None for cell in found) - texts.null_count
+            return self._pa.array(found, self.kind)
+
+    def _kind_of(self, texts: Any) -> Any:
+        for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
+            try:
+                texts.cast(kind)
+            except self._pa.ArrowInvalid:
+                continue
+            return kind
+        return self._pa.string()
+
+    def _number(self, cell: Any) -> Any:
+        try:
+            return cell.cast(self.kind).as_py()
+        except self._pa.ArrowInvalid:
+            return None
+
+
+class ArrowSink:
+    """Parquet or Arrow file."""
+
+    def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
+        self._pa: Any = import_module("pyarrow")
+        self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
+        self._texts = {name: Texts() for name, column in plan.kept.items() if isinstance(column, list)}
+
+    def __enter__(self) -> ArrowSink:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None and self._writer is None:
+            self.write(self._plan.empty, self._plan.kept)
+        if self._writer is not None:
+            self._writer.close()
+
+    @property
+    def lost(self) -> int:
+        """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
+        return sum(item.lost for item in self._texts.values())
+
+    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+        """Append the frames of a table, and the other columns of the same rows."""
+        found = arrow_columns(table, self._plan.decoded, self._plan.raw)
+        for name in self._plan.kept:
+            found[name] = self._texts[name].array(others[name]) if name in self._texts else others[name]
+        columns = {name: found[name] for name in self._plan.names}
+        if self._writer is None:
+            # The first cells of other columns determine their types.
+            self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
+        self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
+
+    def _opened(self, schema: Any) -> Any:
+        self._writer_schema = schema
+        if not self._parquet:
+            return self._pa.ipc.new_file(self._file, schema)
+        decoded = self._plan.decoded
+        return import_module("pyarrow.parquet").ParquetWriter(
+            self._file,
+            schema,
+            compression="zstd",
+            compression_level=1,
+            use_dictionary=[name for name in decoded if name in _WORDS],
+            # Successive positions differ little, so their differences take fewer bits and less time.
+            column_encoding={name: "DELTA_BINARY_PACKED" for name in decoded if schema.field(name).type == "int64"},
+        )
+
+
+class CsvSink:
+    """CSV file with a header. It needs only NumPy."""
+
+    def __init__(self, file: Any, plan: Plan) -> None:
+        # CSV keeps every cell as text, so none is ever lost.
+        self._plan, self.lost = plan, 0
+        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        out = self._own or sys.stdout
+        self._flush, self._rows = out.flush, csv.writer(out, lineterminator="\n").writerows
+        self._rows([plan.names])
+
+    def __enter__(self) -> CsvSink:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self._flush()
+        if self._own is not None:
+            # The caller closes the file.
+            self._own.detach()
+
+    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+        """Append the frames of a table, and the other columns of the same rows."""
+        kept = self._plan.kept
+        hidden = {name: None if self._plan.raw else table.hidden(name) for name in self._plan.decoded}
+        # Python objects take much memory, so only some rows are converted at once.
+        for start in range(0, len(table.fault), _ROWS):
+            rows = slice(start, start + _ROWS)
+            self._rows(
+                zip(
+                    *(
+                        _plain(others[name][rows])
+                        if name in kept
+                        else self._cells(name, table[name][rows], hidden[name], rows)
+                        for name in self._plan.names
+                    ),
+                    strict=False,
+                )
+            )
+
+    @staticmethod
+    def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
+        if hidden is not None:
+            cells = zip(column.tolist(), hidden[rows].tolist(), strict=False)
+            return ["" if is_hidden else cell for cell, is_hidden in cells]
+        if name in _WORDS:
+            words = _WORDS[name]
+            return [words[item] for item in column.tolist()]
+        if column.dtype.kind == "b":
+            return ["true" if item else "false" for item in column.tolist()]
+        return _texts(column) if column.dtype.kind == "S" else cast("list[Any]", column.tolist())
+
+
+def _plain(column: Any) -> list[Any]:
+    """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
+    is_arrow = hasattr(column, "to_pylist")
+    cells: list[Any] = [_plain_cell(item) for item in column.to_pylist()] if is_arrow else column
+    return cells
+
+
+def _plain_cell(item: Any) -> Any:
+    if item is None:
+        return ""
+    if isinstance(item, bool):
+        return "true" if item else "false"
+    return item.hex() if isinstance(item, bytes) else item
+
+
+def _parquet(file: Any, plan: Plan) -> Sink:
+    return ArrowSink(file, plan, parquet=True)
+
+
+def _arrow(file: Any, plan: Plan) -> Sink:
+    return ArrowSink(file, plan, parquet=False)
+
+
+#: Writers by format.
+SINKS: Final[Mapping[TargetKind, Callable[[Any, Plan], Sink]]] = {
+    "parquet": _parquet,
+    "arrow": _arrow,
+    "csv": CsvSink,
+}

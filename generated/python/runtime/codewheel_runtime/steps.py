@@ -1,0 +1,127 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Steps of a procedure: the actions of a master, as data."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from .codec import by_class
+
+
+@by_class
+class Write(NamedTuple):
+    """Write one byte to a register address.
+
+    Attributes:
+        address: Address of the byte.
+        value: Byte to write.
+        register: Name of the register.
+        meaning: Purpose of the step.
+        closes: True if the step closes registers that an earlier step opened.
+    """
+
+    address: int
+    value: int
+    register: str
+    meaning: str = ""
+    closes: bool = False
+
+
+@by_class
+class Wait(NamedTuple):
+    """Wait for at least ``microseconds``."""
+
+    microseconds: int
+    meaning: str = ""
+
+
+@by_class
+class Send(NamedTuple):
+    """Send a request, once or several times.
+
+    Attributes:
+        request: Bytes of the request.
+        times: Number of requests.
+        every_us: Minimum time from one request to the next, in microseconds.
+        meaning: Purpose of the step.
+        in_succession: True if no other request may be sent between the requests.
+        reply: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply equals
+            that of the request.
+        is_xor: True if the last byte of the reply is the XOR of all others.
+    """
+
+    request: bytes
+    times: int = 1
+    every_us: int = 0
+    meaning: str = ""
+    in_succession: bool = False
+    reply: int = 0
+    is_xor: bool = False
+
+
+@by_class
+class Read(NamedTuple):
+    """Read ``length`` bytes, starting at a register address."""
+
+    address: int
+    length: int
+    register: str
+    meaning: str = ""
+
+
+@by_class
+class Verify(NamedTuple):
+    """Read back what earlier steps wrote to a register, and stop if a bit in ``mask`` differs.
+
+    Over BiSS, a disturbed write can look as if it had been stored. This step is not in the manuals. It ensures that
+    only the intended value is saved or activated. ``mask`` and ``order`` apply to the number that the bytes form.
+    """
+
+    address: int
+    length: int
+    register: str
+    mask: int
+    meaning: str = ""
+    order: Literal["little", "big"] = "little"
+
+
+@by_class
+class Modify(NamedTuple):
+    """Read a register, replace its bits in ``mask`` by those of ``value``, and write it.
+
+    ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
+    ``int.from_bytes``.
+    """
+
+    address: int
+    length: int
+    register: str
+    mask: int
+    value: int
+    meaning: str = ""
+    order: Literal["little", "big"] = "little"
+
+
+@by_class
+class Poll(NamedTuple):
+    """Read a register until its bits in ``mask`` equal ``value``.
+
+    ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
+    ``int.from_bytes``.
+    """
+
+    address: int
+    length: int
+    register: str
+    mask: int
+    value: int
+    meaning: str = ""
+    order: Literal["little", "big"] = "little"
+
+
+Step = Write | Wait | Send | Read | Modify | Poll | Verify
+
+
+def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:
+    """Return the steps that write ``data`` to ascending addresses."""
+    return tuple(Write(address + index, byte, register, meaning, closes) for index, byte in enumerate(data))
