@@ -32,11 +32,8 @@ EXAMPLES = {
         "codewheel diff old/my_encoder.yaml my_encoder.yaml",
         "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",
     ),
-    "reread": (
-        "codewheel reread manual-1.9.txt manual-2.0.txt",
-        "codewheel reread old.pdf new.pdf --family my_encoder",
-    ),
-    "facts": ("codewheel facts my_encoder --page 12", "codewheel facts my_encoder --section 6.4"),
+    "reread": ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",),
+    "facts": ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json"),
     "explain": ("codewheel explain", "codewheel explain register-gone"),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
 }

@@ -36,6 +36,7 @@ PATTERNS = {
     "^[a-z]{2}$": "a language code has two lowercase letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is written as year-month-day, as in 2024-05-10",
     "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is written as year-month-day, as in 2024-05-10, or as the year alone",
+    "^[0-9]{1,2}(:[0-9]{1,2})?$": "bits are written as the highest and the lowest, as in 5:0, or as one bit, as in 7",
     '^https?://[^\\s<>"|`^{}\\[\\]\\\\]+$': (
         "a URL begins with https:// and contains no spaces, quotes, bars or brackets except ( ); "
         "write these as %20, %7C and so on"

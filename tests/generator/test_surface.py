@@ -59,6 +59,8 @@ def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, comman
         (own / "old").mkdir()
         for name in ("my_encoder.yaml", "manufacturer.yaml"):
             shutil.copy(own / name, own / "old")
+    for edition in ("1.0", "1.1"):
+        (own / f"manual-{edition}.txt").write_text("1 - Resolution\n\n13 bits\n", encoding="utf-8")
     for line in EXAMPLES[command]:
         code, _, err = run(capsys, *shlex.split(line)[1:])
         assert (code, err.replace(f"{READING}\n", "")) == (0, ""), line
@@ -92,7 +94,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 # ---------------------------------------------------------------------------------------------------------- wrong usage
 
 
-COMMANDS = "generate, check, list, show, decode, master, diff, reread, facts, explain, new"
+KNOWN = "generate, check, list, show, decode, master, diff, reread, facts, explain, new"
 
 
 @pytest.mark.parametrize(
@@ -102,7 +104,7 @@ COMMANDS = "generate, check, list, show, decode, master, diff, reread, facts, ex
         (
             ["xyzzy"],
             "codewheel",
-            f"there is no command 'xyzzy'; known: {COMMANDS}",
+            f"there is no command 'xyzzy'; known: {KNOWN}",
         ),
         (["check", "--jsno"], "codewheel check", "there is no option '--jsno'; did you mean '--json'?"),
         (
