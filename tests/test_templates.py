@@ -1,4 +1,4 @@
-"""Templates contain what differs between devices. What is the same for all of them is ordinary source in ``runtime``."""
+"""Templates contain what differs between devices. All the rest is ordinary source in ``runtime``."""
 
 from __future__ import annotations
 
