@@ -29,7 +29,7 @@ quick: lint
 	@$(MAKE) --no-print-directory --jobs=2 quick-outputs quick-tests
 
 quick-outputs: .venv/.installed
-	@$(PY) -m mypy --no-error-summary generator
+	@$(PY) -m mypy --no-error-summary generator runtime/python/codewheel_runtime
 	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said" | grep -v '^up to date'; exit 1; }
 
 quick-tests: .venv/.installed

@@ -94,6 +94,10 @@ ELSEWHERE = {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
         "python: import": "tests/verify/test_stream.py::test_the_readme_of_an_engine",
     },
+    "examples/python-two-manufacturers/README.md": {
+        ": codewheel generate": "tests/python/test_two_manufacturers.py::test_the_example",
+        "text: ": "tests/python/test_two_manufacturers.py::test_the_example",
+    },
     "examples/rust-target/README.md": {
         "rust: ": "tests/rust/test_rust_target.py::test_the_readme",
         ": 5 revolutions": "tests/rust/test_rust_target.py::test_the_readme",

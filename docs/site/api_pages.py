@@ -12,6 +12,9 @@ from codewheel.say.markdown import code, text
 
 HEADERS = "generated/c/include/lika"
 MODULES = "generated/python/lika_encoders"
+RUNTIME = "generated/python/runtime/codewheel_runtime"
+#: Modules of the runtime that programs use directly, or through the package of a manufacturer.
+_RUNTIME_MODULES = "biss encoder errors facts order_codes reports running steps stream table".split()
 #: A documentation comment with the declaration below it: a whole type, or a function without its body.
 _DECLARED = re.compile(
     r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n"
@@ -23,18 +26,21 @@ _NAME = re.compile(r"(\w+)(?:\(|;$)")
 
 def api_pages(root: Path) -> Iterator[tuple[str, str]]:
     """Yield the path and text of each page."""
-    headers, modules = sorted((root / HEADERS).glob("*.h")), sorted((root / MODULES).glob("[!_]*.py"))
-    yield "api/c.md", _index("C headers", "generated/c", headers)
-    yield "api/python.md", _index("Python package", "generated/python", modules)
+    headers = sorted((root / HEADERS).glob("*.h"))
+    modules = [path for path in sorted((root / MODULES).glob("[!_]*.py")) if path.stem != "biss"]
+    runtime = [path for path in sorted((root / RUNTIME).glob("*.py")) if path.stem in _RUNTIME_MODULES]
+    yield "api/c.md", _index("c", "C headers", "generated/c", headers)
+    yield "api/python.md", _index("python", "Python package", "generated/python", modules)
+    yield "api/runtime.md", _index("runtime", "Python runtime", "generated/python/runtime", runtime)
     for path in headers:
         yield f"api/c/{path.stem}.md", _page(f"lika/{path.name}", "c", c_entries(path.read_text(encoding="utf-8")))
-    for path in modules:
+    for path in (*modules, *runtime):
         found = python_entries(ast.parse(path.read_text(encoding="utf-8")))
-        yield f"api/python/{path.stem}.md", _page(f"lika_encoders.{path.stem}", "python", found)
+        kind = "runtime" if path in runtime else "python"
+        yield f"api/{kind}/{path.stem}.md", _page(f"{path.parent.name}.{path.stem}", "python", found)
 
 
-def _index(title: str, folder: str, files: list[Path]) -> str:
-    kind = "c" if files and files[0].suffix == ".h" else "python"
+def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
     rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
     return (
         f"# {title}: reference\n\nEach file has a page with its declarations and their comments. "

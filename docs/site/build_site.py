@@ -30,6 +30,7 @@ PAGES = (
     "docs/example/**/*.md",
     "generated/docs/**/*.md",
     "generated/*/*.md",
+    "generated/python/runtime/*.md",
     "examples/*/README.md",
 )
 #: The script of the decode box, if it has been generated.

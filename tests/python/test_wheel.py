@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from collections.abc import Mapping
 from email import message_from_bytes
+from email.message import Message
 from pathlib import Path
 
 import pytest
@@ -23,16 +25,57 @@ def source(files: Mapping[str, str], tmp_path_factory: pytest.TempPathFactory) -
     return folder / "python"
 
 
+@pytest.fixture(scope="module")
+def release(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with a source archive and a wheel of the package and of the runtime, as a release has them."""
+    folder = tmp_path_factory.mktemp("release")
+    for project in (source, source / "runtime"):
+        done = run("build", "--quiet", "--no-isolation", "--outdir", folder, project)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def run(module: str, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", module, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def metadata_of(wheel: zipfile.ZipFile) -> Message:
+    return message_from_bytes(next(wheel.read(name) for name in wheel.namelist() if name.endswith("/METADATA")))
+
+
 @pytest.mark.slow
-def test_the_wheel_names_its_licence(source: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(tmp_path), str(source)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    wheel = zipfile.ZipFile(next(tmp_path.glob("lika_encoders-*.whl")))
-    metadata = message_from_bytes(next(wheel.read(name) for name in wheel.namelist() if name.endswith("/METADATA")))
+def test_the_runtime_is_all_that_is_needed(release: Path) -> None:
+    """By its versions: a release is for other machines, so it names no folder of this one."""
+    needed = metadata_of(zipfile.ZipFile(next(release.glob("lika_encoders-*.whl")))).get_all("Requires-Dist", [])
+    assert [item for item in needed if "extra ==" not in item] == ["codewheel-runtime<2,>=1.0"]
+    assert not metadata_of(zipfile.ZipFile(next(release.glob("codewheel_runtime-*.whl")))).get_all("Requires-Dist", [])
+    with tarfile.open(next(release.glob("lika_encoders-*.tar.gz"))) as archive:
+        texts = {item.name: archive.extractfile(item) for item in archive.getmembers() if item.isfile()}
+        assert not [name for name in texts if "codewheel_runtime" in name]
+        assert not [name for name, text in texts.items() if text is not None and b"file:///" in text.read()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", ["1.0.0", "1.1.0", "0.9.0", "2.0.0"])
+def test_pip_refuses_a_runtime_that_does_not_fit(release: Path, tmp_path: Path, version: str) -> None:
+    (name,) = (path.name for path in release.glob("codewheel_runtime-*.whl"))
+    other = tmp_path / name.replace("1.0.0", version)
+    with zipfile.ZipFile(release / name) as old, zipfile.ZipFile(other, "w") as new:
+        for item in old.namelist():
+            text = old.read(item).replace(b"Version: 1.0.0", f"Version: {version}".encode())
+            new.writestr(item.replace("1.0.0", version), text)
+    place = ["install", "--quiet", "--no-index", "--target", tmp_path / "there", "--disable-pip-version-check"]
+    done = run("pip", *place, next(release.glob("lika_encoders-*.whl")), other)
+    assert (done.returncode == 0) == version.startswith("1."), done.stderr
+    assert done.returncode == 0 or "have conflicting dependencies" in done.stderr
+
+
+@pytest.mark.slow
+def test_the_wheel_names_its_licence(source: Path, release: Path) -> None:
+    wheel = zipfile.ZipFile(next(release.glob("lika_encoders-*.whl")))
+    metadata = metadata_of(wheel)
     assert (metadata["License-Expression"], metadata["License-File"]) == ("0BSD", "LICENSE")
-    # Nothing is needed: what is listed is for those who ask for an extra.
-    assert all("extra ==" in needed for needed in metadata.get_all("Requires-Dist", []))
     assert any(name.endswith("/LICENSE") for name in wheel.namelist())
     assert metadata["Requires-Python"] == ">=3.10"
     assert set(metadata.get_all("Provides-Extra", [])) >= {"many", "arrow", "pandas", "parquet"}

@@ -1,0 +1,170 @@
+"""Packages of two manufacturers in one program: they share the runtime, and refuse one that does not fit."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import re
+import shutil
+import subprocess
+import sys
+import venv
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import codewheel_runtime
+import pytest
+from codewheel.commands.cli import main
+from codewheel.targets.python.files import RUNTIME, runtime_version
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "python-two-manufacturers"
+NAMES = ("lika_encoders", "tolvarn_encoders")
+VERSION = '__version__: Final = "1.0.0"'
+REFUSED = "needs codewheel-runtime 1.0 or a later 1.x, but {} is installed"
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with the packages of both manufacturers and their runtime. Its path has a space."""
+    folder = tmp_path_factory.mktemp("both") / "with a space"
+    specs = [str(ROOT / "specs" / "lika"), str(ROOT / "docs" / "example" / "tolvarn")]
+    assert main(["generate", *specs, "--target", "python", "-o", str(folder)]) == 0
+    return folder / "python"
+
+
+def run(*command: str | Path, folders: tuple[Path, ...] = (), cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
+    return subprocess.run([str(item) for item in command], capture_output=True, text=True, env=environment, cwd=cwd)
+
+
+def doctored(folder: Path, version: str) -> Path:
+    """Make a copy of the runtime's distribution that has another version."""
+    place = folder / version
+    shutil.copytree(RUNTIME, place, ignore=shutil.ignore_patterns("__pycache__"))
+    (place / "LICENSE").write_text("")
+    text = (place / "codewheel_runtime" / "version.py").read_text(encoding="utf-8")
+    assert VERSION in text
+    (place / "codewheel_runtime" / "version.py").write_text(text.replace(VERSION, VERSION.replace("1.0.0", version)))
+    return place
+
+
+def test_the_names_are_those_of_the_runtime(generated_python: tuple[Path, ModuleType]) -> None:
+    lika: Any = generated_python[1]
+    shared = {*codewheel_runtime.__all__} - {"__version__"}
+    assert shared < {*lika.__all__}
+    assert {name for name in shared if getattr(lika, name) is not getattr(codewheel_runtime, name)} == set()
+    assert lika.biss.Master is importlib.import_module("codewheel_runtime.biss").Master
+
+
+def test_there_is_one_runtime(both: Path) -> None:
+    assert sorted(path.name for path in both.iterdir() if path.is_dir()) == [*NAMES[:1], "runtime", *NAMES[1:]]
+    for name in NAMES:
+        assert {path.name for path in (both / name).iterdir()} == {
+            *("LICENSE", "README.md", "pyproject.toml", "setup.py", name)
+        }
+    assert "pip install ../lika_encoders ../tolvarn_encoders\n" in (both / NAMES[1] / "README.md").read_text()
+
+
+@pytest.mark.slow
+def test_the_example(both: Path) -> None:
+    readme = (EXAMPLE / "README.md").read_text(encoding="utf-8")
+    program = EXAMPLE / "positions.py"
+    commands, shown = re.findall(r"```(?:text)?\n(.*?)```", readme, re.DOTALL)
+    assert commands.splitlines() == [
+        "codewheel generate specs/lika docs/example/tolvarn --target python -o out",
+        "pip install out/python/lika_encoders out/python/tolvarn_encoders",
+        f"python {program.relative_to(ROOT).as_posix()}",
+    ]
+    folders = (both / NAMES[0], both / NAMES[1], both / "runtime")
+    done = run(sys.executable, program, folders=folders)
+    assert (done.stdout, done.stderr) == (shown, "")
+    os.environ["MYPYPATH"] = os.pathsep.join(map(str, folders))
+    done = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program)
+    del os.environ["MYPYPATH"]
+    assert done.returncode == 0, done.stdout
+
+
+# The version of the runtime
+
+
+def test_the_version_stands_in_one_place(both: Path) -> None:
+    major, minor = runtime_version().split(".")
+    needed = re.search(r'^NEEDED, FITTING = "(.*)", "(.*)"$', (both / NAMES[0] / "setup.py").read_text(), re.MULTILINE)
+    assert needed is not None
+    assert needed.groups() == (f"{major}.{minor}", f"codewheel-runtime>={major}.{minor},<{int(major) + 1}")
+    for name in NAMES:
+        text = (both / name / name / "__init__.py").read_text(encoding="utf-8")
+        assert f'__runtime__: Final = require(__name__, "{major}.{minor}")\n' in text
+
+
+@pytest.mark.parametrize("needed", ["1.0", "0.9", "2.0", "1.1"])
+def test_only_the_same_major_version_fits(needed: str) -> None:
+    from codewheel_runtime.version import require
+
+    if needed == "1.0":
+        assert require("some_encoders", needed) == "1.0.0"
+        return
+    with pytest.raises(ImportError) as caught:
+        require("some_encoders", needed)
+    wanted = f"{needed} or a later {needed[0]}.x"
+    assert str(caught.value) == f"some_encoders needs codewheel-runtime {wanted}, but 1.0.0 is installed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", ["0.9.0", "1.0.1", "1.1.0", "2.0.0"])
+def test_a_runtime_that_does_not_fit_is_refused(both: Path, tmp_path: Path, version: str) -> None:
+    """By the import of the package, and by its build if the runtime lies next to it."""
+    place = doctored(tmp_path, version)
+    done = run(sys.executable, "-c", "import tolvarn_encoders.tv62", folders=(both / NAMES[1], place))
+    shutil.copytree(both / NAMES[1], tmp_path / "tree" / "it")
+    place.rename(tmp_path / "tree" / "runtime")
+    built = run(sys.executable, "setup.py", "--quiet", "egg_info", cwd=tmp_path / "tree" / "it")
+    if version.startswith("1."):
+        assert (done.returncode, done.stderr) == (0, "")
+        assert built.returncode == 0, built.stderr
+        return
+    assert done.stderr.splitlines()[-1] == f"ImportError: tolvarn_encoders {REFUSED.format(version)}"
+    assert built.stderr.splitlines()[-1] == f"ImportError: this package {REFUSED.format(version)}"
+
+
+# As they are installed
+
+
+@pytest.fixture(scope="module")
+def pip(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """A command for a fresh environment that has setuptools and no index."""
+    place = tmp_path_factory.mktemp("installed") / "venv"
+    venv.create(place)
+    (site,) = (place / "lib").glob("python*/site-packages")
+    for file in importlib.metadata.files("setuptools") or ():
+        if ".." not in file.parts and "__pycache__" not in file.parts:
+            (site / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(str(file.locate()), site / file)
+
+    def done(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+        if arguments[0] == "python":
+            return run(place / "bin" / "python", *arguments[1:], cwd=place)
+        options = ["--no-index", "--no-build-isolation", "--quiet"] if arguments[0] == "install" else []
+        common = ["-m", "pip", "--python", place / "bin" / "python", "--disable-pip-version-check"]
+        return run(sys.executable, *common, arguments[0], *options, *arguments[1:])
+
+    return done
+
+
+@pytest.mark.slow
+def test_one_command_installs_both_and_one_can_go(both: Path, pip: Any, tmp_path: Path) -> None:
+    """Without an index, and in a path with a space."""
+    shutil.copytree(both, tmp_path / "a copy")
+    packages = [tmp_path / "a copy" / name for name in NAMES]
+    done = pip("install", *packages)
+    assert done.returncode == 0, done.stderr
+    program = "import codewheel_runtime, {0}; print({0}.Verdict is codewheel_runtime.Verdict, {0}.__runtime__)"
+    for name in NAMES:
+        assert pip("python", "-c", program.format(name)).stdout == "True 1.0.0\n"
+    assert pip("uninstall", "--yes", "--quiet", "lika-encoders").returncode == 0
+    assert pip("python", "-c", program.format(NAMES[1])).stdout == "True 1.0.0\n"
+    assert "No module named 'lika_encoders'" in pip("python", "-c", program.format(NAMES[0])).stderr
+    assert pip("python", "-m", "tolvarn_encoders", "--version").stdout == "tolvarn-encoders 0.1.0\n"
