@@ -11,6 +11,7 @@ from ...model import Digits, Field, Layout, Register, RegisterMeaning
 STANDARD: Mapping[str, tuple[str, ...]] = {
     "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
+    "functools": ("lru_cache",),
     "math": ("tau",),
     "operator": ("index",),
     "types": ("MappingProxyType",),
@@ -33,10 +34,11 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
     module: tuple(names.split())
     for module, names in {
         "._codec": """BitField ConstantError CrcError Data FrameError Interface LengthError RangeError Rows Word
-            Words as_bytes as_word by_class check_bits check_encoder check_kind check_limits check_power_of_two
-            check_signed check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed
-            text_number to_gray too_long unwrap whole_number wrong_encoder zero_for""",
+            Words as_bytes as_word check_encoder check_kind check_limits check_width choice crc_by_xor crc_of_bits
+            crc_of_bytes crc_tables decided from_gray made signed text_number too_long unwrap wrong_encoder""",
         "._encoder": "Encoder fact",
+        "._frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
+            decode_many decoder encode_many needed_by raised reported returned shape_of""",
         "._order_codes": "checked",
         "._registers": "Held agrees held_bytes held_parameters held_text whole",
         "._reports": "Family Movement Report Verdict",
@@ -58,9 +60,17 @@ FACTS: Mapping[str, tuple[str, ...]] = {
     }.items()
 }
 
+#: Names that the descriptions of frames can import, by source module.
+SHAPES: Mapping[str, tuple[str, ...]] = {
+    ".._codec": ("BitField",),
+    ".._reports": ("Verdict",),
+    ".._shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
+    ".._table": ("Fault",),
+}
+
 #: Modules of the package that do not belong to a device.
 SHARED = tuple(
-    """__main__ _arrow _codec _codes _encoder _facts _input _make _many _order_codes _registers _reports _run _shape
+    """__main__ _arrow _codec _codes _encoder _facts _frames _input _make _many _order_codes _registers _reports _run _shape
     _sinks _sources _steps _stream _table _text _why""".split()
 )
 #: Subpackages whose modules, one per device, are loaded on first use.
@@ -68,8 +78,8 @@ FOLDERS = ("facts", "_shapes")
 #: Module for register access over BiSS, in packages with a BiSS family.
 BISS = "biss"
 
-#: All names that a device module can import.
-IMPORTED = [name for module in (STANDARD, PACKAGE) for names in module.values() for name in names]
+#: All names that a device module or its descriptions can import.
+IMPORTED = [name for module in (STANDARD, PACKAGE, SHAPES) for names in module.values() for name in names]
 #: Functions that a device module can import.
 FUNCTIONS = ("cast", "index", "round", "tau", *(name for names in PACKAGE.values() for name in names if name.islower()))
 #: Names that every device module uses in addition to its imports.
@@ -87,7 +97,8 @@ VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees enc
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self usable_position variant verdict""".split()
 LOCAL_NAMES = [
-    *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
+    *"bits cls computed data decode error failed frame heads high isinstance len length low number self type".split(),
+    *"values variant word wrong".split(),
     *FUNCTIONS,
 ]
 #: Names that the functions of procedures use. An argument with such a name gets a trailing underscore.
