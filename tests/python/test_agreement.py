@@ -111,7 +111,10 @@ def families(
         found, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)
         device = next(item for item in found if item.name == name)
-        other: Any = import_generated(Library((device,)), "test_encoders")[1]
+        # A package of its own, since its modules find one another by their names.
+        maker = dataclasses.replace(device.manufacturer, python_package=f"{name}_encoders")
+        device = dataclasses.replace(device, manufacturer=maker)
+        other: Any = import_generated(Library((device,)), maker.python_package)[1]
         made[name] = Family(device, getattr(other, name))
     return made
 

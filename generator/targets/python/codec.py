@@ -9,7 +9,7 @@ from functools import cached_property
 from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.never import assert_never
-from ...plan.codec import AtMost, IsOneOf, Part, Whole, ZerosAbove, codec_of
+from ...plan.codec import Part, Whole, codec_of
 from ...plan.crcs import Carrier
 from ...plan.limits import Limits, limits_of
 from ...plan.values import (
@@ -27,17 +27,13 @@ from ...plan.values import (
 from ...say.name import words
 from ...say.words import sentence
 from . import text
-from .bits import Reader
 from .context import Asked, Context
-from .decode import Taker
-from .encode import Maker
+from .decode import Decoder, Once, assigned
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
+from .joins import Maker
 from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
-
-#: Maximum length of a frame, in bytes, for which the CRC is unrolled to a single XOR of bytes.
-_UNROLLED = 16
 
 
 @dataclass(frozen=True)
@@ -71,9 +67,12 @@ class Coder:
         self.layout_interface = interface
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
-        self.read = Reader(context.scope, self.plan)
-        self.take = Taker(context.scope, self.read, self.names, self.enum)
         self.make = Maker(context.scope, self.plan, self.names)
+        answered = frozenset(name for item in self.asked for name, _ in item.members)
+        scope = Once(context.scope.names, answered) if register is None else context.scope
+        self.decoding = Decoder(scope, self.plan, self.names, self.enum)
+        #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
+        self.passed = self.asked
 
     def number(self, value: Expression) -> Expr:
         return self.context.scope.of(value)
@@ -87,10 +86,6 @@ class Coder:
         limited = self.limits is not None and differ(self.limits)
         reported = self.reports is not None and self.reports.depends
         return self.plan.depends or limited or reported or not all(item.is_constant for item in stated)
-
-    @property
-    def encode_takes_variant(self) -> bool:
-        return self.takes_variant and (self.make.depends or bool(self.limited))
 
     @cached_property
     def asked(self) -> list[Asked]:
@@ -128,6 +123,15 @@ class Coder:
         """Named values, which ``decode`` looks up after all checks."""
         parts = self.plan.parts
         return [item for item in parts if is_named(meaning_of(item.field)) and not self.selects(item.field)]
+
+    @property
+    def bases(self) -> str:
+        """Bases of the class, except the NamedTuple of its fields."""
+        kind = "Register" if self.register is not None else "Bytes" if self.plan.in_bytes else "Bits"
+        sent = "Sent, " if self.reports is not None else ""
+        if self.asked:
+            return f"{sent}{'InBytes' if self.plan.in_bytes else 'InBits'}"
+        return f'{sent}{kind}Of["{self.encoder}"]' if self.takes_variant else f"{sent}Fixed{kind}"
 
     # -- attributes
 
@@ -186,25 +190,6 @@ class Coder:
     def selects(self, field: Field) -> bool:
         return field.name == self.layout.selector
 
-    @cached_property
-    def named(self) -> set[str]:
-        """Fields whose bits have a local name after the checks of ``decode``."""
-        return {
-            item.field.name
-            for item in self.plan.checks
-            if isinstance(item, (ZerosAbove, AtMost))
-            or (isinstance(item, IsOneOf) and len(item.values) > 1 and self.selects(item.field))
-        }
-
-    def is_padded(self, field: Field) -> bool:
-        """Return whether the bits above the field have already been checked."""
-        return any(isinstance(item, ZerosAbove) and item.field is field for item in self.plan.checks)
-
-    def value(self, part: Part) -> Expr:
-        """Return the bits of a field after all checks."""
-        named = part.field.name in self.named
-        return Atom(self.names.local(part.field.name)) if named else self.read.bits(part.bits)
-
     @property
     def crc_name(self) -> str:
         """Name of the function for the CRC at the end of the frame."""
@@ -212,21 +197,16 @@ class Coder:
         return self.context.crc_name(self.plan.crc.crc, carrier) if self.plan.crc is not None else ""
 
     @property
-    def fold_name(self) -> str:
-        """Name of the function that computes the remainder of the word by folding."""
-        return f"_remainder_{self.plan.crc.crc.name}_{self.layout.widest}" if self.plan.crc is not None else ""
-
-    @property
-    def crc_is_unrolled(self) -> bool:
-        crc = self.plan.crc
-        return crc is not None and crc.crc.is_xor and self.plan.length - crc.crc.width // 8 <= _UNROLLED
-
-    @property
     def gray_when(self) -> str:
         """Attribute of the variant that is true if the encoder sends Gray code."""
         return self.context.parameters[self.plan.gray.when] if self.plan.gray is not None else ""
 
     # -- joined numbers and values from the manual
+
+    def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+        """Yield the attributes of a field of a joined number, with their values."""
+        enum = self.enum(field) if is_named(meaning_of(field)) else ""
+        return assigned(self.context.scope, self.names, enum, field, bits)
 
     def whole_width(self, whole: Whole) -> Expr:
         return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
@@ -268,6 +248,13 @@ class Coder:
         name = measurement.of if measurement is not None else "position"
         numbers = {part.field.name for part in self.plan.parts if is_number(meaning_of(part.field))}
         return self.names.attribute(name) if name in numbers.union(item.name for item in self.layout.joins) else ""
+
+    @property
+    def usable(self) -> str:
+        """Expression for the position of a frame, without the checks of its property if they are not needed."""
+        whole = next((item for item in self.plan.wholes if self.names.attribute(item.join.name) == self.measured), None)
+        plain = whole is not None and all(isinstance(meaning_of(field), Raw) for field in whole.fields)
+        return self.make.whole_of_numbers(whole) if whole is not None and plain else f"self.{self.measured}"
 
     @cached_property
     def reports(self) -> FrameReports | None:

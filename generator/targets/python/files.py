@@ -19,9 +19,9 @@ from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from ..licence import licence_in
 from ..runtime import copied, our_runtime
 from .filters import FILTERS, FUNCTIONS, TESTS
-from .imports import fact_imports, imports
+from .imports import with_imports
 from .module import Module
-from .names import BISS
+from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD
 from .readme import Shown, start
 
 #: Files that each package has once, next to its folder and in it.
@@ -52,7 +52,6 @@ class Package(TypedDict):
 
 class Family(Package):
     module: Annotated[Module, "the family, with the parts, names and expressions of its module"]
-    imports: Annotated[list[list[tuple[str, list[str]]]], "the modules to import from, in groups, and the names"]
     facts: Annotated[list[str], "the names of its tables of facts, in order"]
     offers: Annotated[list[str], "its public names, in order"]
 
@@ -122,14 +121,18 @@ def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple
         **values,
         "header": _header(f"the specification of {plain(module.device.title)}"),
         "module": module,
-        "imports": imports(module),
         "facts": module.fact_names,
         "offers": sorted({name for _, names in module.contents for name in names}),
     }
-    yield f"{module.name}.py", TEMPLATES.render("device.py.jinja", family, own)
-    family["imports"] = fact_imports(module)
-    yield f"facts/{module.name}.py", TEMPLATES.render("facts.py.jinja", family, own)
-    yield f"_shapes/{module.name}.py", TEMPLATES.render("shapes.py.jinja", family, own)
+    here = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
+    files = (
+        (f"{module.name}.py", "device", PACKAGE),
+        (f"facts/{module.name}.py", "facts", FACTS),
+        (f"_shapes/{module.name}.py", "shapes", {**SHAPES, **here}),
+    )
+    for path, template, sources in files:
+        text = TEMPLATES.render(f"{template}.py.jinja", family, own)
+        yield path, with_imports(text, STANDARD, sources)
 
 
 def _header(source: str) -> str:

@@ -17,7 +17,7 @@ from .codec import Coder
 from .context import Asked, Context, is_one_choice
 from .docstrings import Block, Lines, docstring
 from .expr import Expr
-from .literals import Call, functions
+from .literals import Call
 from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
 from .procedures import Steps
 from .readme import Readme
@@ -186,6 +186,11 @@ class Module:
         return [Shape(item, told.get(item.layout.name)) for item in frames]
 
     @property
+    def register_shapes(self) -> list[Shape]:
+        """Descriptions of the registers that have a class."""
+        return [Shape(item, None) for item in self.by_register.values()]
+
+    @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
         """The same descriptions by interface and sender."""
         of = {id(item): section.interface.name for section in self.sections for item in section.coders}
@@ -193,32 +198,6 @@ class Module:
         for shape in self.shapes:
             found.setdefault((of[id(shape.coder)], shape.coder.layout.sender), []).append(shape)
         return found
-
-    @property
-    def judged(self) -> bool:
-        """True if any frame has a verdict."""
-        return any(item.otherwise for item in self.shapes)
-
-    @property
-    def shape_parts(self) -> list[str]:
-        """Names from ``_shape`` that the descriptions of frames use."""
-        used = {name for item in self.shapes for _, rows in item.rows for row in rows for name in functions(row)}
-        crcs = [item.plan.crc for item in self.shapes if item.plan.crc is not None]
-        used |= {"CrcOf"} if crcs else set()
-        used |= {"Fold"} if any(item.steps for item in crcs) else set()
-        used |= {"of_bytes" if item.plan.in_bytes else "of_bits" for item in self.shapes if item.plan.crc is not None}
-        return sorted((used | {"Shape"}) - {"Fault", "Verdict"})
-
-    @property
-    def shape_faults(self) -> bool:
-        """True if any of them has checks, which need ``Fault``."""
-        return any(name == "checks" and rows for item in self.shapes for name, rows in item.rows)
-
-    @property
-    def shape_needs(self) -> list[str]:
-        """Names of the module that they use: classes of encoders and answers, and functions of CRCs."""
-        given = {kind for item in self.shapes for _, kind in item.coder.given}
-        return sorted(given | {item.coder.crc_name for item in self.shapes if item.plan.crc is not None})
 
     # -- parts
 
@@ -228,12 +207,6 @@ class Module:
             Enumeration(self.context.enum(item), docstring(_about(item), indent=4), item.values)
             for item in self.context.choices.values()
         ]
-
-    @cached_property
-    def folds(self) -> dict[str, Coder]:
-        """One frame for each function that folds words, by the name of the function."""
-        folded = (item for item in self.coders if item.plan.crc is not None and item.plan.crc.steps)
-        return {item.fold_name: item for item in folded if not item.plan.in_bytes}
 
     def _section(self, interface: Interface) -> Section:
         coders = tuple(Coder(self.context, interface.name, item) for item in interface.layouts)
@@ -247,7 +220,7 @@ class Module:
         several = sum(any(item.selector for item in other.layouts) for other in self.device.interfaces) > 1
         word = ("" if not several else f"{interface.name}_") + ("reply" if plan.sender == "encoder" else "request")
         of = {item.layout.name: item for item in coders}
-        return Dispatcher(
+        made = Dispatcher(
             plan,
             f"decode_{word}",
             camel(word),
@@ -256,6 +229,9 @@ class Module:
             tuple(of[branch.layout.name] for branch in plan.branches),
             of[plan.fallback.name] if plan.fallback is not None else None,
         )
+        for item in made.members:
+            item.passed = made.asked
+        return made
 
     def _register(self, register: Register) -> Coder | Enumeration:
         if not is_one_choice(register):

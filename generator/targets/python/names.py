@@ -11,6 +11,7 @@ from ...model import Digits, Field, Layout, Register, RegisterMeaning
 STANDARD: Mapping[str, tuple[str, ...]] = {
     "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
+    "functools": ("lru_cache",),
     "math": ("tau",),
     "operator": ("index",),
     "types": ("MappingProxyType",),
@@ -32,12 +33,13 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
 PACKAGE: Mapping[str, tuple[str, ...]] = {
     f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
-        "codec": """BitField Data Rows Word Words as_bytes as_word by_class check_bits check_encoder check_kind
-            check_limits check_power_of_two check_signed check_width choice crc_by_xor crc_of_bits crc_of_bytes
-            crc_tables decided from_gray made signed text_number to_gray too_long unwrap whole_number wrong_encoder
-            zero_for""",
+        "codec": """BitField Data Rows Word Words as_bytes as_word check_encoder check_kind check_limits check_width
+            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long
+            unwrap wrong_encoder""",
         "encoder": "Encoder fact",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
+        "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
+            decode_many decoder encode_many needed_by raised reported returned shape_of""",
         "order_codes": "checked",
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",
@@ -58,6 +60,14 @@ FACTS: Mapping[str, tuple[str, ...]] = {
     }.items()
 }
 
+#: Names that the descriptions of frames can import, by source module.
+SHAPES: Mapping[str, tuple[str, ...]] = {
+    "codewheel_runtime.codec": ("BitField",),
+    "codewheel_runtime.reports": ("Verdict",),
+    "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
+    "codewheel_runtime.table": ("Fault",),
+}
+
 #: Modules of the package that do not belong to a device.
 SHARED = ("__main__", "_codes")
 #: Subpackages whose modules, one per device, are loaded on first use.
@@ -65,8 +75,8 @@ FOLDERS = ("facts", "_shapes")
 #: Module for register access over BiSS, in packages with a BiSS family.
 BISS = "biss"
 
-#: All names that a device module can import.
-IMPORTED = [name for module in (STANDARD, PACKAGE) for names in module.values() for name in names]
+#: All names that a device module or its descriptions can import.
+IMPORTED = [name for module in (STANDARD, PACKAGE, SHAPES) for names in module.values() for name in names]
 #: Functions that a device module can import.
 FUNCTIONS = ("cast", "index", "round", "tau", *(name for names in PACKAGE.values() for name in names if name.islower()))
 #: Names that every device module uses in addition to its imports.
@@ -84,7 +94,8 @@ VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees enc
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self usable_position variant verdict""".split()
 LOCAL_NAMES = [
-    *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
+    *"bits cls computed data decode error failed frame heads high isinstance len length low number self type".split(),
+    *"values variant word wrong".split(),
     *FUNCTIONS,
 ]
 #: Names that the functions of procedures use. An argument with such a name gets a trailing underscore.

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 
+from ...model import Field
+from ...plan.codec import allowed_values
 from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, parities, telling, worth
 from ...plan.refusals import powers_of_two
 from ...plan.reports import Only, Reporting
-from ...plan.values import meaning_of
+from ...plan.values import is_named, meaning_of
+from .bits import others
 from .codec import Coder
 from .expr import Expr
 from .literals import Call, Code, Literal, Member, Sometimes, record
@@ -22,7 +25,7 @@ class Shape:
     def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
         self.coder, self.plan, self._reporting = coder, coder.plan, reporting
         self._judgement = reporting.judgement if reporting is not None else None
-        self.name = f"shape_of_{coder.layout.name}"
+        self.name = f"shape_of_{'register_' if coder.register is not None else ''}{coder.layout.name}"
 
     @cached_property
     def rows(self) -> list[tuple[str, list[Literal]]]:
@@ -33,7 +36,8 @@ class Shape:
         yield "columns", [*self._columns()]
         yield "joins", [*self._joins()]
         yield "unused", [*self._unused()]
-        yield "checks", [self._check(item) for item in conditions(self.plan)]
+        is_frame = self.coder.register is None
+        yield "checks", [self._check(item) for item in conditions(self.plan)] if is_frame else []
         yield "parities", [*self._parities()]
         judgement = self._judgement
         yield "speaks", [self._speaks(item) for item in worth(judgement)] if judgement is not None else []
@@ -51,7 +55,17 @@ class Shape:
             field = part.field
             needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
             meant = of_column(meaning_of(field), names)
-            yield record("Column", needed, **meant, power_of_two=field.name in powers or None)
+            named = field.name if field.name != names.attribute(field.name) else ""
+            values = self._values(field)
+            yield record(
+                "Column", needed, **meant, power_of_two=field.name in powers or None, field=named, values=values
+            )
+
+    def _values(self, field: Field) -> Literal:
+        """Return the only values of a field: those of a selector, or the IntEnum of a choice."""
+        if self.coder.selects(field):
+            return allowed_values(self.coder.layout, field)
+        return Code(self.coder.enum(field)) if is_named(meaning_of(field)) else None
 
     def _joins(self) -> Iterator[Call]:
         names = self.coder.names
@@ -114,6 +128,11 @@ class Shape:
         """Bits that are 1 in every such frame, as one number."""
         terms = [f"{value:#x} << {self._code(place.low).text}" for place, value in fixed(self.plan)]
         return " | ".join(f"({item})" if len(terms) > 1 else item for item in terms)
+
+    @property
+    def others(self) -> Expr:
+        """Mask of the bits of a register that belong to no field."""
+        return others(self.coder.context.scope, self.plan)
 
     @property
     def crc_low(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 
@@ -32,6 +33,9 @@ from ...say.words import counted, sentence
 from .context import is_one_choice
 from .docstrings import Block, docstring
 
+#: End of a sentence that is followed by another one.
+_FIRST = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
+
 # -- the module
 
 
@@ -49,7 +53,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         S.paragraph([*origin(device), *other_editions(device)]),
-        *paragraphs(taken_away(device)),
+        *_in_full(taken_away(device)),
         " ".join(device.manufacturer.trademarks),
     )
 
@@ -60,13 +64,26 @@ def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> lis
 
 
 def paragraphs(statements: Iterable[Said]) -> list[Block]:
-    """Return a paragraph for each statement, or a heading with labelled statements below it."""
+    """Return a paragraph for each statement, and one list of the errata among them."""
+    given = [*statements]
+    found = [_short(item) for item in given if item.below]
+    return [*(S.sentence(item) for item in given if not item.below), ("Errata (full text in ERRATA)", found)]
+
+
+def _in_full(statements: Iterable[Said]) -> list[Block]:
+    """Return a heading with labelled statements below it for each statement."""
     return [
         (S.head(item), [(part.label, S.sentence(replace(part, label=""))) for part in item.below])
-        if item.below
-        else S.sentence(item)
         for item in statements
     ]
+
+
+def _short(item: Said) -> tuple[str, str]:
+    """Return the name of an erratum and the first sentence of its correction, or all of it if a user must choose."""
+    parts = {part.label: S.phrase(part) for part in item.below}
+    corrected = parts.get("Used") or f"{item.below[0].label}: {S.phrase(item.below[0])}"
+    text = corrected if item.brief and "Used" in parts else _FIRST.split(corrected)[0]
+    return item.label.removeprefix("Erratum "), sentence(text)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
@@ -149,7 +166,7 @@ def of_class(
     about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *others: Block
 ) -> str:
     """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
-    variant = [("variant", f"Encoder of the {of_variant}.")] if of_variant else []
+    variant = [("variant", f"Encoder that the {of_variant} belongs to.")] if of_variant else []
     summary, blocks = about
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
 
@@ -178,7 +195,7 @@ def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
 
 
 #: Description of the member for unused bits.
-OF_UNUSED = "Number in which each unused bit that differs from the manual is 1. 0 if none differs."
+OF_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none differs."
 #: Description of the member for bits of a register that the manual does not describe.
 OF_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
 

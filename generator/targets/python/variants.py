@@ -16,7 +16,6 @@ from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
 from .expr import Atom, Expr, Operation, joined, number
-from .fast import Fast
 from .literals import Call, Code, Literal, record
 from .meanings import of_number
 from .names import FUNCTIONS, attribute, camel, encoder_name
@@ -33,10 +32,10 @@ class FrameKind:
     asked: Sequence[Asked] = ()
     members: tuple[Coder, ...] = ()
 
-    @cached_property
-    def fast(self) -> list[Fast]:
-        """Fast decoders of the kinds of frames that have one."""
-        return [item for item in map(Fast, self.members) if item.applies]
+    @property
+    def decoder(self) -> str:
+        """Function that makes the decoder for an encoder."""
+        return f"_{self.dispatch}r" if self.dispatch else f"{self.coder.name}._decoder"
 
     @property
     def in_bytes(self) -> bool:

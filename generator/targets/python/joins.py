@@ -1,0 +1,100 @@
+"""Numbers that several fields of a frame or register form, and their parts."""
+
+from __future__ import annotations
+
+from ...model import Field
+from ...model.never import assert_never
+from ...plan.codec import Codec, Whole
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Meaning,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    meaning_of,
+)
+from .expr import Atom, Expr, Not, Operation, Scope, call, joined, moved, times
+from .names import ClassNames
+
+
+class Maker:
+    """Expressions of joined numbers. They use the attributes of a class."""
+
+    def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
+        self.scope, self.codec, self.names = scope, codec, names
+
+    def _bits(self, field: Field, number: Expr) -> Expr:
+        """Return the bits of a field. ``number`` is its local variable."""
+        own = Atom(f"self.{self.names.attribute(field.name)}")
+        match meaning_of(field):
+            case Raw() | ZeroMeans() | Named():
+                return number
+            case TwosComplement():
+                return Operation(number, "&", self.scope.ones(field.width))
+            case Active(low):
+                return Not(own) if low else call("bool", own)
+            case DigitRuns():
+                return self.digits(field)
+            case Characters():
+                return call("text_number", f'"{field.name}"', own, str(field.width.constant // 8))
+            case meaning:
+                assert_never(meaning)
+
+    def digits(self, field: Field) -> Expr:
+        """Return the number that runs of decimal digits form."""
+        return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
+
+    def whole(self, whole: Whole) -> Expr:
+        parts = [moved(self._unchecked(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
+        return joined("|", reversed(parts))
+
+    def whole_of_numbers(self, whole: Whole) -> str:
+        """Return the same expression of unsigned numbers, without a check of their types."""
+        scope = Scope({name: member.replace("variant.", "self.variant.") for name, member in self.scope.names.items()})
+        own = (
+            moved(Atom(f"self.{self.names.attribute(field.name)}"), "<<", scope.of(low))
+            for field, low in whole.from_low
+        )
+        return str(joined("|", reversed([*own])))
+
+    def _unchecked(self, field: Field) -> Expr:
+        number = self._index(field.name)
+        match meaning_of(field):
+            case ZeroMeans(stands_for):
+                return Atom(f"(0 if self.{self.names.attribute(field.name)} == {stands_for} else {number})")
+            case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+                return self._bits(field, number)
+            case meaning:
+                assert_never(meaning)
+
+    def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
+        """Return the fields of a joined number, most significant first, with expressions for their bits."""
+        name, found = Atom(self.names.attribute(whole.join.name)), []
+        for field, low in whole.from_low:
+            shifted = moved(name, ">>", self.scope.of(low))
+            top = field is whole.fields[0]
+            found.append((field, shifted if top else Operation(shifted, "&", self.scope.ones(field.width))))
+        return found[::-1]
+
+    @staticmethod
+    def whole_depends(whole: Whole) -> bool:
+        """Return whether the expression of a joined number depends on the order code."""
+        cut = (item for item in whole.fields if _is_cut(meaning_of(item)))
+        return whole.depends or not all(item.width.is_constant for item in cut)
+
+    def _index(self, name: str) -> Expr:
+        return call("index", f"self.{self.names.attribute(name)}")
+
+
+def _is_cut(meaning: Meaning) -> bool:
+    """Return whether ``_bits`` truncates a number to the width of the field."""
+    match meaning:
+        case TwosComplement():
+            return True
+        case Raw() | ZeroMeans() | Active() | Named() | DigitRuns() | Characters():
+            return False
+        case _:
+            assert_never(meaning)

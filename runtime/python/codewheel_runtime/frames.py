@@ -1,0 +1,411 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Base classes of frames and registers. They use descriptions in ``_shapes``, which are loaded on first use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar, cast, get_type_hints
+
+from .codec import (
+    BitField,
+    check_bits,
+    check_limits,
+    check_power_of_two,
+    check_signed,
+    check_width,
+    choice,
+    decided,
+    text_number,
+    to_gray,
+    whole_number,
+    wrong_encoder,
+    zero_for,
+)
+from .encoder import Encoder
+from .errors import FrameError, RangeError
+from .reports import Report
+
+if TYPE_CHECKING:
+    from .shape import Column, Shape
+    from .table import Table
+
+_Encoder = TypeVar("_Encoder", bound=Encoder)
+_Decode = TypeVar("_Decode", bound=Callable[..., Any])
+
+#: Function for an error of a frame. It receives the error, the frame and the encoder, and raises or returns the error.
+Failed = Callable[[Exception, object, Any], NoReturn]
+
+#: The tuple class, untyped: its methods are called on tuples of any items.
+_TUPLE: Any = tuple
+
+
+class Coded:
+    """Frame or register. Another base of each class is the NamedTuple of its fields.
+
+    Objects are equal only to those of the same class, unlike a plain NamedTuple.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        if self.__class__ is other.__class__:
+            return cast(bool, _TUPLE.__eq__(self, other))
+        return False if isinstance(other, tuple) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        if self.__class__ is other.__class__:
+            return cast(bool, _TUPLE.__ne__(self, other))
+        return True if isinstance(other, tuple) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.__class__, _TUPLE.__hash__(self)))
+
+    def _given(self) -> tuple[Any, ...]:
+        """Return the encoder and the answers: the first fields."""
+        kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
+        return values[: len(_described(kind)[1])]
+
+    def _number(self) -> tuple[Shape, int]:
+        """Return the description, and the number that the fields form."""
+        given = self._given()
+        shape, fields = shape_of(type(self), *given), cast(Any, self)
+        number = shape.fixed
+        for column in shape.columns:
+            number |= _bits(fields, column) << column.low
+        if shape.others is not None:
+            number |= check_bits("unused", fields.unused, shape.others)
+        elif shape.unused:
+            known = sum((1 << item.width) - 1 << item.place for item in shape.unused)
+            differing = check_bits("unused", fields.unused, known)
+            for item in shape.unused:
+                number |= ((differing >> item.place ^ item.value) & (1 << item.width) - 1) << item.low
+        if shape.limited is not None:
+            check_limits(shape.limited[0], getattr(self, shape.limited[1]), fields.limits(*given))
+        for check in shape.parities:
+            ones = sum((number >> low & (1 << width) - 1).bit_count() for low, width in check.parity_of)
+            number |= (ones & 1 ^ check.odd) << check.low
+        if shape.gray is not None:
+            number = to_gray(number, *shape.gray)
+        if shape.crc is not None:
+            number |= shape.crc.differs(number) << shape.crc.low
+        return shape, number
+
+
+class InBits(Coded):
+    """Frame that is sent as a string of bits."""
+
+    __slots__ = ()
+
+    def encode(self) -> int:
+        """Return the word, with the first bit most significant, including the CRC if it has one.
+
+        Raises:
+            RangeError: A value does not fit its field.
+        """
+        return self._number()[1]
+
+
+class InBytes(Coded):
+    """Frame or register that is made of bytes."""
+
+    __slots__ = ()
+
+    def encode(self) -> bytes:
+        """Return the bytes, including the CRC if there is one.
+
+        Raises:
+            RangeError: A value does not fit its field.
+        """
+        shape, number = self._number()
+        return number.to_bytes(shape.length, shape.order)
+
+
+class Sent(Coded):
+    """Frame that an encoder sends."""
+
+    __slots__ = ()
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """Reports of the encoder: active flags, and unused bits that differ from the manual."""
+        tells, fields = shape_of(type(self), *self._given()).tells, cast(Any, self)
+        if not tells:
+            return ()
+        known: Mapping[str, Report] = _module_of(type(self), "facts").REPORTS
+        return tuple(
+            known[report] for report, flag, mask in tells if (getattr(self, flag) if flag else fields.unused & mask)
+        )
+
+
+class Fixed(Coded):
+    """Frame or register that is the same for every encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def bit_fields(cls) -> tuple[BitField, ...]:
+        """Return the bit position of each field in the number that the frame or register forms."""
+        return shape_of(cls).fields
+
+
+class FixedFrame(Fixed):
+    """Frame that is the same for every encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def decode_many(cls, frames: Any) -> Table:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as rows of bytes or, if they are strings of bits, as numbers.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        return decode_many(frames, cls, None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+        """Encode many frames. Needs NumPy.
+
+        Args:
+            columns: Columns by name, as ``decode_many`` returns them.
+
+        Returns:
+            The frames, as rows of bytes or, if they are strings of bits, as numbers of 64 bits.
+
+        Raises:
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
+            TypeError: A column is missing or unknown.
+        """
+        return encode_many(columns, cls)
+
+
+class FixedBits(FixedFrame, InBits):
+    """String of bits that is the same for every encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def frame_bits(cls) -> int:
+        """Return the number of bits in the frame, including the CRC if it has one."""
+        return shape_of(cls).bits
+
+
+class FixedBytes(FixedFrame, InBytes):
+    """Frame of bytes that is the same for every encoder."""
+
+    __slots__ = ()
+
+
+class FixedRegister(Fixed, InBytes):
+    """Register that is the same for every encoder."""
+
+    __slots__ = ()
+
+
+class ByEncoder(Coded, Generic[_Encoder]):
+    """Frame or register that depends on the encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def bit_fields(cls, variant: _Encoder) -> tuple[BitField, ...]:
+        """Return the bit position of each field in the number that the frame or register forms.
+
+        A field that the encoder does not have is 0 bits wide.
+        """
+        return shape_of(cls, variant).fields
+
+
+class FrameOf(ByEncoder[_Encoder]):
+    """Frame that depends on the encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def decode_many(cls, frames: Any, variant: _Encoder) -> Table:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as rows of bytes or, if they are strings of bits, as numbers.
+            variant: The encoder.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        return decode_many(frames, cls, variant, variant)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: _Encoder) -> Any:
+        """Encode many frames. Needs NumPy.
+
+        Args:
+            columns: Columns by name, as ``decode_many`` returns them.
+            variant: The encoder.
+
+        Returns:
+            The frames, as rows of bytes or, if they are strings of bits, as numbers of 64 bits.
+
+        Raises:
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
+            TypeError: A column is missing or unknown.
+        """
+        return encode_many(columns, cls, variant)
+
+
+class BitsOf(FrameOf[_Encoder], InBits):
+    """String of bits that depends on the encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def frame_bits(cls, variant: _Encoder) -> int:
+        """Return the number of bits in the frame, including the CRC if it has one."""
+        return shape_of(cls, variant).bits
+
+
+class BytesOf(FrameOf[_Encoder], InBytes):
+    """Frame of bytes that depends on the encoder."""
+
+    __slots__ = ()
+
+
+class RegisterOf(ByEncoder[_Encoder], InBytes):
+    """Register that depends on the encoder."""
+
+    __slots__ = ()
+
+
+def _bits(fields: Any, column: Column) -> int:
+    """Return the bits of a field. Raises RangeError if its value does not fit."""
+    name, width = column.field or column.name, column.width
+    if column.kind == "digits":
+        runs = [(check_limits(run, getattr(fields, run), (0, modulus - 1)), by) for run, by, modulus in column.runs]
+        return sum(number * divisor for number, divisor in runs)
+    value = getattr(fields, column.name)
+    if column.kind == "flag" or column.kind == "not_flag":
+        return bool(value) == (column.kind == "flag")
+    if column.kind == "text":
+        return text_number(name, value, width // 8)
+    if column.kind == "signed":
+        return check_signed(name, value, width) & (1 << width) - 1
+    if isinstance(column.values, type):
+        return choice(column.values, name, value)
+    if column.values:
+        number = whole_number(name, value)
+        if number not in column.values:
+            allowed = ", ".join(f"{item:X}h" for item in column.values)
+            raise RangeError(name, number, allowed if len(column.values) == 1 else f"one of {allowed}")
+        return number
+    number = zero_for(name, value, column.zero_means, width) if column.zero_means else check_width(name, value, width)
+    if column.power_of_two:
+        check_power_of_two(name, value)
+    return number
+
+
+# -- descriptions
+
+
+def shape_of(kind: type, *given: object) -> Shape:
+    """Return the description of a class for an encoder and for answers to questions that the manual leaves open."""
+    make, needed = _described(kind)
+    for wanted, value in zip(needed, given, strict=False):
+        if not isinstance(value, wanted):
+            if issubclass(wanted, Encoder):
+                raise wrong_encoder(value, wanted.__base__ or Encoder, wanted.interface)
+            decided(cast(Any, wanted), cast(Any, value))
+    return make(*given)
+
+
+@cache
+def _described(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
+    """Return the function that makes the description of a class, and the types of its arguments."""
+    shapes: Mapping[type, Callable[..., Shape]] = _module_of(kind, "_shapes").SHAPES
+    make = next(shapes[base] for base in kind.__mro__ if base in shapes)
+    hints = get_type_hints(make)
+    return make, tuple(hint for name, hint in hints.items() if name != "return")
+
+
+def _module_of(kind: type, folder: str) -> Any:
+    """Return the module in ``folder`` that belongs to the family of a class."""
+    fields = next(base for base in kind.__mro__ if "_fields" in vars(base))
+    package, _, family = fields.__module__.rpartition(".")
+    return import_module(f"{package}.{folder}.{family}")
+
+
+# -- many frames
+
+
+def decode_many(frames: object, kind: type, encoder: Encoder | None, *given: object) -> Table:
+    """Decode many frames of one class. ``given`` are the encoder and the answers that the class needs."""
+    shape = shape_of(kind, *given)
+    return cast("Table", import_module(f"{__package__}.bulk_decode").decode_many(frames, shape, encoder))
+
+
+def encode_many(columns: Mapping[str, Any], kind: type, *given: object) -> Any:
+    """Encode many frames of one class. ``given`` are the encoder and the answers that the class needs."""
+    shape = shape_of(kind, *given)
+    return import_module(f"{__package__}.bulk_encode").encode_many(columns, shape)
+
+
+def needed_by(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
+    """Return the encoder and those of the answers that a class of frames needs, in its order."""
+    fields: tuple[str, ...] = cast(Any, kind)._fields
+    needed = fields[: len(_described(kind)[1])]
+    return tuple(encoder if name == "variant" else answers[name] for name in needed)
+
+
+# -- decoders of one frame
+
+
+def decoder(make: Callable[[Any, Failed], _Decode], encoder: Encoder | None, failed: Failed) -> _Decode:
+    """Return the decoder of a class for an encoder. Each is made only once."""
+    known: dict[object, _Decode] = _DECODERS if encoder is None else encoder.__dict__.setdefault("_decoders", {})
+    found = known.get((make, failed))
+    if found is None:
+        found = known[make, failed] = make(encoder, failed)
+    return found
+
+
+_DECODERS: dict[object, Any] = {}
+
+
+def bound(encoder: Encoder, name: str, make: Callable[[Any, Failed], _Decode], failed: Failed) -> _Decode:
+    """Return the decoder of an encoder. From now on, it replaces the method ``name``."""
+    encoder.__dict__[name] = found = decoder(make, encoder, failed)
+    return found
+
+
+def raised(error: Exception, _frame: object, _encoder: object) -> NoReturn:
+    """Raise the error of a class."""
+    raise error
+
+
+def reported(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
+    """Raise the error of an encoder."""
+    raise _of_encoder(error, frame, encoder)
+
+
+def _returned(error: Exception, frame: object, encoder: Encoder) -> Exception:
+    """Return the error of an encoder. Raises TypeError if the frame does not have the right type."""
+    error = _of_encoder(error, frame, encoder)
+    if isinstance(error, FrameError):
+        return error
+    raise error
+
+
+returned: Failed = cast(Failed, _returned)
+
+
+def _of_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+    """Return the error with the frame and the encoder."""
+    if isinstance(error, FrameError):
+        error.add(frame, encoder)
+        return error
+    told = TypeError(f"{encoder.code}: {error}")
+    told.__cause__ = error
+    return told
