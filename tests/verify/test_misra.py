@@ -87,8 +87,8 @@ def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
         ("return (0x6996U >> (v & 0x0FU)) & 1U;", "return v & value >> 31U;", "12.1"),
         ("    uint32_t v = value;\n", "    uint32_t v = value;\n    v = v << 1U, v >> 1U;\n", "12.3"),
         (
-            "static inline bool lika_is_digit(char letter)\n{\n",
-            "static inline bool lika_is_digit(char letter)\n{\n    letter++;\n",
+            "static inline bool cw_is_digit(char letter)\n{\n",
+            "static inline bool cw_is_digit(char letter)\n{\n    letter++;\n",
             "17.8",
         ),
         ("return (0x6996U >> (v & 0x0FU)) & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
@@ -110,7 +110,7 @@ def test_what_is_planted_is_found(
     text = header.read_text(encoding="ascii")
     assert text.count(sound) == 1
     header.write_text(text.replace(sound, planted), encoding="ascii")
-    found = findings('#include "lika/encoder.h"\n', tmp_path / "include", tmp_path, "unix64")
+    found = findings('#include "codewheel/encoder.h"\n', tmp_path / "include", tmp_path, "unix64")
     assert rule in {item for item, _ in found} - deviations()
 
 

@@ -1,0 +1,1 @@
+"""The runtime: source files that the generated code needs, the same for all manufacturers, copied unchanged."""
