@@ -478,6 +478,7 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
 _MARK = "/* answers */\n"
 _HEAD = (
     r"""
+#include "codewheel/transport.h"
 #include "@maker@/@device@.h"
 #include <stdio.h>
 #include <stdlib.h>
