@@ -75,14 +75,14 @@ _TYPES = {
 
 
 def source() -> str:
-    """A function of the name without ``lika_`` for each; the struct is what Python takes it for."""
+    """A function of the name without ``cw_`` for each; the struct is what Python takes it for."""
     text = '#include "codewheel/tracker.h"\n#include "codewheel/angle.h"\n'
     for kind in (Tracker, Config):
         name = "cw_tracker" if kind is Tracker else "cw_tracker_config"
         text += f"typedef char {name}_here[(sizeof({name}) == {ctypes.sizeof(kind)}U) ? 1 : -1];\n"
     for name, (kind, given) in FUNCTIONS.items():
         head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
-        call = f"lika_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
+        call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
         back = "" if kind == "void" else "return (int)" if kind == "int" else "return "
         text += f"{head};\n{head}\n{{\n    {back}{call};\n}}\n"
     return text

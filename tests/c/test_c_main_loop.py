@@ -21,6 +21,8 @@ ENCODER = r"""
 #include <stdlib.h>
 #include <string.h>
 
+#include "codewheel/biss_slave.h"
+
 static uint8_t memory[128], rx[LIKA_AMM5_A21_65KSC1_BISS_RX_BYTES];
 static cw_biss_slave slave;
 static uint64_t shaft = 1000503U, moved; /* so near to the preset that a step to it looks like a movement */

@@ -58,7 +58,7 @@ UNREACHED = (
         "every byte is a configuration, and there is a place for each step",
     ),
     Unreached(
-        r"lika_(biss_master_next_late|runner_accessed)",
+        r"cw_(biss_master_next_late|runner_accessed)",
         r"default",
         2,
         "every phase and every kind of step has a case of its own; MISRA C:2012 16.4 wants a default all the same",
@@ -109,7 +109,7 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
-    assert {place[0] for place in coverage.regions} == set(headers)
+    assert {place[0] for place in coverage.regions} == set(headers) - {"version.h", "result.h"}, "they have no function"
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
