@@ -1,1 +1,1 @@
-"""Ordinary source files that are copied into the output unchanged."""
+"""The runtime: source files that the generated code needs, the same for all manufacturers, copied unchanged."""

@@ -60,7 +60,7 @@ C = Panel(
     (
         "lika_amm5_single_cycle_data frame;",
         "if (lika_amm5_single_cycle_data_decode(",
-        "        &encoder, word, &frame) != LIKA_OK) {",
+        "        &encoder, word, &frame) != CW_OK) {",
     ),
 )
 PYTHON = Panel(

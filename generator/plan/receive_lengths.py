@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from ..model import Answer, Device, Interface, Layout, Rs485, Ssi, Variant, choices
+from ..model import Answer, Device, Interface, Layout, Ssi, Variant, choices
 
 #: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
@@ -66,10 +66,3 @@ def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
             yield name
         else:
             yield from _set_parameters(device, item.equals.parameters)
-
-
-def longest_reply(devices: Iterable[Device]) -> int:
-    """Return the length in bytes of the longest RS-485 frame that any of these encoders sends, or 0."""
-    ports = (item for device in devices for item in device.interfaces if isinstance(item, Rs485))
-    frames = (frame for port in ports for frame in port.layouts if frame.sender == "encoder" and frame.in_bytes)
-    return max((frame.widest // 8 for frame in frames), default=0)

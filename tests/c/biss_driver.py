@@ -17,10 +17,10 @@ OUTCOMES = ("IDLE", "RUNNING", "DONE", "REFUSED", "NO_ANSWER", "BUSY", "BAD_CRC"
 LOST = -1
 
 LIBRARY = r"""
-#include "lika/biss.h"
+#include "codewheel/biss_slave.h"
 
-static lika_biss_master master;
-static lika_biss_slave slave;
+static cw_biss_master master;
+static cw_biss_slave slave;
 static uint8_t were_read[64];
 static uint8_t to_write[64];
 static uint8_t registers[128];
@@ -30,11 +30,11 @@ static int waited;
 static int stored;
 
 void master_init(void);
-void master_init(void) { lika_biss_master_init(&master); }
+void master_init(void) { cw_biss_master_init(&master); }
 int master_read(int address, int count, int limit);
 int master_read(int address, int count, int limit)
 {
-    return (int)lika_biss_master_read(&master, 0U, (uint8_t)address, were_read, (size_t)count, (uint16_t)limit);
+    return (int)cw_biss_master_read(&master, 0U, (uint8_t)address, were_read, (size_t)count, (uint16_t)limit);
 }
 int master_write(int address, const uint8_t *data, int count, int limit);
 int master_write(int address, const uint8_t *data, int count, int limit)
@@ -43,16 +43,16 @@ int master_write(int address, const uint8_t *data, int count, int limit)
     for (at = 0; at < count; at++) {
         to_write[at] = data[at];
     }
-    return (int)lika_biss_master_write(&master, 0U, (uint8_t)address, to_write, (size_t)count, (uint16_t)limit);
+    return (int)cw_biss_master_write(&master, 0U, (uint8_t)address, to_write, (size_t)count, (uint16_t)limit);
 }
 int master_next(int cds, int late);
 int master_next(int cds, int late)
 {
     const bool bit = cds != 0;
-    return (int)((late != 0) ? lika_biss_master_next_late(&master, bit) : lika_biss_master_next(&master, bit));
+    return (int)((late != 0) ? cw_biss_master_next_late(&master, bit) : cw_biss_master_next(&master, bit));
 }
 void master_abort(void);
-void master_abort(void) { lika_biss_master_abort(&master); }
+void master_abort(void) { cw_biss_master_abort(&master); }
 int master_outcome(void);
 int master_outcome(void) { return (int)master.outcome; }
 int master_done(void);
@@ -71,9 +71,9 @@ void slave_init(int readable, int writable);
 void slave_init(int readable, int writable)
 {
     size_t at;
-    lika_biss_slave_init(&slave);
-    (void)(lika_biss_slave_allow(&slave, 0U, (size_t)readable, true, false) == LIKA_OK);
-    (void)(lika_biss_slave_allow(&slave, 0U, (size_t)writable, readable >= writable, true) == LIKA_OK);
+    cw_biss_slave_init(&slave);
+    (void)(cw_biss_slave_allow(&slave, 0U, (size_t)readable, true, false) == CW_OK);
+    (void)(cw_biss_slave_allow(&slave, 0U, (size_t)writable, readable >= writable, true) == CW_OK);
     for (at = 0U; at < 128U; at++) {
         registers[at] = (uint8_t)(7U * at);
     }
@@ -82,21 +82,21 @@ void slave_init(int readable, int writable)
 int slave_next(int cdm);
 int slave_next(int cdm)
 {
-    const bool cds = lika_biss_slave_next(&slave, cdm != 0, false);
-    const bool stores = slave.wants == LIKA_BISS_WANTS_STORE;
+    const bool cds = cw_biss_slave_next(&slave, cdm != 0, false);
+    const bool stores = slave.wants == CW_BISS_WANTS_STORE;
     stored = -1;
     if (stores && (waited == 0)) {
         registers[slave.address] = slave.value;
         stored = (int)slave.address * 256 + (int)slave.value;
     }
-    if (slave.wants == LIKA_BISS_WANTS_NOTHING) {
+    if (slave.wants == CW_BISS_WANTS_NOTHING) {
         waited = 0;
     } else if (waited < (stores ? store_frames : fetch_frames)) {
         waited++;
     } else {
         waited = 0;
-        lika_biss_slave_give(&slave, registers[slave.address]);
-        lika_biss_slave_stored(&slave);
+        cw_biss_slave_give(&slave, registers[slave.address]);
+        cw_biss_slave_stored(&slave);
     }
     return (int)cds;
 }

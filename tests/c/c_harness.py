@@ -52,6 +52,11 @@ MADE_UP = {
     "words": _HERE / "specs" / "words.yaml",
 }
 
+#: The include folder of the runtime, where it lies.
+RUNTIME = _HERE.parents[1] / "runtime" / "c"
+#: The headers of the runtime that the header of a family includes.
+SHARED = ("result", "bits", "encoder", "transport")
+
 GCC = ["gcc", "-std=c99"]
 #: What a program may not do is watched while it runs.
 SANITIZED = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
@@ -148,12 +153,7 @@ def short(view: DeviceView, codec: StructCodec) -> str:
 def source(device: Device) -> str:
     view = DeviceView(device)
     maker, prefix = device.manufacturer.name, view.prefix
-    text = (
-        _HEAD.replace("@maker@", maker)
-        .replace("@MAKER@", maker.upper())
-        .replace("@device@", device.name)
-        .replace("@prefix@", prefix)
-    )
+    text = _HEAD.replace("@maker@", maker).replace("@device@", device.name).replace("@prefix@", prefix)
     branches = []
     for codec in codecs(view):
         name = short(view, codec)
@@ -170,10 +170,10 @@ def source(device: Device) -> str:
     uint8_t b[64];
     const size_t n = bytes_of(text, b);
     {interface.prefix}_frame frame = ({interface.prefix}_frame)0;
-    const {maker}_result result = {teller.by_bytes}(b, n, &frame);
+    const cw_result result = {teller.by_bytes}(b, n, &frame);
     (void)variant;
     printf("%d %d %u\\n", (int)result, (int)frame,
-           (unsigned)(result == {maker.upper()}_OK ? {interface.prefix}_frame_length(frame) : 0U));
+           (unsigned)(result == CW_OK ? {interface.prefix}_frame_length(frame) : 0U));
 }}
 """
             branches.append(_branch("select", kind))
@@ -183,16 +183,16 @@ def source(device: Device) -> str:
             given = ", ".join(
                 f"({item.type})number(arguments[{index}])" for index, item in enumerate(procedure.arguments)
             )
-            fetch = f"""    {maker}_step steps[{procedure.count_macro}];
+            fetch = f"""    cw_step steps[{procedure.count_macro}];
     const char *arguments[{len(procedure.arguments)}];
     size_t count = 0U;
     size_t index;
-    {maker}_result result;
+    cw_result result;
     for (index = 0U; index < {len(procedure.arguments)}U; index++) {{
         arguments[index] = strtok(index == 0U ? text : NULL, " ");
     }}
     result = {procedure.steps}(variant, {given}, steps, {procedure.count_macro} - 1U, &count);
-    if (result != {maker.upper()}_FAULT_LENGTH || count != 0U) {{
+    if (result != CW_FAULT_LENGTH || count != 0U) {{
         abort();
     }}
     result = {procedure.steps}(variant, {given}, steps, {procedure.count_macro}, &count);
@@ -200,10 +200,10 @@ def source(device: Device) -> str:
 """
         else:
             fetch = f"""    size_t count;
-    const {maker}_step *const steps = {procedure.steps}(&count);
+    const cw_step *const steps = {procedure.steps}(&count);
     (void)variant;
     (void)text;
-    print_steps({maker.upper()}_OK, steps, count);
+    print_steps(CW_OK, steps, count);
 """
         text += f"static void steps_{name}(const {prefix}_variant *variant, char *text)\n{{\n{fetch}}}\n"
         branches.append(_branch("steps", name))
@@ -316,9 +316,9 @@ def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: s
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.name} out;
-    const {view.maker.name}_result result = {codec.name}_decode(variant, {given}, &out);
+    const cw_result result = {codec.name}_decode(variant, {given}, &out);
     printf("%d", (int)result);
-    if (result == {view.maker.name.upper()}_OK) {{
+    if (result == CW_OK) {{
         {then}
     }}
     printf("\\n");
@@ -342,7 +342,7 @@ def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
 def _text(view: DeviceView) -> str:
     return f"""static void text_of(const {view.prefix}_variant *variant, char *text)
 {{
-    const {view.maker.name}_report_text *const found = {view.reports.text}(({view.reports.mask})number(text));
+    const cw_report_text *const found = {view.reports.text}(({view.reports.mask})number(text));
     (void)variant;
     printf("\\"%s\\" \\"%s\\" \\"%s\\" \\"%s\\" \\"%s\\"\\n", found->name, found->printed_name, found->meaning,
            found->remedy, found->source);
@@ -392,12 +392,12 @@ def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.name} out;
     {codec.name} before;
-    {view.maker.name}_result result;
+    cw_result result;
     memset(&out, 0x5A, sizeof out);
     memset(&before, 0x5A, sizeof before);
     result = {call};
     printf("%d", (int)result);
-    if (result != {view.maker.name.upper()}_OK) {{
+    if (result != CW_OK) {{
         printf("%s\\n", memcmp(&out, &before, sizeof out) == 0 ? "" : " changed");
         return;
     }}
@@ -428,22 +428,21 @@ def _read(member: Member) -> str:
 
 
 def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
-    maker = view.maker.name
     reads = ""
     for member in members(codec):
         reads += f'    item = strtok({"NULL" if reads else "text"}, " ");\n{_read(member)}'
     if not codec.plan.in_bytes:
         call = f"""uint64_t word = 0U;
-    const {maker}_result result = {codec.name}_encode(variant, {answers(codec)}&in, &word);
+    const cw_result result = {codec.name}_encode(variant, {answers(codec)}&in, &word);
     printf("%d %llX\\n", (int)result, (unsigned long long)word);
 """
     else:
         call = f"""uint8_t b[{codec.length_macro}];
     size_t index;
-    {maker}_result result;
+    cw_result result;
     memset(b, 0, sizeof b);
     result = {codec.name}_encode(variant, {answers(codec)}&in, b, {codec.length_macro} + 1U);
-    if (result != {maker.upper()}_FAULT_LENGTH) {{
+    if (result != CW_FAULT_LENGTH) {{
         abort();
     }}
     result = {codec.name}_encode(variant, {answers(codec)}&in, b, sizeof b);
@@ -456,8 +455,8 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
     setters = "".join(
         f"""    {{
         const {codec.name} same = in;
-        if ({codec.name}_set_{name}(variant, in.{c_name(name)}, &in) == {maker.upper()}_OK
-            && result == {maker.upper()}_OK && memcmp(&same, &in, sizeof in) != 0) {{
+        if ({codec.name}_set_{name}(variant, in.{c_name(name)}, &in) == CW_OK
+            && result == CW_OK && memcmp(&same, &in, sizeof in) != 0) {{
             abort();
         }}
     }}
@@ -479,6 +478,7 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
 _MARK = "/* answers */\n"
 _HEAD = (
     r"""
+#include "codewheel/transport.h"
 #include "@maker@/@device@.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -502,7 +502,7 @@ static size_t bytes_of(const char *text, uint8_t *bytes)
     return count;
 }
 
-static void print_steps(@maker@_result result, const @maker@_step *steps, size_t count)
+static void print_steps(cw_result result, const cw_step *steps, size_t count)
 {
     size_t index;
     printf("%d", (int)result);

@@ -54,10 +54,10 @@ FUNCTIONS = {
     "angle_radians": ("float", ("uint32_t",)),
     "angle_highest_bit": ("uint32_t", ("uint64_t",)),
     "counts_per_second": ("int64_t", ("int64_t", "uint32_t")),
-    "tracker_start": ("void", ("lika_tracker *", "const lika_tracker_config *", "uint32_t")),
-    "tracker_restart": ("void", ("lika_tracker *", "uint32_t")),
-    "tracker_add": ("int", ("lika_tracker *", "uint64_t", "uint32_t")),
-    "tracker_speed": ("int64_t", ("const lika_tracker *",)),
+    "tracker_start": ("void", ("cw_tracker *", "const cw_tracker_config *", "uint32_t")),
+    "tracker_restart": ("void", ("cw_tracker *", "uint32_t")),
+    "tracker_add": ("int", ("cw_tracker *", "uint64_t", "uint32_t")),
+    "tracker_speed": ("int64_t", ("const cw_tracker *",)),
 }
 _TYPES = {
     "void": None,
@@ -68,21 +68,21 @@ _TYPES = {
     "int64_t": ctypes.c_int64,
     "uint32_t": ctypes.c_uint32,
     "uint64_t": ctypes.c_uint64,
-    "lika_tracker *": ctypes.POINTER(Tracker),
-    "const lika_tracker *": ctypes.POINTER(Tracker),
-    "const lika_tracker_config *": ctypes.POINTER(Config),
+    "cw_tracker *": ctypes.POINTER(Tracker),
+    "const cw_tracker *": ctypes.POINTER(Tracker),
+    "const cw_tracker_config *": ctypes.POINTER(Config),
 }
 
 
 def source() -> str:
-    """A function of the name without ``lika_`` for each; the struct is what Python takes it for."""
-    text = '#include "lika/tracker.h"\n#include "lika/angle.h"\n'
+    """A function of the name without ``cw_`` for each; the struct is what Python takes it for."""
+    text = '#include "codewheel/tracker.h"\n#include "codewheel/angle.h"\n'
     for kind in (Tracker, Config):
-        name = "lika_tracker" if kind is Tracker else "lika_tracker_config"
+        name = "cw_tracker" if kind is Tracker else "cw_tracker_config"
         text += f"typedef char {name}_here[(sizeof({name}) == {ctypes.sizeof(kind)}U) ? 1 : -1];\n"
     for name, (kind, given) in FUNCTIONS.items():
         head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
-        call = f"lika_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
+        call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
         back = "" if kind == "void" else "return (int)" if kind == "int" else "return "
         text += f"{head};\n{head}\n{{\n    {back}{call};\n}}\n"
     return text

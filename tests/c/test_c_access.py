@@ -230,44 +230,44 @@ def test_the_identity_of_a_thru_bore_encoder_is_read(machines: Callable[[str], M
 
 #: What the shared helpers give, by arithmetic on paper.
 HELPERS: Mapping[str, int] = {
-    "lika_difference(3U, 9U, 0U)": 0,
-    "lika_difference(1U, 9U, 10U)": 2,
-    "lika_difference(9U, 1U, 10U)": -2,
-    "lika_difference(5U, 0U, 10U)": -5,
-    "lika_from_gray(6U, 64U, 3U)": 6,
-    "lika_from_gray(6U, 0U, 3U)": 4,
-    "lika_to_gray(4U, 64U, 3U)": 4,
-    "lika_to_gray(4U, 0U, 3U)": 6,
-    "lika_mask(64U) == UINT64_MAX": 1,
-    "lika_mask(0U)": 0,
-    "lika_field(0xF0U, 64U, 4U)": 0,
-    "lika_field(0xF0U, 4U, 2U)": 3,
-    "lika_above(0xF0U, 64U)": 0,
-    "lika_above(0xF0U, 4U)": 15,
-    "lika_above(UINT64_MAX, 32U) == 0xFFFFFFFFU": 1,
-    'lika_label_match("K7", "@#")': 2,
-    'lika_label_match("k7", "%%")': 2,
-    'lika_label_match("77", "@#")': 0,
-    'lika_label_match("-7", "@#")': 0,
-    'lika_label_match("K 7 -x", "@#")': 4,
-    'lika_label_match("K7", "@ #")': 2,
-    'lika_label_match(" K7 ", "K7")': 4,
-    'lika_label_match("K 7x", "K7")': 0,
-    'lika_label_match("-7", "%#")': 0,
-    'lika_label_match("7/S1-", "#")': 0,
-    'lika_label_match("7/S", "#")': 0,
-    "lika_fits_signed(7, 4U)": 1,
-    "lika_fits_signed(8, 4U)": 0,
-    "lika_fits_signed(-8, 4U)": 1,
-    "lika_fits_signed(-9, 4U)": 0,
-    "lika_capital('z') == 'Z'": 1,
-    "lika_capital('{') == '{'": 1,
-    "lika_capital('`') == '`'": 1,
-    "lika_is_letter_or_digit('_')": 0,
-    "lika_is_letter_or_digit('@')": 0,
-    "lika_step_send(0xDAU, 10U, 40U, 7U, 0xFFU).times": 10,
-    "lika_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
-    "lika_step_wait(5U).microseconds": 5,
+    "cw_difference(3U, 9U, 0U)": 0,
+    "cw_difference(1U, 9U, 10U)": 2,
+    "cw_difference(9U, 1U, 10U)": -2,
+    "cw_difference(5U, 0U, 10U)": -5,
+    "cw_from_gray(6U, 64U, 3U)": 6,
+    "cw_from_gray(6U, 0U, 3U)": 4,
+    "cw_to_gray(4U, 64U, 3U)": 4,
+    "cw_to_gray(4U, 0U, 3U)": 6,
+    "cw_mask(64U) == UINT64_MAX": 1,
+    "cw_mask(0U)": 0,
+    "cw_field(0xF0U, 64U, 4U)": 0,
+    "cw_field(0xF0U, 4U, 2U)": 3,
+    "cw_above(0xF0U, 64U)": 0,
+    "cw_above(0xF0U, 4U)": 15,
+    "cw_above(UINT64_MAX, 32U) == 0xFFFFFFFFU": 1,
+    'cw_label_match("K7", "@#")': 2,
+    'cw_label_match("k7", "%%")': 2,
+    'cw_label_match("77", "@#")': 0,
+    'cw_label_match("-7", "@#")': 0,
+    'cw_label_match("K 7 -x", "@#")': 4,
+    'cw_label_match("K7", "@ #")': 2,
+    'cw_label_match(" K7 ", "K7")': 4,
+    'cw_label_match("K 7x", "K7")': 0,
+    'cw_label_match("-7", "%#")': 0,
+    'cw_label_match("7/S1-", "#")': 0,
+    'cw_label_match("7/S", "#")': 0,
+    "cw_fits_signed(7, 4U)": 1,
+    "cw_fits_signed(8, 4U)": 0,
+    "cw_fits_signed(-8, 4U)": 1,
+    "cw_fits_signed(-9, 4U)": 0,
+    "cw_capital('z') == 'Z'": 1,
+    "cw_capital('{') == '{'": 1,
+    "cw_capital('`') == '`'": 1,
+    "cw_is_letter_or_digit('_')": 0,
+    "cw_is_letter_or_digit('@')": 0,
+    "cw_step_send(0xDAU, 10U, 40U, 7U, 0xFFU).times": 10,
+    "cw_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
+    "cw_step_wait(5U).microseconds": 5,
 }
 
 
@@ -313,24 +313,24 @@ FUNCTIONS: Mapping[str, int] = {
         "(measured.output_code = (lika_sma21_output_code)2, lika_sma21_write_configuration(&none, &sma21, &measured, "
         "NULL))"
     ): RANGE,
-    "lika_run_step(&none, &reading, NULL)": RANGE,
+    "cw_run_step(&none, &reading, NULL)": RANGE,
     # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted; of more than 32 bits the last 32 count.
-    "lika_biss_crc(0U, 32U)": 15,
-    "lika_biss_crc(1U, 32U)": 12,
-    "lika_biss_crc(0x80000000U, 32U)": 9,
-    "lika_biss_crc(0x80000000U, 99U)": 9,
+    "cw_biss_crc(0U, 32U)": 15,
+    "cw_biss_crc(1U, 32U)": 12,
+    "cw_biss_crc(0x80000000U, 32U)": 9,
+    "cw_biss_crc(0x80000000U, 99U)": 9,
     # A request to read register 0 of slave 0, and each of the 14 bits after S that have to be 0.
-    "lika_biss_request_decode(0x800D4000U, &request)": OK,
-    "lika_biss_request_decode(0x800D4001U, &request)": 3,
-    "lika_biss_request_decode(0x800D6000U, &request)": 3,
+    "cw_biss_request_decode(0x800D4000U, &request)": OK,
+    "cw_biss_request_decode(0x800D4001U, &request)": 3,
+    "cw_biss_request_decode(0x800D6000U, &request)": 3,
     # CDS that never changes; S that is not answered yet.
-    "lika_biss_answer_decode(&request, 0xFFFFFFFFU, bytes, bytes)": 4,
-    "lika_biss_answer_decode(&request, 0x80008000U, bytes, bytes)": 5,
+    "cw_biss_answer_decode(&request, 0xFFFFFFFFU, bytes, bytes)": 4,
+    "cw_biss_answer_decode(&request, 0x80008000U, bytes, bytes)": 5,
     # Nobody wants a byte or has stored one; phases that there are not.
-    "(lika_biss_slave_give(&slave, 0x55U), lika_biss_slave_stored(&slave), slave.given || slave.sending != 0U)": 0,
-    "(slave.phase = (lika_biss_phase)9, lika_biss_slave_next(&slave, false, true))": 1,
-    "(slave.phase = (lika_biss_phase)9, lika_biss_slave_next(&slave, false, false))": 0,
-    "(master.phase = (lika_biss_phase)9, lika_biss_master_next(&master, true))": 0,
+    "(cw_biss_slave_give(&slave, 0x55U), cw_biss_slave_stored(&slave), slave.given || slave.sending != 0U)": 0,
+    "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, true))": 1,
+    "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, false))": 0,
+    "(master.phase = (cw_biss_phase)9, cw_biss_master_next(&master, true))": 0,
     "master.phase": 0,
     **{
         f"lika_{family}_ssi_clock_limit_hz({metres}U)": hertz for family in FAMILIES for metres, hertz in CABLES.items()
@@ -340,7 +340,7 @@ FUNCTIONS: Mapping[str, int] = {
 PROGRAM = """#include "lika/am36.h"
 #include "lika/amm5.h"
 #include "lika/asc85.h"
-#include "lika/biss.h"
+#include "codewheel/biss_slave.h"
 #include "lika/sma21.h"
 #include <stdio.h>
 int main(void)
@@ -348,24 +348,24 @@ int main(void)
     static const lika_am36_variant am36 = LIKA_AM36_AM3616_4096_I7;
     static const lika_amm5_variant amm5 = LIKA_AMM5_A21_65KSC1;
     static const lika_sma21_variant sma21 = LIKA_SMA21_SC1_0050;
-    static const lika_transport none = { NULL, NULL, NULL, NULL, NULL, 0U, 0U };
+    static const cw_transport none = { NULL, NULL, NULL, NULL, NULL, 0U, 0U };
     static const lika_am36_reg_information_per_revolution steps = { 0x1000000U };
     static const lika_am36_reg_number_of_revolutions turns = { 0U };
     static const lika_am36_reg_preset beyond = { UINT64_C(0x1000000000) };
     static const lika_amm5_reg_preset disagreeing = { 1U, 2U, 3U };
-    const lika_step reading = lika_step_read(0x44U);
+    const cw_step reading = cw_step_read(0x44U);
     lika_am36_reg_configuration coded;
     lika_sma21_reg_configuration measured;
-    lika_biss_request request = { 0U, 0U, false, 0U };
-    lika_biss_master master;
-    lika_biss_slave slave;
+    cw_biss_request request = { 0U, 0U, false, 0U };
+    cw_biss_master master;
+    cw_biss_slave slave;
     uint8_t bytes[8] = { 0U };
-    if (lika_am36_reg_configuration_decode(&am36, bytes, 1U, &coded) != LIKA_OK
-        || lika_sma21_reg_configuration_decode(&sma21, bytes, 1U, &measured) != LIKA_OK) {
+    if (lika_am36_reg_configuration_decode(&am36, bytes, 1U, &coded) != CW_OK
+        || lika_sma21_reg_configuration_decode(&sma21, bytes, 1U, &measured) != CW_OK) {
         return 1;
     }
-    lika_biss_master_init(&master);
-    lika_biss_slave_init(&slave);
+    cw_biss_master_init(&master);
+    cw_biss_slave_init(&slave);
 @body@    return 0;
 }
 """

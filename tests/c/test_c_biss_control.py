@@ -5,17 +5,13 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
-from biss_line import Line, Memory, PythonMaster, PythonSlave, ssi_only
+from biss_line import Line, Memory, PythonMaster, PythonSlave
 from c_harness import GCC, SANITIZED, MadeOnce, compile_c
-from codewheel.model import Device
-from codewheel.targets import Library, TargetError
-from codewheel.targets.c.files import generate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -26,13 +22,13 @@ NO_ID = 255
 
 #: One line in, one line out: the number of a machine comes after the letter where there are several.
 PROGRAM = r"""
-#include "lika/biss.h"
+#include "codewheel/biss_slave.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static lika_biss_master master;
-static lika_biss_slave slaves[12];
+static cw_biss_master master;
+static cw_biss_slave slaves[12];
 static uint8_t bytes[70];
 
 static unsigned long number(void)
@@ -49,9 +45,9 @@ int main(void)
         const char verb = strtok(line, " \n")[0];
         if (verb == 'i') {
             size_t at;
-            lika_biss_master_init(&master);
+            cw_biss_master_init(&master);
             for (at = 0U; at < 12U; at++) {
-                lika_biss_slave_init(&slaves[at]);
+                cw_biss_slave_init(&slaves[at]);
             }
             printf("0\n");
         } else if (verb == 'r') {
@@ -59,7 +55,7 @@ int main(void)
             const uint8_t address = (uint8_t)number();
             const size_t count = number();
             memset(bytes, 0xA5, sizeof bytes);
-            printf("%d\n", (int)lika_biss_master_read(&master, id, address, bytes, count, (uint16_t)number()));
+            printf("%d\n", (int)cw_biss_master_read(&master, id, address, bytes, count, (uint16_t)number()));
         } else if (verb == 'w') {
             const uint8_t id = (uint8_t)number();
             const uint8_t address = (uint8_t)number();
@@ -69,12 +65,12 @@ int main(void)
             for (at = 0U; at < count && at < sizeof bytes; at++) {
                 bytes[at] = (uint8_t)number();
             }
-            printf("%d\n", (int)lika_biss_master_write(&master, id, address, bytes, count, limit));
+            printf("%d\n", (int)cw_biss_master_write(&master, id, address, bytes, count, limit));
         } else if (verb == 'a') {
-            lika_biss_master_abort(&master);
+            cw_biss_master_abort(&master);
             printf("%d\n", (int)master.outcome);
         } else if (verb == 'm') {
-            const bool cdm = lika_biss_master_next(&master, number() != 0UL);
+            const bool cdm = cw_biss_master_next(&master, number() != 0UL);
             printf("%d %d %u %u\n", (int)cdm, (int)master.outcome, master.slaves, master.done);
         } else if (verb == 'd') {
             size_t at;
@@ -83,26 +79,26 @@ int main(void)
             }
             printf("\n");
         } else if (verb == 'l') {
-            lika_biss_slave *const slave = &slaves[number()];
+            cw_biss_slave *const slave = &slaves[number()];
             const uint8_t address = (uint8_t)number();
             const size_t count = number();
             const bool read = number() != 0UL;
-            printf("%d\n", (int)lika_biss_slave_allow(slave, address, count, read, number() != 0UL));
+            printf("%d\n", (int)cw_biss_slave_allow(slave, address, count, read, number() != 0UL));
         } else if (verb == 's') {
-            lika_biss_slave *const slave = &slaves[number()];
+            cw_biss_slave *const slave = &slaves[number()];
             const bool cdm = number() != 0UL;
-            const bool cds = lika_biss_slave_next(slave, cdm, number() != 0UL);
+            const bool cds = cw_biss_slave_next(slave, cdm, number() != 0UL);
             printf("%d %d %u %u %u\n", (int)cds, (int)slave->wants, slave->address, slave->value, slave->id);
         } else if (verb == 'g') {
-            lika_biss_slave *const slave = &slaves[number()];
-            lika_biss_slave_give(slave, (uint8_t)number());
+            cw_biss_slave *const slave = &slaves[number()];
+            cw_biss_slave_give(slave, (uint8_t)number());
             printf("%d\n", (int)slave->wants);
         } else if (verb == 't') {
-            lika_biss_slave *const slave = &slaves[number()];
-            lika_biss_slave_stored(slave);
+            cw_biss_slave *const slave = &slaves[number()];
+            cw_biss_slave_stored(slave);
             printf("%d\n", (int)slave->wants);
         } else if (verb == 'e' || verb == 'A') {
-            lika_biss_request request;
+            cw_biss_request request;
             uint32_t word = 0xA5A5A5A5U;
             uint8_t counted = 0xA5U;
             uint8_t value = 0xA5U;
@@ -111,26 +107,26 @@ int main(void)
             request.write = number() != 0UL;
             request.value = (uint8_t)number();
             if (verb == 'e') {
-                const lika_result result = lika_biss_request_encode(&request, &word);
+                const cw_result result = cw_biss_request_encode(&request, &word);
                 printf("%d %lu\n", (int)result, (unsigned long)word);
             } else {
-                const lika_biss_outcome outcome =
-                    lika_biss_answer_decode(&request, (uint32_t)number(), &counted, &value);
+                const cw_biss_outcome outcome =
+                    cw_biss_answer_decode(&request, (uint32_t)number(), &counted, &value);
                 printf("%d %u %u\n", (int)outcome, counted, value);
             }
         } else if (verb == 'D') {
-            lika_biss_request request = { 0x5AU, 0x5AU, true, 0x5AU };
-            const lika_result result = lika_biss_request_decode((uint32_t)number(), &request);
+            cw_biss_request request = { 0x5AU, 0x5AU, true, 0x5AU };
+            const cw_result result = cw_biss_request_decode((uint32_t)number(), &request);
             printf("%d %u %u %d %u\n", (int)result, request.id, request.address, (int)request.write, request.value);
         } else if (verb == 'b') {
-            printf("%u\n", lika_biss_byte_encode((uint8_t)number()));
+            printf("%u\n", cw_biss_byte_encode((uint8_t)number()));
         } else if (verb == 'B') {
             uint8_t value = 0xA5U;
-            const lika_result result = lika_biss_byte_decode((uint16_t)number(), &value);
+            const cw_result result = cw_biss_byte_decode((uint16_t)number(), &value);
             printf("%d %u\n", (int)result, value);
         } else {
             const uint32_t value = (uint32_t)number();
-            printf("%lu\n", (unsigned long)lika_biss_crc(value, (uint32_t)number()));
+            printf("%lu\n", (unsigned long)cw_biss_crc(value, (uint32_t)number()));
         }
     }
     return 0;
@@ -496,16 +492,3 @@ def test_no_warning(command: str, include: Path, tmp_path: Path) -> None:
         pytest.skip(f"{command.split()[0]} is not installed")
     for optimised in ("-O0", "-O2"):
         compile_c([*command.split(), optimised], PROGRAM, tmp_path, include, link=False)
-
-
-def test_only_where_a_family_speaks_biss(amm5: Device, tmp_path: Path) -> None:
-    assert "c/include/lika/biss.h" in generate(Library((amm5,)))
-    files = generate(Library((ssi_only(tmp_path),)))
-    assert "c/include/test/encoder.h" in files
-    assert not any(path.endswith("/biss.h") for path in files)
-
-
-@pytest.mark.parametrize("name", ["biss", "encoder"])
-def test_no_family_has_the_name_of_a_shared_header(amm5: Device, name: str) -> None:
-    with pytest.raises(TargetError, match=f"a family cannot be called '{name}'"):
-        generate(Library((replace(amm5, name=name),)))

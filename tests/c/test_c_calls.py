@@ -14,12 +14,13 @@ from codewheel.targets.c.files import generate
 
 pytestmark = pytest.mark.slow
 
-#: What users call of the shared headers.
+#: What users call of the runtime.
 SHARED = {
     "angle": "electrical q31 q15 degrees radians millidegrees",
-    "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late slave_init"
-    " slave_allow slave_give slave_stored slave_next request_encode",
-    "encoder": "step_send step_poll",
+    "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late"
+    " request_encode",
+    "biss_slave": "slave_init slave_allow slave_give slave_stored slave_next",
+    "transport": "step_send step_poll",
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
     " ask take resume late reason",
     "runner": "start next done close",

@@ -21,8 +21,10 @@ ENCODER = r"""
 #include <stdlib.h>
 #include <string.h>
 
+#include "codewheel/biss_slave.h"
+
 static uint8_t memory[128], rx[LIKA_AMM5_A21_65KSC1_BISS_RX_BYTES];
-static lika_biss_slave slave;
+static cw_biss_slave slave;
 static uint64_t shaft = 1000503U, moved; /* so near to the preset that a step to it looks like a movement */
 static uint32_t now_us, busy_until, chance = 1U;
 static unsigned verbose;
@@ -55,8 +57,8 @@ static void draw(bool cds)
     unsigned at;
     memset(&frame, 0, sizeof frame);
     frame.error = false;
-    if (lika_amm5_single_cycle_data_set_position(&encoder, shown(), &frame) != LIKA_OK
-        || lika_amm5_single_cycle_data_encode(&encoder, &frame, &word) != LIKA_OK) { abort(); }
+    if (lika_amm5_single_cycle_data_set_position(&encoder, shown(), &frame) != CW_OK
+        || lika_amm5_single_cycle_data_encode(&encoder, &frame, &word) != CW_OK) { abort(); }
     memset(rx, 0, sizeof rx);
     rx[0] = 0xC2U | (cds ? 1U : 0U); /* rest, an acknowledge of four bits, start, CDS */
     for (at = 0U; at < 45U; at++) {
@@ -69,17 +71,17 @@ static void frame(bool seen_there, bool seen_here)
 {
     bool cds = false;
     if (seen_there) {
-        cds = lika_biss_slave_next(&slave, cdm, false);
+        cds = cw_biss_slave_next(&slave, cdm, false);
         cdm = next;
     }
-    if (slave.wants == LIKA_BISS_WANTS_BYTE) {
-        lika_biss_slave_give(&slave, memory[slave.address]);
-    } else if (slave.wants == LIKA_BISS_WANTS_STORE && busy_until == 0U) {
+    if (slave.wants == CW_BISS_WANTS_BYTE) {
+        cw_biss_slave_give(&slave, memory[slave.address]);
+    } else if (slave.wants == CW_BISS_WANTS_STORE && busy_until == 0U) {
         busy_until = now_us + 4000U;
         store(slave.address, slave.value);
-    } else if (slave.wants == LIKA_BISS_WANTS_STORE && (int32_t)(now_us - busy_until) >= 0) {
+    } else if (slave.wants == CW_BISS_WANTS_STORE && (int32_t)(now_us - busy_until) >= 0) {
         busy_until = 0U;
-        lika_biss_slave_stored(&slave);
+        cw_biss_slave_stored(&slave);
     }
     draw(cds);
     if (!seen_there || !seen_here) { memset(rx, 0xFF, sizeof rx); }
@@ -88,24 +90,24 @@ static void frame(bool seen_there, bool seen_here)
 
 int main(int count, char **given)
 {
-    const lika_tracker_config limits = { (uint64_t)1U << 37U, 100000000U, 0U, 0U, 0U };
+    const cw_tracker_config limits = { (uint64_t)1U << 37U, 100000000U, 0U, 0U, 0U };
     const uint32_t lost_of = (uint32_t)atoi(given[1]);
     const unsigned presets = (unsigned)atoi(given[2]);
     const uint32_t cut = (uint32_t)atoi(given[3]), mended = cut + (uint32_t)atoi(given[4]);
     unsigned done, well = 0U, open = 0U, ends = 0U, elsewhere = 0U, moves = 0U;
     (void)count;
     verbose = presets == 1U;
-    lika_biss_slave_init(&slave);
-    if (lika_biss_slave_allow(&slave, 0U, 128U, true, true) != LIKA_OK) { return 1; }
-    lika_biss_master_init(&master);
-    lika_tracker_start(&axis, &limits, 0U);
+    cw_biss_slave_init(&slave);
+    if (cw_biss_slave_allow(&slave, 0U, 128U, true, true) != CW_OK) { return 1; }
+    cw_biss_master_init(&master);
+    cw_tracker_start(&axis, &limits, 0U);
     for (done = 0U; done < presets; done++) {
         unsigned left;
         int64_t before;
         shaft += 9000U;
         for (left = 0U; left < 40U; left++) { now_us += FRAME_US; frame(true, true); (void)step(now_us); }
         before = axis.position;
-        if (start(1000003U, now_us) != LIKA_OK) { return 1; }
+        if (start(1000003U, now_us) != CW_OK) { return 1; }
         for (left = 200000U; left > 0U; left--) {
             const bool off = now_us >= cut && now_us < mended;
             const bool is_lost = off || (lost_of != 0U && random_below(lost_of) == 0U);
@@ -115,7 +117,7 @@ int main(int count, char **given)
             moves += (axis.position != before || axis.moved != 0) ? 1U : 0U;
         }
         ends += left != 0U;
-        well += runner.result == LIKA_OK;
+        well += runner.result == CW_OK;
         if (verbose != 0U) { printf("%d %d\n", (int)runner.result, (int)runner.failure.left_open); }
         /* What is asked once more does nothing. */
         for (left = 0U; left < 3U; left++) {
@@ -124,7 +126,7 @@ int main(int count, char **given)
             ends += step(now_us) ? 1U : 0U;
         }
         open += memory[0x40] != 0U;
-        elsewhere += (runner.result == LIKA_OK) && (axis.known == 0U || axis.position != 1000003 || axis.moved != 0);
+        elsewhere += (runner.result == CW_OK) && (axis.known == 0U || axis.position != 1000003 || axis.moved != 0);
     }
     printf("%u ends, %u well, %u open, %u elsewhere, %u moves\n", ends, well, open, elsewhere, moves);
     return 0;

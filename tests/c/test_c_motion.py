@@ -364,7 +364,7 @@ FAULTS = {
         "    tracker->at_us = now_us;\n    if ((moved + reach) >",
     ),
     "no gate": ("tracker.h", "(position == 0U) &&", "(position == 1U) &&"),
-    "reach that grows on": ("tracker.h", "units > (LIKA_TRACKER_REACH_US / 16U)", "units == 0U"),
+    "reach that grows on": ("tracker.h", "units > (CW_TRACKER_REACH_US / 16U)", "units == 0U"),
     "silence": ("tracker.h", "elapsed_us > tracker->lost_after_us", "elapsed_us >= tracker->lost_after_us"),
     "silence that ends": ("tracker.h", "if (tracker->lost != 0U) {", "if (tracker->lost > 1U) {"),
     "how many refused": ("tracker.h", "lost_after_refused - 1U", "lost_after_refused"),
@@ -383,7 +383,7 @@ FAULTS = {
 def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
     header, sound, planted = FAULTS[fault]
     shutil.copytree(include, tmp_path / "include")
-    path = tmp_path / "include" / "lika" / header
+    path = tmp_path / "include" / "codewheel" / header
     text = path.read_text(encoding="ascii")
     assert text.count(sound) == 1
     path.write_text(text.replace(sound, planted), encoding="ascii")
@@ -414,14 +414,14 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
 def test_the_result_of_the_tracker_may_be_left(include: Path, tmp_path: Path) -> None:
     """A result of the tracker may be left: the tracker keeps what it says."""
     code = """#include "lika/amm5.h"
-#include "lika/tracker.h"
+#include "codewheel/tracker.h"
 int main(void)
 {
     static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
-    static lika_tracker axis;
-    const lika_tracker_config config = { lika_amm5_modulus(&encoder), 838860800U, 0U, 0U, 0U };
-    lika_tracker_start(&axis, &config, 0U);
-    lika_tracker_add(&axis, 5U, 50U);
+    static cw_tracker axis;
+    const cw_tracker_config config = { lika_amm5_modulus(&encoder), 838860800U, 0U, 0U, 0U };
+    cw_tracker_start(&axis, &config, 0U);
+    cw_tracker_add(&axis, 5U, 50U);
     return (axis.position == 5) ? 0 : 1;
 }
 """

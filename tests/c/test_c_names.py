@@ -8,24 +8,22 @@ import shutil
 import subprocess
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, write
+from c_harness import FAMILIES, RUNTIME, SHARED, write
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.targets import Library
+from codewheel.targets import Library, TargetError
 from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.names import shared_names
-from codewheel.targets.c.reserved import RESERVED
+from codewheel.targets.c.reserved import RESERVED, c_name
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
-from uses import declared, use_everything, without_texts
+from uses import declared, use_everything
 
 ROOT = Path(__file__).resolve().parents[2]
-#: The headers that all families share; the last is there for BiSS alone.
-SHARED = ("encoder", "receive", "runner", "tracker", "angle", "biss")
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
@@ -41,12 +39,24 @@ def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Devi
     assert all(item.startswith((f"{view.prefix}_", f"{view.PREFIX}_")) and not item.endswith("_") for item in found)
 
 
-def test_what_all_families_share_is_known(include: Path) -> None:
-    """The names of the shared headers are listed, so that ``check`` need not render them."""
-    texts = [without_texts((include / "lika" / f"{name}.h").read_text()) for name in SHARED]
-    found = [set(re.findall(r"\b(?:lika|LIKA)_\w+", text)) for text in texts]
-    assert set(shared_names("lika", with_biss=False)) == set().union(*found[:-1])
-    assert set(shared_names("lika", with_biss=True)) == set().union(*found)
+@pytest.mark.parametrize("path", sorted((RUNTIME / "codewheel").iterdir()), ids=lambda path: path.name)
+def test_names_of_the_runtime_have_its_prefix(path: Path) -> None:
+    """So none of them can be a name of a family, and no list of them is needed."""
+    found = declared([path.read_text(encoding="ascii")]).names
+    assert [name for name in found if not name.startswith(("cw_", "CW_", "CODEWHEEL_"))] == []
+
+
+@pytest.mark.parametrize("name", ["cw", "codewheel"])
+def test_no_manufacturer_has_a_name_of_the_runtime(name: str, every_device: Mapping[str, Device]) -> None:
+    device = every_device["amm5"]
+    other = replace(device, manufacturer=replace(device.manufacturer, name=name))
+    with pytest.raises(TargetError, match=f"its C name {name} is already used by the headers; rename it"):
+        generate(Library((other,)))
+
+
+def test_a_member_that_begins_like_the_runtime_gets_an_underscore() -> None:
+    assert c_name("cw_mask") == "cw_mask_"
+    assert c_name("cwm") == "cwm"
 
 
 def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -135,7 +145,7 @@ def own_words(header: str) -> set[str]:
     return {
         word
         for word in re.findall(r"\b[a-z]\w*", code)
-        if NAME.fullmatch(word) and not word.startswith(("lika_", "uint64_c"))
+        if NAME.fullmatch(word) and not word.startswith(("lika_", "cw_", "uint64_c"))
     }
 
 
@@ -252,7 +262,8 @@ def groups(every: Iterable[str], size: int) -> Iterator[list[str]]:
 @pytest.mark.slow
 def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path: Path) -> None:
     words = set(RESERVED).union(
-        *(own_words((include / "lika" / f"{name}.h").read_text()) for name in (*FAMILIES, "encoder"))
+        *(own_words((include / "lika" / f"{name}.h").read_text()) for name in FAMILIES),
+        *(own_words((include / "codewheel" / f"{name}.h").read_text()) for name in SHARED),
     )
     assert {
         "variant",

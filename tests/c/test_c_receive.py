@@ -9,17 +9,13 @@ from __future__ import annotations
 import random
 import subprocess
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
 import pytest
-from biss_line import ssi_only
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
 from codewheel.model import Alternative, Answer, Device
-from codewheel.plan.receive_lengths import Received, longest_reply, received
-from codewheel.targets import Library, TargetError
-from codewheel.targets.c.files import generate
+from codewheel.plan.receive_lengths import Received, received
 
 OK, LENGTH, CRC, CONSTANT, RANGE = range(5)
 TIMEOUT = 6
@@ -27,7 +23,7 @@ LINE_HIGH, LINE_LOW, NO_START, REPEAT, HEAD_MISSING = range(8, 13)
 
 #: One line in, one line out; all numbers, bytes as one word of hex.
 PROGRAM = r"""
-#include "lika/receive.h"
+#include "codewheel/receive.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,36 +61,36 @@ static void show(const uint8_t *data, size_t size)
 int main(void)
 {
     static char text[4096];
-    static lika_rs485_line line;
+    static cw_rs485_line line;
     while (fgets(text, sizeof text, stdin) != NULL) {
         const char verb = strtok(text, " \n")[0];
         uint64_t word = 0xA5A5A5A5A5A5A5A5ULL;
         size_t size = 0U;
         uint8_t *rx = (strchr("bBcCsSWX", verb) != NULL) ? bytes(&size) : NULL;
         if (verb == 'b') {
-            const lika_result result = lika_biss_receive(rx, size, (uint32_t)number(), &word);
+            const cw_result result = cw_biss_receive(rx, size, (uint32_t)number(), &word);
             printf("%d %llu\n", (int)result, (unsigned long long)word);
         } else if (verb == 'c') {
             bool cds = false;
-            const lika_result result = lika_biss_receive_cds(rx, size, &cds);
+            const cw_result result = cw_biss_receive_cds(rx, size, &cds);
             printf("%d %d\n", (int)result, (int)cds);
         } else if (verb == 'B' || verb == 'C') {
             const size_t received = (size_t)number();
             bool cds = false;
-            const lika_result result = (verb == 'B') ? lika_biss_receive_bits(rx, received, (uint32_t)number(), &word)
-                : lika_biss_receive_cds_bits(rx, received, &cds);
+            const cw_result result = (verb == 'B') ? cw_biss_receive_bits(rx, received, (uint32_t)number(), &word)
+                : cw_biss_receive_cds_bits(rx, received, &cds);
             printf("%d %llu\n", (int)result, (verb == 'B') ? (unsigned long long)word : (cds ? 1ULL : 0ULL));
         } else if (verb == 's') {
-            const lika_result result = lika_ssi_receive(rx, size, (uint32_t)number(), &word);
+            const cw_result result = cw_ssi_receive(rx, size, (uint32_t)number(), &word);
             printf("%d %llu\n", (int)result, (unsigned long long)word);
         } else if (verb == 'r') {
             const uint64_t first = number();
             const uint64_t second = number();
             const uint64_t modulus = number();
-            printf("%d\n", (int)lika_ssi_repeats(first, second, modulus, number()));
+            printf("%d\n", (int)cw_ssi_repeats(first, second, modulus, number()));
         } else if (verb == 'S') {
             const uint8_t mask = (uint8_t)number();
-            show(rx, lika_received_samples(rx, size, mask, rx));
+            show(rx, cw_received_samples(rx, size, mask, rx));
         } else if (verb == 'W' || verb == 'X') {
             const size_t wide = (verb == 'W') ? 2U : 4U;
             uint8_t *const out = (uint8_t *)malloc(size + 1U);
@@ -107,9 +103,9 @@ int main(void)
                     | ((uint32_t)rx[4U * at + 2U] << 8) | rx[4U * at + 3U];
             }
             if (verb == 'W') {
-                lika_received_words16(halves, size / wide, out);
+                cw_received_words16(halves, size / wide, out);
             } else {
-                lika_received_words32(words, size / wide, out);
+                cw_received_words32(words, size / wide, out);
             }
             show(out, size / wide * wide);
             free(out);
@@ -118,16 +114,16 @@ int main(void)
             const size_t length = (size_t)number();
             const size_t echo = (size_t)number();
             const uint32_t now = (uint32_t)number();
-            printf("%d\n", (int)lika_rs485_ask(&line, control, length, echo, now, (uint32_t)number()));
+            printf("%d\n", (int)cw_rs485_ask(&line, control, length, echo, now, (uint32_t)number()));
         } else if (verb == 't') {
-            printf("%d\n", (int)lika_rs485_take(&line, (uint8_t)number()));
+            printf("%d\n", (int)cw_rs485_take(&line, (uint8_t)number()));
         } else if (verb == 'u') {
-            lika_rs485_resume(&line);
+            cw_rs485_resume(&line);
             printf("%lu\n", (unsigned long)line.count);
         } else if (verb == 'l') {
-            printf("%d\n", (int)lika_rs485_late(&line, (uint32_t)number()));
+            printf("%d\n", (int)cw_rs485_late(&line, (uint32_t)number()));
         } else if (verb == 'y') {
-            printf("%d %lu\n", (int)lika_rs485_reason(&line), (unsigned long)line.dropped);
+            printf("%d %lu\n", (int)cw_rs485_reason(&line), (unsigned long)line.dropped);
         } else {
             show(line.bytes, line.length);
         }
@@ -432,13 +428,13 @@ def test_a_first_byte_that_is_always_lost_has_a_reason_of_its_own(run: Run) -> N
     assert reason(*REPLY[:4], *REPLY[5:]) == f"{LENGTH} 0"
     assert reason(*REPLY) == f"{OK} 0"
     assert reason(0xFF, *REPLY) == f"{OK} 1", "noise before a whole reply"
-    assert reason(*[0] * 30) == f"{HEAD_MISSING} 11", "it counts as far as the longest reply"
+    assert reason(*[0] * 30) == f"{HEAD_MISSING} 16", "it counts as far as the longest reply"
     # The next request counts anew.
     assert run(["a 26 11 0 0 100", "t 0", "y", "a 26 11 0 0 100", "y"])[-3:] == [f"{HEAD_MISSING} 1", "0", "6 0"]
 
 
 def test_what_cannot_be_waited_for(run: Run) -> None:
-    assert run(["a 26 0 0 0 100", "a 26 12 0 0 100", "a 26 11 0 0 100", "l 100", "l 101"]) == ["1", "1", "0", "0", "1"]
+    assert run(["a 26 0 0 0 100", "a 26 17 0 0 100", "a 26 16 0 0 100", "l 100", "l 101"]) == ["1", "1", "0", "0", "1"]
 
 
 def test_a_line_of_zeros_waits_for_nothing(run: Run) -> None:
@@ -473,7 +469,7 @@ def test_lengths_are_constants(
     compiler: str, standard: str, assertion: str, family: str, include: Path, tmp_path: Path
 ) -> None:
     """As sizes of arrays and in static asserts; a wrong one is an error, so that the assert is known to look."""
-    lines = [f'#include "lika/{family}.h"', '#include "lika/receive.h"']
+    lines = [f'#include "lika/{family}.h"', '#include "codewheel/receive.h"']
     for name, bits in LENGTHS[family].items():
         stem = f"LIKA_{family.upper()}_{name}"
         around = 2 if name.endswith("SSI") else 2 + 40 + 1 + 1 + 1
@@ -528,16 +524,3 @@ def test_the_constants_are_what_the_functions_say(
     again = sum(item.interface == "biss" for item in device.variants) if family == "asc85" else 0
     assert count == sum(item.interface in ("ssi", "biss") for item in device.variants) + again
     assert subprocess.run([str(program)]).returncode == 0
-
-
-def test_a_family_of_bits_alone_has_no_serial_line(tmp_path: Path) -> None:
-    device = ssi_only(tmp_path)
-    text = generate(Library((device,)))["c/include/test/receive.h"]
-    assert longest_reply((device,)) == 0
-    assert "RS485" not in text
-    assert "test_ssi_receive" in text
-
-
-def test_no_family_has_the_name_of_the_header(amm5: Device) -> None:
-    with pytest.raises(TargetError, match="a family cannot be called 'receive'"):
-        generate(Library((replace(amm5, name="receive"),)))

@@ -227,7 +227,7 @@ def test_what_the_limit_is_for(program: Path, rows: Sequence[tuple[str, int, boo
     """A tracker that knows nothing of the past takes the words that were moved and have a CRC that fits."""
     folder = program.parent / "c"
     text = (folder / "examples" / "amm5_biss_dma.c").read_text(encoding="ascii")
-    added = "lika_tracker_add(&axis"
+    added = "cw_tracker_add(&axis"
     assert text.count(added) == 1
     compile_c([*GCC, "-O2"], text.replace(added, f"axis.known = 0U; {added}"), tmp_path, folder / "include")
     believing = list(judged(rows, said_by(tmp_path / "program", rows)))

@@ -197,7 +197,7 @@ def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every
 def test_a_position_of_unknown_worth_ranks_below_a_usable_one(
     programs: Mapping[str, Run], every_device: Mapping[str, Device]
 ) -> None:
-    """``verdict >= LIKA_USABLE`` is false for an SSI word, in which nothing tells."""
+    """``verdict >= CW_USABLE`` is false for an SSI word, in which nothing tells."""
     numbers = []
     for code, layout in (("AMM5A17/1BG1", "ssi_word"), ("AMM5A17/1SC1", "single_cycle_data")):
         device = every_device["amm5"]

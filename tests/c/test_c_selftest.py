@@ -33,9 +33,8 @@ def compiled(include: Path, folder: Path, *options: str) -> ctypes.CDLL:
 def test_all_is_well(options: tuple[str, ...], include: Path, tmp_path: Path) -> None:
     tests = compiled(include, tmp_path, *options)
     assert tests.lika_selftest() == 0
-    assert {name: getattr(tests, f"lika_{name}_selftest")() for name in (*FAMILIES, "shared")} == dict.fromkeys(
-        (*FAMILIES, "shared"), 0
-    )
+    assert {name: getattr(tests, f"lika_{name}_selftest")() for name in FAMILIES} == dict.fromkeys(FAMILIES, 0)
+    assert tests.cw_selftest() == 0
 
 
 def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Device]) -> None:
@@ -58,10 +57,10 @@ FAULTS = {
     "shift of a frame": ("amm5.h", r"(lika_amm5_singleturn_reply_decode\(.*?)<< 8U", r"\1<< 7U"),
     "shift of a register": ("am36.h", r"(lika_am36_reg_preset_decode\(.*?)<< 8U", r"\1<< 9U"),
     "level of a flag": ("sma21.h",
-        r"(static inline lika_result lika_sma21_single_cycle_data_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
-    "order of a procedure": ("amm5.h", r"(lika_amm5_set_preset_steps\(.*?)lika_step_write\(0x40U, 0xFFU, 0x01U\)",
-        r"\1lika_step_write(0x41U, 0xFFU, 0x01U)"),
-    "words of BiSS": ("biss.h", r"(static inline lika_result lika_biss_request_encode\(.*?)<< 15U", r"\1<< 14U"),
+        r"(static inline cw_result lika_sma21_single_cycle_data_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
+    "order of a procedure": ("amm5.h", r"(lika_amm5_set_preset_steps\(.*?)cw_step_write\(0x40U, 0xFFU, 0x01U\)",
+        r"\1cw_step_write(0x41U, 0xFFU, 0x01U)"),
+    "words of BiSS": ("biss.h", r"(static inline cw_result cw_biss_request_encode\(.*?)<< 15U", r"\1<< 14U"),
     "a count that goes on": ("tracker.h", r"forward \+= modulus;", "forward += 1U;"),
     "an angle": ("angle.h", r"bit \+= 16U;", "bit += 15U;"),
 }  # fmt: skip
@@ -72,13 +71,13 @@ FAULTS = {
 def test_a_header_that_was_changed_is_told(fault: str, include: Path, tmp_path: Path) -> None:
     header, sound, planted = FAULTS[fault]
     shutil.copytree(include.parent, tmp_path / "c")
-    path = tmp_path / "c" / "include" / "lika" / header
+    family = header.removesuffix(".h")
+    path = tmp_path / "c" / "include" / ("lika" if family in FAMILIES else "codewheel") / header
     text, count = re.subn(sound, planted, path.read_text(encoding="ascii"), count=1, flags=re.DOTALL)
     assert count == 1
     path.write_text(text, encoding="ascii")
     told = compiled(tmp_path / "c" / "include", tmp_path).lika_selftest()
-    family = header.removesuffix(".h")
-    place = 1 + (*FAMILIES, "shared").index(family if family in FAMILIES else "shared")
+    place = 1 + (FAMILIES.index(family) if family in FAMILIES else len(FAMILIES))
     assert told // 1000 == place
     assert told % 1000 > 0
 

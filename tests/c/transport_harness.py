@@ -196,8 +196,7 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
     loop around the runner carry out the procedures."""
     include = write(folder, (device,))
     text, library = folder / "transport.c", folder / "transport.so"
-    loop = _LOOP.replace("@maker@", device.manufacturer.name).replace("@MAKER@", device.manufacturer.name.upper())
-    text.write_text((loop if stepped else "") + source(device), encoding="utf-8")
+    text.write_text((_LOOP if stepped else "") + source(device), encoding="utf-8")
     command = [
         "gcc",
         "-std=c99",
@@ -222,13 +221,13 @@ def source(device: Device) -> str:
         given = "".join(f", ({item.type})arguments[{index}]" for index, item in enumerate(procedure.arguments))
         out = ", &out" if procedure.read_type else ""
         text += f"""
-int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
-    @maker@_failure *failure);
-int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
-    @maker@_failure *failure)
+int run_{name}(const cw_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
+    cw_failure *failure);
+int run_{name}(const cw_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
+    cw_failure *failure)
 {{
     {f"{procedure.read_type} out;" if out else ""}
-    const @maker@_result result = {procedure.function}(transport, variant_of(code){given}{out}, failure);
+    const cw_result result = {procedure.function}(transport, variant_of(code){given}{out}, failure);
     (void)arguments;
     {"fill(data, result, &out, sizeof out);" if out else "(void)data;"}
     return (int)result;
@@ -238,11 +237,11 @@ int run_{name}(const @maker@_transport *transport, const char *code, const uint6
         text += _register(register.access)
     for identity in view.identities:
         text += f"""
-int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure *failure);
-int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure *failure)
+int identity(const cw_transport *transport, uint8_t *data, cw_failure *failure);
+int identity(const cw_transport *transport, uint8_t *data, cw_failure *failure)
 {{
     {identity.prefix}_identity out;
-    const @maker@_result result = {identity.prefix}_read_identity(transport, &out, failure);
+    const cw_result result = {identity.prefix}_read_identity(transport, &out, failure);
     fill(data, result, &out, sizeof out);
     return (int)result;
 }}
@@ -253,21 +252,16 @@ int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure 
             for index, item in enumerate(device.set_parameters)
         )
         text += f"""
-int state(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure);
-int state(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure)
+int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure);
+int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
     {prefix}_variant copy = *variant_of(code);
-    const @maker@_result result = {view.read_state}(transport, &copy, failure);
+    const cw_result result = {view.read_state}(transport, &copy, failure);
     data[0] = 8U * {len(device.set_parameters)}U;
 {members}    return (int)result;
 }}
 """
-    return (
-        text.replace("@maker@", maker)
-        .replace("@MAKER@", maker.upper())
-        .replace("@prefix@", prefix)
-        .replace("@device@", device.name)
-    )
+    return text.replace("@maker@", maker).replace("@prefix@", prefix).replace("@device@", device.name)
 
 
 def _register(access: Access) -> str:
@@ -278,15 +272,15 @@ def _register(access: Access) -> str:
         shown = (
             f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)"
             if access.struct
-            else "(data[1] = (uint8_t)out, @MAKER@_OK)"
+            else "(data[1] = (uint8_t)out, CW_OK)"
         )
         text += f"""
-int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure);
-int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure)
+int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure);
+int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
     {held}
-    const @maker@_result result = {access.read}(transport, variant_of(code), &out, failure);
-    if (result == @MAKER@_OK && {shown} == @MAKER@_OK) {{
+    const cw_result result = {access.read}(transport, variant_of(code), &out, failure);
+    if (result == CW_OK && {shown} == CW_OK) {{
         data[0] = {access.stem}_LENGTH;
     }}
     return (int)result;
@@ -296,19 +290,17 @@ int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *d
         name = access.write.partition("_write_")[2]
         held = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
         decoded = (
-            f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)"
-            if access.struct
-            else "@MAKER@_OK"
+            f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)" if access.struct else "CW_OK"
         )
         text += f"""
-int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
-    @maker@_failure *failure);
-int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
-    @maker@_failure *failure)
+int write_{name}(const cw_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
+    cw_failure *failure);
+int write_{name}(const cw_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
+    cw_failure *failure)
 {{
     {held}
     (void)data;
-    return {decoded} != @MAKER@_OK
+    return {decoded} != CW_OK
         ? -1
         : (int){access.write}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
 }}
@@ -318,21 +310,21 @@ int write_{name}(const @maker@_transport *transport, const char *code, const uin
 
 #: A main loop in place of the function that waits. It comes early now and then, and starts nothing twice.
 _LOOP = r"""
-#include "@maker@/runner.h"
+#include "codewheel/runner.h"
 #include <stdlib.h>
 
 enum { MISSING = -77777 };
 
-static int32_t started(const @maker@_transport *transport, @maker@_runner *runner, @maker@_todo todo)
+static int32_t started(const cw_transport *transport, cw_runner *runner, cw_todo todo)
 {
     switch (todo) {
-    case @MAKER@_TODO_READ:
+    case CW_TODO_READ:
         return transport->read_registers == NULL ? MISSING
             : transport->read_registers(transport->context, runner->address, runner->data, runner->length);
-    case @MAKER@_TODO_WRITE:
+    case CW_TODO_WRITE:
         return transport->write_registers == NULL ? MISSING
             : transport->write_registers(transport->context, runner->address, &runner->byte, 1U);
-    case @MAKER@_TODO_SEND:
+    case CW_TODO_SEND:
         return transport->send_request == NULL ? MISSING
             : transport->send_request(transport->context, runner->byte, runner->data, runner->length);
     default:
@@ -340,62 +332,62 @@ static int32_t started(const @maker@_transport *transport, @maker@_runner *runne
     }
 }
 
-static inline @maker@_result in_a_loop(
-    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
-    @maker@_failure *failure)
+static inline cw_result in_a_loop(
+    const cw_transport *transport, const cw_step *steps, size_t count, uint8_t *bytes, size_t length,
+    cw_failure *failure)
 {
-    @maker@_runner runner;
+    cw_runner runner;
     /* The time starts again soon. */
     uint32_t now = 0xFFFFF000U;
-    @maker@_todo todo;
-    @maker@_result result = @maker@_runner_start(&runner, steps, count, bytes, length, now);
-    if (result != @MAKER@_OK) {
-        return @maker@_runner_next(&runner, now) == @MAKER@_TODO_END ? result : @MAKER@_OK;
+    cw_todo todo;
+    cw_result result = cw_runner_start(&runner, steps, count, bytes, length, now);
+    if (result != CW_OK) {
+        return cw_runner_next(&runner, now) == CW_TODO_END ? result : CW_OK;
     }
     runner.poll_at_most = transport->poll_at_most;
     runner.poll_pause_us = transport->poll_pause_us;
-    for (todo = @maker@_runner_next(&runner, now); todo != @MAKER@_TODO_END; todo = @maker@_runner_next(&runner, now)) {
-        if (todo != @MAKER@_TODO_WAIT) {
+    for (todo = cw_runner_next(&runner, now); todo != CW_TODO_END; todo = cw_runner_next(&runner, now)) {
+        if (todo != CW_TODO_WAIT) {
             const int32_t error = started(transport, &runner, todo);
-            if (@maker@_runner_next(&runner, now + 3U) != @MAKER@_TODO_BUSY || @maker@_runner_close(&runner, now)) {
+            if (cw_runner_next(&runner, now + 3U) != CW_TODO_BUSY || cw_runner_close(&runner, now)) {
                 abort();
             }
-            @maker@_runner_done(&runner, error, now);
+            cw_runner_done(&runner, error, now);
             continue;
         }
-        @maker@_runner_done(&runner, -5, now);
+        cw_runner_done(&runner, -5, now);
         if (transport->wait_us != NULL) {
             (void)transport->wait_us(transport->context, runner.wait_us);
         }
         now += runner.wait_us - 1U;
-        if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_WAIT || runner.wait_us != 1U) {
+        if (cw_runner_next(&runner, now) != CW_TODO_WAIT || runner.wait_us != 1U) {
             abort();
         }
         now++;
     }
-    if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_END || runner.alone) {
+    if (cw_runner_next(&runner, now) != CW_TODO_END || runner.alone) {
         abort();
     }
     {
         /* Something is left to do exactly where something is open; the tests look at the encoder before that. */
-        @maker@_runner again = runner;
-        if (@maker@_runner_close(&again, now) != runner.failure.left_open
-            || (@maker@_runner_next(&again, now) != @MAKER@_TODO_END) != runner.failure.left_open) {
+        cw_runner again = runner;
+        if (cw_runner_close(&again, now) != runner.failure.left_open
+            || (cw_runner_next(&again, now) != CW_TODO_END) != runner.failure.left_open) {
             abort();
         }
     }
-    if (runner.result != @MAKER@_OK && failure != NULL) {
+    if (runner.result != CW_OK && failure != NULL) {
         *failure = runner.failure;
     }
-    if (runner.result == @MAKER@_FAULT_TRANSPORT && runner.failure.error == MISSING) {
+    if (runner.result == CW_FAULT_TRANSPORT && runner.failure.error == MISSING) {
         if (failure != NULL) {
             failure->error = 0;
         }
-        return @MAKER@_FAULT_UNSUPPORTED;
+        return CW_FAULT_UNSUPPORTED;
     }
     return runner.result;
 }
-#define @maker@_run in_a_loop
+#define cw_run in_a_loop
 """
 
 _HEAD = r"""
@@ -413,9 +405,9 @@ static inline const @prefix@_variant *variant_of(const char *code)
     return &found->variant;
 }
 
-static inline void fill(uint8_t *data, @maker@_result result, const void *bytes, size_t length)
+static inline void fill(uint8_t *data, cw_result result, const void *bytes, size_t length)
 {
-    if (result == @MAKER@_OK) {
+    if (result == CW_OK) {
         data[0] = (uint8_t)length;
         memcpy(&data[1], bytes, length);
     }
@@ -429,14 +421,14 @@ static inline void put(uint8_t *data, uint64_t number)
     }
 }
 
-int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data,
-    @maker@_failure *failure);
-int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data,
-    @maker@_failure *failure)
+int steps(const cw_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data,
+    cw_failure *failure);
+int steps(const cw_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data,
+    cw_failure *failure)
 {
-    @maker@_step list[32];
+    cw_step list[32];
     size_t index;
-    @maker@_result result;
+    cw_result result;
     for (index = 0U; index < count; index++) {
         const uint32_t *const n = &numbers[6U * index];
         memcpy(&list[index].kind, &n[0], sizeof n[0]);
@@ -446,7 +438,7 @@ int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t co
         list[index].times = (uint16_t)n[4];
         list[index].microseconds = n[5];
     }
-    result = @maker@_run(transport, list, count, reads == 0U ? NULL : &data[1], reads, failure);
+    result = cw_run(transport, list, count, reads == 0U ? NULL : &data[1], reads, failure);
     data[0] = (uint8_t)reads;
     return (int)result;
 }

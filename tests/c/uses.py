@@ -97,9 +97,11 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def use_everything(headers: Sequence[str], include: Path) -> str:
-    """A text that includes these headers, given as below ``include``, and uses all that they and the shared header
-    declare."""
-    shared = [f"{folder}/encoder.h" for folder in dict.fromkeys(header.partition("/")[0] for header in headers)]
+    """A text that includes these headers, given as below ``include``, and uses all that they declare, and all that the
+    headers of the runtime declare that they include."""
+    shared = [f"codewheel/{name}.h" for name in ("version", "result", "bits", "encoder", "transport")]
+    if not any(header.partition("/")[0] != "codewheel" for header in headers):
+        shared = []
     found = declared((include / header).read_text(encoding="ascii") for header in dict.fromkeys([*shared, *headers]))
     lines = [f'#include "{header}"' for header in headers]
     for kind, name, given in found.functions:

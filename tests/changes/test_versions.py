@@ -1,4 +1,4 @@
-"""Versions that follow from changes, their records, and headers of two generations, which do not compile together."""
+"""Versions that follow from changes, their records, and headers that refuse a runtime of another version."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from codewheel.targets.c.files import TARGET
-from codewheel.targets.c.generation import generation
 from codewheel.targets.docs.files import generate as generate_docs
 from pair import BASE
 
@@ -69,47 +68,72 @@ def compiled(folder: Path, texts: dict[str, str], source: str, compiler: str = "
 NEXT = ('version: "1.4.2"', 'version: "2.0.0"')
 
 
+def with_runtime(texts: dict[str, str], major: int, minor: int) -> dict[str, str]:
+    """The same headers with a runtime of another version."""
+    made = dict(texts)
+    for name in texts:
+        if name.startswith("codewheel/"):
+            text = texts[name].replace("RUNTIME_MAJOR 1", f"RUNTIME_MAJOR {major}")
+            text = text.replace("RUNTIME_MINOR 0", f"RUNTIME_MINOR {minor}")
+            made[name] = text.replace("_MAJOR != 1)", f"_MAJOR != {major})").replace(
+                "_MINOR != 0)", f"_MINOR != {minor})"
+            )
+    return made
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "g++"])
-@pytest.mark.parametrize("mixed", ["demo.h", "biss.h"])
-def test_headers_of_two_generations(tmp_path: Path, compiler: str, mixed: str) -> None:
-    old, new = headers(tmp_path / "old"), headers(tmp_path / "new", NEXT)
-    source = f'#include "maker/{mixed}"\n'
-    assert compiled(tmp_path / "c", old, source, compiler) == (0, "")
-    assert compiled(tmp_path / "c", new, source, compiler) == (0, "")
-    for one, other, version in ((old, new, "2.0.0"), (new, old, "1.4.2")):
-        code, said = compiled(tmp_path / "c", {**one, f"maker/{mixed}": other[f"maker/{mixed}"]}, source, compiler)
-        assert code != 0
-        first = next(line for line in said.splitlines() if "error" in line)
-        assert first.endswith(
-            f'#error "maker/{mixed} {version} and maker/encoder.h differ in generation: take both from one folder"'
-        )
+def test_headers_and_runtimes_of_two_generations(
+    compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Same major version, and at least the minor one of the generation: all else is refused in one sentence."""
+    old = headers(tmp_path / "old")
+    monkeypatch.setattr("codewheel.targets.c.files.runtime_version", lambda: (1, 3))
+    new = with_runtime(headers(tmp_path / "new", NEXT), 1, 3)
+    for header, runtime, version in (
+        (old, old, ""),
+        (new, new, ""),
+        (old, new, ""),
+        (new, old, "1.3"),
+        (new, with_runtime(old, 1, 2), "1.3"),
+        (old, with_runtime(old, 2, 0), "1.0"),
+        (old, with_runtime(old, 0, 9), "1.0"),
+    ):
+        texts = {**runtime, "maker/demo.h": header["maker/demo.h"]}
+        code, said = compiled(tmp_path / "c", texts, '#include "maker/demo.h"\n', compiler)
+        assert (code == 0) == (version == ""), said
+        errors = [line for line in said.splitlines() if "error" in line]
+        wanted = f'#error "maker/demo.h needs the codewheel runtime {version} or a newer 1.x: see codewheel/version.h"'
+        assert [line.endswith(wanted) for line in errors[:1]] == ([True] if version else [])
 
 
 @pytest.mark.slow
-def test_the_generation_costs_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("compiler", ["gcc", "g++"])
+def test_a_runtime_of_two_versions(compiler: str, tmp_path: Path) -> None:
+    """Each header of the runtime says what it belongs to, for a folder that was put together by hand."""
+    old = {name: text for name, text in headers(tmp_path / "old").items() if name.startswith("codewheel/")}
+    new = with_runtime(old, 1, 1)
+    for name in sorted(set(old) - {"codewheel/version.h"}):
+        source = f'#include "{name}"\n'
+        assert compiled(tmp_path / "c", old, source, compiler) == (0, "")
+        code, said = compiled(tmp_path / "c", {**new, name: old[name]}, source, compiler)
+        assert code != 0
+        first = next(line for line in said.splitlines() if "error" in line)
+        assert first.endswith(f'#error "{name} 1.0 and version.h differ: take all of codewheel/ from one folder"')
+
+
+@pytest.mark.slow
+def test_the_version_of_the_runtime_costs_nothing(tmp_path: Path) -> None:
     """No object file contains it."""
-    old, new = headers(tmp_path / "old"), headers(tmp_path / "new", NEXT)
+    old = headers(tmp_path / "old")
     made = []
-    for name, texts in (("one", old), ("two", new)):
+    for name, texts in (("one", old), ("two", with_runtime(old, 1, 7))):
         assert compiled(tmp_path / name, texts, '#include "maker/demo.h"\n') == (0, "")
         function = "uint32_t f(const maker_demo_variant *v) { return maker_demo_ssi_word_bits(v); }"
         source = f'#include "maker/demo.h"\n{function}\n'
         command = ["gcc", "-std=c99", "-O2", "-S", f"-I{tmp_path / name}", "-xc", "-", "-o", "-"]
         made.append(subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout)
     assert made[0] == made[1]
-
-
-def test_what_makes_a_generation(tmp_path: Path) -> None:
-    """It depends on version, options and shared headers, but not on the words of a family."""
-    devices, _ = load_library([specs(tmp_path / "specs")])
-    maker = devices[0].manufacturer
-    one = generation(maker, {"a": "b"}, ["text"])
-    assert one == generation(maker, {"a": "b"}, ["text"])
-    assert len({one, generation(maker, {"a": "c"}, ["text"]), generation(maker, {"a": "b"}, ["texts"])}) == 3
-    plain = headers(tmp_path / "one")["maker/encoder.h"]
-    assert plain == headers(tmp_path / "two", ("meaning: Saves", "meaning: Keeps"))["maker/encoder.h"]
-    assert plain != headers(tmp_path / "three", NEXT)["maker/encoder.h"]
 
 
 @pytest.mark.slow

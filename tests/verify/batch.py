@@ -119,8 +119,8 @@ class Batch:
 
     def source(self, entry: str) -> str:
         """The program; ``entry`` is the text of a ``main`` that calls ``work()``, ``feed`` and ``emit`` before it."""
-        view, prefix, maker = self.view, self.view.prefix, self.view.maker.name
-        pieces = "".join(self._codec(item, maker, prefix) for item in self.codecs)
+        view, prefix = self.view, self.view.prefix
+        pieces = "".join(self._codec(item, prefix) for item in self.codecs)
         rows = ",\n".join(
             f"    {{ decode_{item.name}, encode_{item.name}, "
             f"{struct.calcsize(item.answer)}U, {item.size}U, {1 + item.sent}U }}"
@@ -135,7 +135,7 @@ class Batch:
             for index, (target, type_) in enumerate(targets)
         )
         values = {
-            "maker": maker,
+            "maker": view.maker.name,
             "device": self.device.name,
             "prefix": prefix,
             "entry": entry,
@@ -155,7 +155,7 @@ class Batch:
         )
 
     @staticmethod
-    def _codec(codec: Codec, maker: str, prefix: str) -> str:
+    def _codec(codec: Codec, prefix: str) -> str:
         view, at, puts, gets = codec.view, 0, "", ""
         for member in codec.members:
             size = struct.calcsize(f"<{member_format(member)}")
@@ -168,8 +168,6 @@ class Batch:
             at += size
         bits = not view.plan.in_bytes
         values = {
-            "maker": maker,
-            "MAKER": maker.upper(),
             "prefix": prefix,
             "name": codec.name,
             "struct": view.name,
@@ -231,12 +229,12 @@ _CODEC = """
 static void encode_@name@(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to)
 {
     @struct@ in;
-    @maker@_result result;
+    cw_result result;
     @before@
     wipe((uint8_t *)&in, sizeof in, 0U);
 @gets@    result = @struct@_encode(variant, @answers@&in, @encode@);
     to[-1] = (uint8_t)result;
-    if (result == @MAKER@_OK) {
+    if (result == CW_OK) {
         @after@
     }
 }
@@ -244,11 +242,11 @@ static void encode_@name@(const @prefix@_variant *variant, const uint8_t *from, 
 static void decode_@name@(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to)
 {
     @struct@ out;
-    @maker@_result result;
+    cw_result result;
     wipe((uint8_t *)&out, sizeof out, 0x5AU);
     result = @struct@_decode(variant, @decode@);
     to[-1] = (uint8_t)result;
-    if (result != @MAKER@_OK) {
+    if (result != CW_OK) {
         to[-1] |= is_all((const uint8_t *)&out, sizeof out, 0x5AU) ? 0U : 0x80U;
         return;
     }

@@ -23,18 +23,16 @@ def verdict(
 ) -> tuple[bool, str]:
     """Whether the claim is proved, and what is said of it: REFUTED, or that there was no result.
     ``rounds`` bounds each loop, ``more`` are further checks."""
-    (header,) = include.glob("*/encoder.h")
-    maker = header.parent.name
-    text = harness.read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper())
+    text = harness.read_text(encoding="utf-8")
     checker = Checker(tool("cbmc", (OURS,)), tool("cryptominisat5"))
     found = checker.prove(Proof(claim, text, claim, rounds, (*UNDEFINED, *more)), include, folder)
     return found.proved, found.words
 
 
 def planted(include: Path, header: str, sound: str, instead: str, folder: Path) -> Path:
-    """A copy of the headers, one of them with a fault."""
+    """A copy of the headers, one of the runtime's with a fault."""
     shutil.copytree(include, folder / "include")
-    (path,) = (folder / "include").glob(f"*/{header}")
+    path = folder / "include" / "codewheel" / header
     text = path.read_text(encoding="ascii")
     assert text.count(sound) == 1, f"{sound} is gone: choose another place for this fault"
     path.write_text(text.replace(sound, instead), encoding="ascii")

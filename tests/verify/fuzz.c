@@ -75,9 +75,9 @@ static int32_t fuzzed_send(void *context, uint8_t request, uint8_t *reply, size_
     return fuzzed_error();
 }
 
-static inline const @maker@_transport *fuzzed_transport(void)
+static inline const cw_transport *fuzzed_transport(void)
 {
-    static @maker@_transport made;
+    static cw_transport made;
     const uint64_t missing = take(1U);
     made.context = NULL;
     made.read_registers = (missing & 0xC0U) == 0xC0U ? NULL : fuzzed_read;
@@ -136,7 +136,7 @@ static void check_codec(size_t number, const @prefix@_variant *variant)
     if (answer[0] == 0U) {
         const uint8_t again = answer[1U + chosen->members];
         uint8_t *const encoded = &answer[2U + chosen->members];
-        require_of(again == 0U || (may_be_refused[number] && again == (uint8_t)@MAKER@_FAULT_RANGE), "what was decoded is not encoded", number);
+        require_of(again == 0U || (may_be_refused[number] && again == (uint8_t)CW_FAULT_RANGE), "what was decoded is not encoded", number);
         if (again == 0U) {
             uint8_t *const second = answer_of(chosen, variant, encoded, sent, as_bits[number]);
             require_of(memcmp(answer, second, chosen->answer) == 0, "encoding and decoding again gives something else", number);
@@ -188,7 +188,7 @@ static void check_label(void)
                 while (label[at] == ' ') {
                     at++;
                 }
-                require_of(@maker@_capital(label[at]) == @maker@_capital(found->text[index]), "the label does not begin with the order code", at);
+                require_of(cw_capital(label[at]) == cw_capital(found->text[index]), "the label does not begin with the order code", at);
                 at++;
             }
         }

@@ -16,6 +16,7 @@ from itertools import islice
 from pathlib import Path
 
 from batch import Batch, Codec, member_format, on_the_wire
+from c_harness import SHARED
 from test_c_codec import sound_numbers
 from uses import declared, without_texts
 
@@ -39,7 +40,7 @@ _NUMBERS = {
     "double": 8,
 }
 
-#: Helpers of the shared header whose arguments have to fit each other; the functions that call them see to that.
+#: Helpers of the runtime whose arguments have to fit each other; the functions that call them see to that.
 PRECONDITIONS = {
     "signed": "a value of no more than so many bits",
     "fits_signed": "1 to 64 bits",
@@ -53,19 +54,23 @@ def folded(text: str) -> str:
     return _TABLE.sub(lambda found: found[2] or "", without_texts(text))
 
 
+def texts_of(batch: Batch, include: Path) -> list[str]:
+    """The code of the headers of the runtime that a family includes, and of its own."""
+    paths = [include / "codewheel" / f"{name}.h" for name in SHARED]
+    paths.append(include / batch.view.maker.name / f"{batch.device.name}.h")
+    return [folded(path.read_text(encoding="ascii")) for path in paths]
+
+
 class Header:
-    """The functions and structs that a header and the shared one declare."""
+    """The functions and structs that a header and those of the runtime that it includes declare."""
 
     def __init__(self, batch: Batch, include: Path) -> None:
-        self.maker, self.prefix = batch.view.maker.name, batch.view.prefix
-        texts = [
-            folded((include / self.maker / f"{name}.h").read_text(encoding="ascii"))
-            for name in ("encoder", batch.device.name)
-        ]
+        self.prefix = batch.view.prefix
+        texts = texts_of(batch, include)
         found = declared(texts)
         self.structs = {name: body for text in texts for name, body in _STRUCT.findall(text)}
         own = {f"{item.view.name}_{verb}" for item in batch.codecs for verb in ("decode",)}
-        left_out = {f"{self.maker}_{name}" for name in PRECONDITIONS}
+        left_out = {f"cw_{name}" for name in PRECONDITIONS}
         self.functions = [item for item in found.functions if item[1] not in own | left_out]
 
     def calls(self) -> str:
@@ -161,8 +166,7 @@ def source(batch: Batch, include: Path) -> str:
         for item in batch.view.takers
     )
     values = {
-        "maker": header.maker,
-        "MAKER": header.maker.upper(),
+        "maker": batch.view.maker.name,
         "prefix": header.prefix,
         "spelled": "1" if batch.device.order_code.also_written else "0",
         "calls": header.calls(),

@@ -2,12 +2,12 @@
  * What libFuzzer calls for the headers of motion: positions and times of any kind, and an axis that
  * moves within its limit, of which no count may be lost; all functions on angles with any number.
  */
-#include "@maker@/angle.h"
-#include "@maker@/tracker.h"
+#include "codewheel/angle.h"
+#include "codewheel/tracker.h"
 #include "fuzz.h"
 
 /* Whether all members are equal but refused, known and lost. */
-static bool same(const @maker@_tracker *one, const @maker@_tracker *two)
+static bool same(const cw_tracker *one, const cw_tracker *two)
 {
     return one->at_us == two->at_us && one->elapsed_us == two->elapsed_us && one->limit == two->limit
         && one->boot_us == two->boot_us && one->lost_after_us == two->lost_after_us
@@ -18,52 +18,52 @@ static bool same(const @maker@_tracker *one, const @maker@_tracker *two)
 /* Whatever is sent: a frame that is refused changes nothing but its count, and may lose the axis. */
 static void anything(void)
 {
-    @maker@_tracker axis;
+    cw_tracker axis;
     uint32_t now = (uint32_t)take(4U);
-    @maker@_tracker_config config = { 0U, 0U, 0U, 0U, 0U };
+    cw_tracker_config config = { 0U, 0U, 0U, 0U, 0U };
     config.modulus = take((take(1U) & 1U) * 7U);
     config.max_speed = (uint32_t)take(4U);
     config.boot_us = (uint32_t)take(2U);
     config.lost_after_us = (uint32_t)take(3U);
     config.lost_after_refused = (uint32_t)take(1U);
-    @maker@_tracker_start(&axis, &config, now);
+    cw_tracker_start(&axis, &config, now);
     while (left > 0U) {
-        const @maker@_tracker before = axis;
+        const cw_tracker before = axis;
         const uint64_t position = take(7U);
-        @maker@_result result;
+        cw_result result;
         now += (uint32_t)take(3U);
         if ((take(1U) & 31U) == 0U) {
-            @maker@_tracker_restart(&axis, now);
+            cw_tracker_restart(&axis, now);
             require(axis.known == 0U && axis.lost == 0U && axis.modulus == config.modulus && axis.limit == before.limit
                 && axis.boot_us == config.boot_us, "a restart that forgets too much");
-            result = @maker@_tracker_add(&axis, position, now);
-            require(result == ((position == 0U && config.boot_us != 0U) ? @MAKER@_FAULT_RANGE : @MAKER@_OK), "the first");
+            result = cw_tracker_add(&axis, position, now);
+            require(result == ((position == 0U && config.boot_us != 0U) ? CW_FAULT_RANGE : CW_OK), "the first");
             continue;
         }
-        result = @maker@_tracker_add(&axis, position, now);
-        if (result == @MAKER@_OK) {
+        result = cw_tracker_add(&axis, position, now);
+        if (result == CW_OK) {
             require(axis.known == 1U && axis.refused == 0U && axis.raw == position && axis.at_us == now && before.lost == 0U, "not taken in");
         } else {
             require(same(&before, &axis) && axis.refused == before.refused + 1U, "a refusal that changes something");
-            require(result == @MAKER@_FAULT_LOST ? (axis.lost == 1U && axis.known == 0U)
+            require(result == CW_FAULT_LOST ? (axis.lost == 1U && axis.known == 0U)
                 : (axis.lost == 0U && axis.known == before.known), "lost, and not said");
-            require(result == @MAKER@_FAULT_LOST || before.lost == 0U, "a lost axis that is found");
+            require(result == CW_FAULT_LOST || before.lost == 0U, "a lost axis that is found");
         }
-        (void)@maker@_tracker_speed(&axis);
+        (void)cw_tracker_speed(&axis);
     }
 }
 
 /* An axis within its limit, now and then a frame that is far from it. */
 static void followed(void)
 {
-    @maker@_tracker axis;
+    cw_tracker axis;
     const int64_t modulus = 1000000 + (int64_t)take(4U);
     const int64_t start = (int64_t)(take(4U) % (uint64_t)modulus);
     int64_t shaft = start;
     uint32_t now = (uint32_t)take(4U);
-    const @maker@_tracker_config config = { (uint64_t)modulus, 1000000U, 0U, 0U, 0U };
-    @maker@_tracker_start(&axis, &config, now);
-    require(@maker@_tracker_add(&axis, (uint64_t)start, now) == @MAKER@_OK, "the first");
+    const cw_tracker_config config = { (uint64_t)modulus, 1000000U, 0U, 0U, 0U };
+    cw_tracker_start(&axis, &config, now);
+    require(cw_tracker_add(&axis, (uint64_t)start, now) == CW_OK, "the first");
     while (left > 0U) {
         const uint32_t passed = (uint32_t)take(2U);
         const int64_t moved = ((int64_t)(take(3U) % (2U * (uint64_t)passed + 1U))) - (int64_t)passed;
@@ -73,9 +73,9 @@ static void followed(void)
         if (what < 32U) {
             /* Lost, and the next one comes soon: what is in reach grows with the time. */
             const int64_t sent = (shaft + (modulus / 2)) % modulus;
-            require(@maker@_tracker_add(&axis, (uint64_t)((sent < 0) ? sent + modulus : sent), now) == @MAKER@_FAULT_RANGE, "half a turn");
+            require(cw_tracker_add(&axis, (uint64_t)((sent < 0) ? sent + modulus : sent), now) == CW_FAULT_RANGE, "half a turn");
         }
-        require(@maker@_tracker_add(&axis, (uint64_t)(((shaft % modulus) + modulus) % modulus), now) == @MAKER@_OK, "one in reach");
+        require(cw_tracker_add(&axis, (uint64_t)(((shaft % modulus) + modulus) % modulus), now) == CW_OK, "one in reach");
         require(axis.position == shaft, "a count that is lost");
     }
 }
@@ -84,15 +84,15 @@ static void angles(void)
 {
     const uint64_t position = take(8U);
     const uint64_t steps = take(8U) >> 1U;
-    const uint32_t angle = @maker@_angle(position, steps);
-    const float degrees = @maker@_angle_degrees(angle);
-    const float radians = @maker@_angle_radians(angle);
+    const uint32_t angle = cw_angle(position, steps);
+    const float degrees = cw_angle_degrees(angle);
+    const float radians = cw_angle_radians(angle);
     require(degrees >= 0.0F && degrees < 360.0F && radians >= -3.1415929F && radians < 3.1415929F, "past a turn");
-    require(@maker@_angle_electrical(angle, 1U, angle) == 0U, "an offset that is not taken off");
-    require(@maker@_angle_millidegrees(angle) < 360000U, "past a turn");
-    require((uint32_t)@maker@_angle_q31(angle) == angle && (uint16_t)@maker@_angle_q15(angle) == (uint16_t)(angle >> 16U), "other bits");
-    (void)@maker@_counts_per_second((int64_t)take(5U) - INT64_C(0x8000000000), (uint32_t)take(4U));
-    (void)@maker@_counts_per_second((int64_t)position, (uint32_t)steps);
+    require(cw_angle_electrical(angle, 1U, angle) == 0U, "an offset that is not taken off");
+    require(cw_angle_millidegrees(angle) < 360000U, "past a turn");
+    require((uint32_t)cw_angle_q31(angle) == angle && (uint16_t)cw_angle_q15(angle) == (uint16_t)(angle >> 16U), "other bits");
+    (void)cw_counts_per_second((int64_t)take(5U) - INT64_C(0x8000000000), (uint32_t)take(4U));
+    (void)cw_counts_per_second((int64_t)position, (uint32_t)steps);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

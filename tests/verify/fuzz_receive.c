@@ -2,7 +2,7 @@
  * What libFuzzer calls for the header of what is received: buffers of any content and of just their
  * size, lines that are drawn here and have to be read again, and a serial line with noise.
  */
-#include "@maker@/receive.h"
+#include "codewheel/receive.h"
 #include "fuzz.h"
 #include <string.h>
 
@@ -16,16 +16,16 @@ static void anything(void)
     uint64_t word = 0x5AU;
     bool cds = false;
     memcpy(rx, input, size);
-    require(@maker@_biss_receive(rx, size, bits, &word) == @MAKER@_OK || word == 0x5AU, "a fault that changes the word");
+    require(cw_biss_receive(rx, size, bits, &word) == CW_OK || word == 0x5AU, "a fault that changes the word");
     word = 0x5AU;
-    require(@maker@_ssi_receive(rx, size, bits, &word) == @MAKER@_OK || word == 0x5AU, "a fault that changes the word");
-    (void)(@maker@_biss_receive_cds(rx, size, &cds) == @MAKER@_OK);
+    require(cw_ssi_receive(rx, size, bits, &word) == CW_OK || word == 0x5AU, "a fault that changes the word");
+    (void)(cw_biss_receive_cds(rx, size, &cds) == CW_OK);
     word = 0x5AU;
-    require(@maker@_biss_receive_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), bits, &word) == @MAKER@_OK || word == 0x5AU,
+    require(cw_biss_receive_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), bits, &word) == CW_OK || word == 0x5AU,
         "a fault that changes the word");
-    (void)(@maker@_biss_receive_cds_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), &cds) == @MAKER@_OK);
-    require(@maker@_received_samples(rx, size, mask, made) == (size + 7U) / 8U, "samples that are lost");
-    require(@maker@_received_samples(rx, size, mask, rx) == (size + 7U) / 8U, "samples that are lost");
+    (void)(cw_biss_receive_cds_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), &cds) == CW_OK);
+    require(cw_received_samples(rx, size, mask, made) == (size + 7U) / 8U, "samples that are lost");
+    require(cw_received_samples(rx, size, mask, rx) == (size + 7U) / 8U, "samples that are lost");
     require(memcmp(rx, made, (size + 7U) / 8U) == 0, "samples that are read otherwise in place");
     free(rx);
     free(made);
@@ -34,7 +34,7 @@ static void anything(void)
 static void drawn(void)
 {
     const uint32_t bits = 1U + (uint32_t)(take(1U) % 64U);
-    const uint64_t sent = take(8U) & @maker@_mask(bits);
+    const uint64_t sent = take(8U) & cw_mask(bits);
     const size_t rest = 1U + (size_t)(take(1U) % 9U);
     const size_t acknowledge = 1U + (size_t)(take(1U) % 60U);
     const bool ssi = (take(1U) & 1U) != 0U;
@@ -56,26 +56,26 @@ static void drawn(void)
             rx[(first + at) / 8U] |= (uint8_t)(0x80U >> ((first + at) % 8U));
         }
     }
-    require((ssi ? @maker@_ssi_receive(rx, size, bits, &word) : @maker@_biss_receive_bits(rx, received, bits, &word)) == @MAKER@_OK && word == sent,
+    require((ssi ? cw_ssi_receive(rx, size, bits, &word) : cw_biss_receive_bits(rx, received, bits, &word)) == CW_OK && word == sent,
         "a line that is read as another word");
     free(rx);
 }
 
 static void serial(void)
 {
-    @maker@_rs485_line line;
+    cw_rs485_line line;
     const uint8_t control = (uint8_t)take(1U);
     const size_t length = (size_t)(take(1U) % 16U);
     const size_t echo = (size_t)(take(1U) % 5U);
     const uint32_t now = (uint32_t)take(4U);
-    const @maker@_result asked = @maker@_rs485_ask(&line, control, length, echo, now, (uint32_t)take(2U));
-    require((asked == @MAKER@_OK) == (length != 0U && length <= @MAKER@_RECEIVE_RS485_BYTES), "a length that does not fit");
-    require(asked != @MAKER@_OK || @maker@_rs485_reason(&line) == @MAKER@_FAULT_TIMEOUT, "a reason of a line that is new");
-    while (asked == @MAKER@_OK && left > 0U) {
-        if (@maker@_rs485_take(&line, (uint8_t)take(1U))) {
-            require(line.count == length && line.bytes[0] == control && !@maker@_rs485_late(&line, now + 0x7FFFFFFFU), "a reply that is none");
+    const cw_result asked = cw_rs485_ask(&line, control, length, echo, now, (uint32_t)take(2U));
+    require((asked == CW_OK) == (length != 0U && length <= CW_RECEIVE_RS485_BYTES), "a length that does not fit");
+    require(asked != CW_OK || cw_rs485_reason(&line) == CW_FAULT_TIMEOUT, "a reason of a line that is new");
+    while (asked == CW_OK && left > 0U) {
+        if (cw_rs485_take(&line, (uint8_t)take(1U))) {
+            require(line.count == length && line.bytes[0] == control && !cw_rs485_late(&line, now + 0x7FFFFFFFU), "a reply that is none");
             if ((take(1U) & 1U) != 0U) {
-                @maker@_rs485_resume(&line);
+                cw_rs485_resume(&line);
                 require(line.count < length && (line.count == 0U || line.bytes[0] == control), "a rest that begins otherwise");
             }
         }
@@ -101,7 +101,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const uint64_t first = take(8U);
         const uint64_t second = take(8U);
         const uint64_t modulus = take(8U);
-        (void)(@maker@_ssi_repeats(first, second, modulus, take(8U)) == @MAKER@_OK);
+        (void)(cw_ssi_repeats(first, second, modulus, take(8U)) == CW_OK);
         break;
     }
     }

@@ -3,7 +3,7 @@
  * function that waits and by the runner, against an encoder that answers both with the same bytes
  * and errors. Both have to do the same, in the same order, and to say the same.
  */
-#include "@maker@/runner.h"
+#include "codewheel/runner.h"
 #include "fuzz.h"
 #include <string.h>
 
@@ -84,36 +84,36 @@ static int32_t on_send(void *context, uint8_t request, uint8_t *reply, size_t le
 }
 
 /* Steps the runner to its end; gives the time it is by then. */
-static uint32_t carry_out(record *to, @maker@_runner *runner, uint32_t now)
+static uint32_t carry_out(record *to, cw_runner *runner, uint32_t now)
 {
-    @maker@_todo todo;
-    while ((todo = @maker@_runner_next(runner, now)) != @MAKER@_TODO_END) {
+    cw_todo todo;
+    while ((todo = cw_runner_next(runner, now)) != CW_TODO_END) {
         int32_t error = 0;
-        if (todo == @MAKER@_TODO_WAIT) {
+        if (todo == CW_TODO_WAIT) {
             (void)on_wait(to, runner->wait_us);
             now += runner->wait_us;
             continue;
         }
-        require(@maker@_runner_next(runner, now) == @MAKER@_TODO_BUSY, "two things at a time");
-        if (todo == @MAKER@_TODO_READ) {
+        require(cw_runner_next(runner, now) == CW_TODO_BUSY, "two things at a time");
+        if (todo == CW_TODO_READ) {
             error = on_read(to, runner->address, runner->data, runner->length);
-        } else if (todo == @MAKER@_TODO_WRITE) {
+        } else if (todo == CW_TODO_WRITE) {
             error = on_write(to, runner->address, &runner->byte, 1U);
         } else {
             error = on_send(to, runner->byte, runner->data, runner->length);
         }
-        @maker@_runner_done(runner, error, now);
+        cw_runner_done(runner, error, now);
     }
     return now;
 }
 
 /* What was left open is closed by registers, without a request; where nothing is, nothing happens. The fault stays. */
-static void close_again(record *to, @maker@_runner *runner, uint32_t now)
+static void close_again(record *to, cw_runner *runner, uint32_t now)
 {
-    const @maker@_failure before = runner->failure;
-    const @maker@_result result = runner->result;
+    const cw_failure before = runner->failure;
+    const cw_result result = runner->result;
     size_t told = to->count;
-    require(@maker@_runner_close(runner, now) == before.left_open, "closes what is not open");
+    require(cw_runner_close(runner, now) == before.left_open, "closes what is not open");
     (void)carry_out(to, runner, now);
     require(runner->result == result && runner->failure.step == before.step, "closing hides the fault");
     require(before.left_open || to->count == told, "something is done though nothing is open");
@@ -122,15 +122,15 @@ static void close_again(record *to, @maker@_runner *runner, uint32_t now)
     }
 }
 
-static @maker@_result waiting_for_nothing(
-    record *to, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
-    uint32_t at_most, uint32_t pause, @maker@_failure *failure)
+static cw_result waiting_for_nothing(
+    record *to, const cw_step *steps, size_t count, uint8_t *bytes, size_t length,
+    uint32_t at_most, uint32_t pause, cw_failure *failure)
 {
-    @maker@_runner runner;
+    cw_runner runner;
     uint32_t now = 0xFFFFF000U;
     size_t told;
-    if (@maker@_runner_start(&runner, steps, count, bytes, length, now) != @MAKER@_OK) {
-        require(@maker@_runner_next(&runner, now) == @MAKER@_TODO_END, "a start that failed goes on");
+    if (cw_runner_start(&runner, steps, count, bytes, length, now) != CW_OK) {
+        require(cw_runner_next(&runner, now) == CW_TODO_END, "a start that failed goes on");
         return runner.result;
     }
     runner.poll_at_most = at_most;
@@ -144,9 +144,9 @@ static @maker@_result waiting_for_nothing(
 }
 
 /* Whether a step looks at a byte: it never is as it should be where its value has bits outside the mask. */
-static bool is_compared(const @maker@_step *step)
+static bool is_compared(const cw_step *step)
 {
-    return step->kind == @MAKER@_STEP_POLL || step->kind == @MAKER@_STEP_VERIFY;
+    return step->kind == CW_STEP_POLL || step->kind == CW_STEP_VERIFY;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -154,10 +154,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static record waited;
     static record stepped;
-    @maker@_step steps[STEPS];
-    @maker@_failure first = { 0U, @MAKER@_STEP_WAIT, @MAKER@_STEP_WAIT, 0U, 0, false };
-    @maker@_failure second = first;
-    @maker@_result results[2];
+    cw_step steps[STEPS];
+    cw_failure first = { 0U, CW_STEP_WAIT, CW_STEP_WAIT, 0U, 0, false };
+    cw_failure second = first;
+    cw_result results[2];
     uint8_t *bytes[2];
     size_t count;
     size_t length;
@@ -167,14 +167,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     count = (size_t)(take(1U) % (STEPS + 1U));
     for (at = 0U; at < count; at++) {
         const uint8_t kind = (uint8_t)take(1U);
-        steps[at].kind = (@maker@_step_kind)(1U + (kind % 7U));
+        steps[at].kind = (cw_step_kind)(1U + (kind % 7U));
         steps[at].address = (uint16_t)(take(1U) % 24U);
         steps[at].mask = (uint8_t)take(1U);
         steps[at].value = (uint8_t)(take(1U) & (is_compared(&steps[at]) ? steps[at].mask : 0xFFU));
         steps[at].times = (uint16_t)(take(1U) % 4U);
         steps[at].microseconds = (uint32_t)take(2U);
     }
-    length = @maker@_run_reads(steps, count) + (((take(1U) & 15U) == 0U) ? 1U : 0U);
+    length = cw_run_reads(steps, count) + (((take(1U) & 15U) == 0U) ? 1U : 0U);
     waited.script = input;
     waited.left = left;
     waited.count = 0U;
@@ -184,8 +184,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     {
         const uint32_t pause = (uint32_t)size * 3U;
-        const @maker@_transport bus = { &waited, on_read, on_write, on_wait, on_send, 3U, pause };
-        results[0] = @maker@_run(&bus, steps, count, bytes[0], length, &first);
+        const cw_transport bus = { &waited, on_read, on_write, on_wait, on_send, 3U, pause };
+        results[0] = cw_run(&bus, steps, count, bytes[0], length, &first);
         results[1] = waiting_for_nothing(&stepped, steps, count, bytes[1], length, 3U, pause, &second);
     }
     require(results[0] == results[1], "another result");
@@ -198,9 +198,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     require(waited.count == stepped.count, "more of one than of the other");
     require(memcmp(waited.told, stepped.told, waited.count * sizeof(waited.told[0])) == 0, "another access");
-    if (results[0] == @MAKER@_OK) {
+    if (results[0] == CW_OK) {
         require(memcmp(bytes[0], bytes[1], length) == 0, "other bytes are read");
-    } else if (results[0] != @MAKER@_FAULT_LENGTH) {
+    } else if (results[0] != CW_FAULT_LENGTH) {
         require(first.step == second.step && first.kind == second.kind && first.call == second.call
             && first.address == second.address && first.error == second.error && first.left_open == second.left_open,
             "another failure");

@@ -68,7 +68,7 @@ class Machine:
 
 def crc_tables(include: Path) -> list[str]:
     """The options that choose the other form of the CRCs of whole words."""
-    return [f"-D{maker.name.upper()}_CRC_TABLE" for maker in sorted(include.iterdir())]
+    return [f"-D{maker.name.upper()}_CRC_TABLE" for maker in sorted(include.iterdir()) if maker.name != "codewheel"]
 
 
 @dataclass(frozen=True)

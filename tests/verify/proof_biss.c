@@ -3,7 +3,7 @@
  * written down once, in _can_be; each function then shows that it leads from there to there again,
  * whatever comes over the line, and does nothing undefined on the way. So no frames are too many.
  */
-#include "@maker@/biss.h"
+#include "codewheel/biss_slave.h"
 
 int nondet_int(void);
 uint8_t nondet_byte(void);
@@ -11,25 +11,25 @@ uint16_t nondet_half(void);
 uint32_t nondet_word(void);
 size_t nondet_size(void);
 
-static uint8_t into[@MAKER@_BISS_REGISTERS];
-static const uint8_t from[@MAKER@_BISS_REGISTERS];
+static uint8_t into[CW_BISS_REGISTERS];
+static const uint8_t from[CW_BISS_REGISTERS];
 
 static bool either(void)
 {
     return nondet_int() > 0;
 }
 
-static bool master_can_be(const @maker@_biss_master *master)
+static bool master_can_be(const cw_biss_master *master)
 {
-    const bool running = master->outcome == @MAKER@_BISS_RUNNING;
-    const bool at_p = (master->phase == @MAKER@_BISS_PHASE_BYTE) && (master->at == 12U);
-    if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > @MAKER@_BISS_ZEROS)) {
+    const bool running = master->outcome == CW_BISS_RUNNING;
+    const bool at_p = (master->phase == CW_BISS_PHASE_BYTE) && (master->at == 12U);
+    if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > CW_BISS_ZEROS)) {
         return false;
     }
     if (!running) {
-        return master->phase == @MAKER@_BISS_PHASE_WAIT;
+        return master->phase == CW_BISS_PHASE_WAIT;
     }
-    if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > @MAKER@_BISS_REGISTERS)) {
+    if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > CW_BISS_REGISTERS)) {
         return false;
     }
     /* The registers that are left do not run past 7Fh. While P is sent, the byte before it counts as done. */
@@ -40,11 +40,11 @@ static bool master_can_be(const @maker@_biss_master *master)
         return false;
     }
     switch (master->phase) {
-    case @MAKER@_BISS_PHASE_HEADER:
+    case CW_BISS_PHASE_HEADER:
         return master->at <= 17U;
-    case @MAKER@_BISS_PHASE_START:
+    case CW_BISS_PHASE_START:
         return master->busy <= master->busy_limit;
-    case @MAKER@_BISS_PHASE_BYTE:
+    case CW_BISS_PHASE_BYTE:
         return at_p || ((master->at < 12U) && ((master->answers >> master->at) == 0U));
     default:
         return master->at == 0U;
@@ -53,27 +53,27 @@ static bool master_can_be(const @maker@_biss_master *master)
 
 void one_more_bit_of_a_master(void)
 {
-    @maker@_biss_master master;
-    master.outcome = (@maker@_biss_outcome)nondet_int();
-    master.phase = (@maker@_biss_phase)nondet_int();
+    cw_biss_master master;
+    master.outcome = (cw_biss_outcome)nondet_int();
+    master.phase = (cw_biss_phase)nondet_int();
     master.request.write = either();
     __CPROVER_assume(master_can_be(&master));
-    (void)@maker@_biss_master_next(&master, either());
+    (void)cw_biss_master_next(&master, either());
     __CPROVER_assert(master_can_be(&master), "a master stays what it can be");
-    @maker@_biss_master_abort(&master);
-    __CPROVER_assert(master_can_be(&master) && (master.outcome != @MAKER@_BISS_RUNNING), "and can be given up");
+    cw_biss_master_abort(&master);
+    __CPROVER_assert(master_can_be(&master) && (master.outcome != CW_BISS_RUNNING), "and can be given up");
 }
 
 /* The same of the machine whose bit comes a frame late: S and what follows it are counted otherwise. */
-static bool late_master_can_be(const @maker@_biss_master *master)
+static bool late_master_can_be(const cw_biss_master *master)
 {
-    if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > @MAKER@_BISS_ZEROS)) {
+    if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > CW_BISS_ZEROS)) {
         return false;
     }
-    if (master->outcome != @MAKER@_BISS_RUNNING) {
-        return master->phase == @MAKER@_BISS_PHASE_WAIT;
+    if (master->outcome != CW_BISS_RUNNING) {
+        return master->phase == CW_BISS_PHASE_WAIT;
     }
-    if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > @MAKER@_BISS_REGISTERS)) {
+    if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > CW_BISS_REGISTERS)) {
         return false;
     }
     if ((master->request.address + (master->count - master->done)) > 0x80) {
@@ -83,9 +83,9 @@ static bool late_master_can_be(const @maker@_biss_master *master)
         return false;
     }
     switch (master->phase) {
-    case @MAKER@_BISS_PHASE_HEADER:
+    case CW_BISS_PHASE_HEADER:
         return (master->at <= 18U) && ((master->answers >> master->at) == 0U);
-    case @MAKER@_BISS_PHASE_BYTE:
+    case CW_BISS_PHASE_BYTE:
         return (master->at <= 12U) && ((master->answers >> master->at) == 0U);
     default:
         return true;
@@ -94,51 +94,51 @@ static bool late_master_can_be(const @maker@_biss_master *master)
 
 void one_more_bit_of_a_late_master(void)
 {
-    @maker@_biss_master master;
+    cw_biss_master master;
     uint8_t done;
-    master.outcome = (@maker@_biss_outcome)nondet_int();
-    master.phase = (@maker@_biss_phase)nondet_int();
+    master.outcome = (cw_biss_outcome)nondet_int();
+    master.phase = (cw_biss_phase)nondet_int();
     master.request.write = either();
     master.insists = either();
     __CPROVER_assume(late_master_can_be(&master));
     done = master.done;
-    (void)@maker@_biss_master_next_late(&master, either());
+    (void)cw_biss_master_next_late(&master, either());
     __CPROVER_assert(late_master_can_be(&master), "a late master stays what it can be");
     __CPROVER_assert((master.done == done) || (master.done == (uint8_t)(done + 1U)), "a register is done once");
-    @maker@_biss_master_abort(&master);
-    __CPROVER_assert(late_master_can_be(&master) && (master.outcome != @MAKER@_BISS_RUNNING), "and can be given up");
+    cw_biss_master_abort(&master);
+    __CPROVER_assert(late_master_can_be(&master) && (master.outcome != CW_BISS_RUNNING), "and can be given up");
 }
 
 void a_master_begins(void)
 {
-    @maker@_biss_master master;
+    cw_biss_master master;
     const uint8_t id = nondet_byte();
     const uint8_t address = nondet_byte();
     const size_t count = nondet_size();
     const bool fits = (id < 8U) && (address < 0x80U) && (count > 0U) && (count <= (size_t)(0x40U - (address % 0x40U)));
-    @maker@_result result;
-    @maker@_biss_master_init(&master);
+    cw_result result;
+    cw_biss_master_init(&master);
     __CPROVER_assert(master_can_be(&master) && late_master_can_be(&master), "a master that is new");
     master.zeros = nondet_byte();
     __CPROVER_assume(master_can_be(&master));
     if (either()) {
-        result = @maker@_biss_master_read(&master, id, address, into, count, nondet_half());
+        result = cw_biss_master_read(&master, id, address, into, count, nondet_half());
     } else {
-        result = @maker@_biss_master_write(&master, id, address, from, count, nondet_half());
+        result = cw_biss_master_write(&master, id, address, from, count, nondet_half());
     }
-    __CPROVER_assert(result == (fits ? @MAKER@_OK : @MAKER@_FAULT_RANGE), "what runs past the end is refused, and nothing else");
-    __CPROVER_assert((!fits || late_master_can_be(&master)) && master_can_be(&master) && (fits == (master.outcome == @MAKER@_BISS_RUNNING)), "nothing begins that is refused");
+    __CPROVER_assert(result == (fits ? CW_OK : CW_FAULT_RANGE), "what runs past the end is refused, and nothing else");
+    __CPROVER_assert((!fits || late_master_can_be(&master)) && master_can_be(&master) && (fits == (master.outcome == CW_BISS_RUNNING)), "nothing begins that is refused");
 }
 
-static bool slave_can_be(const @maker@_biss_slave *slave)
+static bool slave_can_be(const cw_biss_slave *slave)
 {
-    if (((unsigned)slave->phase > 3U) || ((unsigned)slave->wants > 2U) || (slave->zeros > @MAKER@_BISS_ZEROS) || (slave->current > 0x7FU)) {
+    if (((unsigned)slave->phase > 3U) || ((unsigned)slave->wants > 2U) || (slave->zeros > CW_BISS_ZEROS) || (slave->current > 0x7FU)) {
         return false;
     }
     switch (slave->phase) {
-    case @MAKER@_BISS_PHASE_HEADER:
+    case CW_BISS_PHASE_HEADER:
         return (slave->at <= 16U) && ((slave->received >> slave->at) == 0U);
-    case @MAKER@_BISS_PHASE_BYTE:
+    case CW_BISS_PHASE_BYTE:
         return (slave->at <= 12U) && ((slave->received >> slave->at) == 0U);
     default:
         return true;
@@ -147,63 +147,63 @@ static bool slave_can_be(const @maker@_biss_slave *slave)
 
 void one_more_bit_of_a_slave(void)
 {
-    @maker@_biss_slave slave;
-    @maker@_biss_wants before;
-    slave.wants = (@maker@_biss_wants)nondet_int();
-    slave.phase = (@maker@_biss_phase)nondet_int();
+    cw_biss_slave slave;
+    cw_biss_wants before;
+    slave.wants = (cw_biss_wants)nondet_int();
+    slave.phase = (cw_biss_phase)nondet_int();
     slave.locked = either();
     slave.write = either();
     slave.given = either();
     __CPROVER_assume(slave_can_be(&slave));
     before = slave.wants;
-    (void)@maker@_biss_slave_next(&slave, either(), either());
+    (void)cw_biss_slave_next(&slave, either(), either());
     __CPROVER_assert(slave_can_be(&slave), "a slave stays what it can be");
-    if ((before == @MAKER@_BISS_WANTS_NOTHING) && (slave.wants == @MAKER@_BISS_WANTS_STORE)) {
-        const uint32_t bits = ((uint32_t)slave.value << 4U) | @maker@_biss_crc(slave.value, 8U);
+    if ((before == CW_BISS_WANTS_NOTHING) && (slave.wants == CW_BISS_WANTS_STORE)) {
+        const uint32_t bits = ((uint32_t)slave.value << 4U) | cw_biss_crc(slave.value, 8U);
         __CPROVER_assert((slave.received == bits) && (slave.address == slave.current), "only a byte whose CRC fits is stored");
     }
     if (either()) {
-        @maker@_biss_slave_give(&slave, nondet_byte());
+        cw_biss_slave_give(&slave, nondet_byte());
     } else {
-        @maker@_biss_slave_stored(&slave);
+        cw_biss_slave_stored(&slave);
     }
     __CPROVER_assert(slave_can_be(&slave), "and when it has what it wants");
 }
 
 void a_slave_begins(void)
 {
-    @maker@_biss_slave slave;
-    @maker@_biss_slave_init(&slave);
+    cw_biss_slave slave;
+    cw_biss_slave_init(&slave);
     __CPROVER_assert(slave_can_be(&slave), "a slave that is new");
     slave.current = nondet_byte();
     __CPROVER_assume(slave.current < 0x80U);
     slave.write = either();
-    __CPROVER_assert(!@maker@_biss_slave_may(&slave), "refuses every register");
+    __CPROVER_assert(!cw_biss_slave_may(&slave), "refuses every register");
 }
 
 void words(void)
 {
-    @maker@_biss_request request;
-    @maker@_biss_request again;
+    cw_biss_request request;
+    cw_biss_request again;
     const uint32_t word = nondet_word();
     uint32_t made;
     uint8_t slaves;
     uint8_t value = 0x5AU;
-    @maker@_biss_outcome outcome;
-    if (@maker@_biss_request_decode(word, &request) == @MAKER@_OK) {
-        __CPROVER_assert((@maker@_biss_request_encode(&request, &made) == @MAKER@_OK) && (made == word), "a word that is a request is made by it");
+    cw_biss_outcome outcome;
+    if (cw_biss_request_decode(word, &request) == CW_OK) {
+        __CPROVER_assert((cw_biss_request_encode(&request, &made) == CW_OK) && (made == word), "a word that is a request is made by it");
     }
     request.id = nondet_byte();
     request.address = nondet_byte();
     request.write = either();
     request.value = nondet_byte();
-    if (@maker@_biss_request_encode(&request, &made) == @MAKER@_OK) {
-        __CPROVER_assert(@maker@_biss_request_decode(made, &again) == @MAKER@_OK, "a request is a word");
+    if (cw_biss_request_encode(&request, &made) == CW_OK) {
+        __CPROVER_assert(cw_biss_request_decode(made, &again) == CW_OK, "a request is a word");
         __CPROVER_assert(
             (again.id == request.id) && (again.address == request.address) && (again.write == request.write) && (again.value == request.value),
             "and comes back from it");
     }
-    outcome = @maker@_biss_answer_decode(&request, nondet_word(), &slaves, &value);
+    outcome = cw_biss_answer_decode(&request, nondet_word(), &slaves, &value);
     __CPROVER_assert(slaves <= 9U, "slaves are counted up to 9");
-    __CPROVER_assert((value == 0x5AU) || ((outcome == @MAKER@_BISS_DONE) && !request.write), "no other answer has a value");
+    __CPROVER_assert((value == 0x5AU) || ((outcome == CW_BISS_DONE) && !request.write), "no other answer has a value");
 }

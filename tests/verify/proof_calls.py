@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from c_harness import SHARED
 from codewheel.model import Device
 from proof import PARTLY, PRELUDE, UNDEFINED, Function, Header, Proof, Variants
 
@@ -59,9 +60,9 @@ static int32_t on_send(void *context, uint8_t request, uint8_t *reply, size_t le
     if (length > 0) __CPROVER_havoc_slice(reply, length);
     return fails_first();
 }
-static @maker@_transport any_transport(void)
+static cw_transport any_transport(void)
 {
-    @maker@_transport found;
+    cw_transport found;
     found.context = 0;
     found.read_registers = nondet_bool() ? on_read : 0;
     found.write_registers = nondet_bool() ? on_write : 0;
@@ -76,26 +77,26 @@ static @maker@_transport any_transport(void)
 #: What stands for running steps where a device's procedures are proved: it reads and writes all that it is given and
 #: may end in any way that is open to it. That running steps is so, is proved with the shared header.
 _RUN = """\
-static @maker@_result any_run(
-    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
-    @maker@_failure *failure)
+static cw_result any_run(
+    const cw_transport *transport, const cw_step *steps, size_t count, uint8_t *bytes, size_t length,
+    cw_failure *failure)
 {
     size_t reads = 0;
     __CPROVER_assert(failed_with == 0, "nothing is run after a failure");
     for (size_t at = 0; at < count; at++) {
-        __CPROVER_assert(steps[at].kind >= @MAKER@_STEP_WRITE, "a kind of step");
-        __CPROVER_assert(steps[at].kind <= @MAKER@_STEP_VERIFY, "a kind of step");
-        reads += steps[at].kind == @MAKER@_STEP_READ;
+        __CPROVER_assert(steps[at].kind >= CW_STEP_WRITE, "a kind of step");
+        __CPROVER_assert(steps[at].kind <= CW_STEP_VERIFY, "a kind of step");
+        reads += steps[at].kind == CW_STEP_READ;
     }
     __CPROVER_assert(reads == length, "a place for each byte that is read");
     for (size_t at = 0; at < length; at++) bytes[at] = nondet_byte();
-    if (nondet_bool()) return @MAKER@_OK;
-    if (nondet_bool()) return nondet_bool() ? @MAKER@_FAULT_UNSUPPORTED : @MAKER@_FAULT_TIMEOUT;
+    if (nondet_bool()) return CW_OK;
+    if (nondet_bool()) return nondet_bool() ? CW_FAULT_UNSUPPORTED : CW_FAULT_TIMEOUT;
     __CPROVER_assume(fails() != 0);
     if (failure != 0) failure->error = failed_with;
-    return @MAKER@_FAULT_TRANSPORT;
+    return CW_FAULT_TRANSPORT;
 }
-#define @maker@_run any_run
+#define cw_run any_run
 """
 
 
@@ -114,7 +115,7 @@ class _Given:
         self.passed: list[str] = []
         self.results: list[tuple[str, str]] = []
         self.transport = any(name == "transport" for _, name in function.arguments)
-        self._of, self._any_steps = of, _any_steps(of.maker, function)
+        self._of, self._any_steps = of, _any_steps(function)
         kinds = [kind for kind, _ in function.arguments]
         counted = ""
         for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""], strict=True):
@@ -122,7 +123,7 @@ class _Given:
             if counted and kind == "size_t":
                 self.passed.append(counted)
                 counted = ""
-            elif kind.endswith("*") and follows == "size_t" and plain in ("uint8_t", f"{of.maker}_step"):
+            elif kind.endswith("*") and follows == "size_t" and plain in ("uint8_t", "cw_step"):
                 counted = f"{local}_count"
                 self._several(plain, kind, local, counted)
             elif kind.endswith("*"):
@@ -136,7 +137,7 @@ class _Given:
     def _several(self, plain: str, kind: str, local: str, count: str) -> None:
         """A buffer and how many there are in it."""
         most = BYTES if plain == "uint8_t" else 4 * BYTES
-        if self._any_steps or kind == f"const {self._of.maker}_step *":
+        if self._any_steps or kind == "const cw_step *":
             most = STEPS
         self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {most});")
         if self._any_steps:
@@ -154,17 +155,17 @@ class _Given:
             self.lines.append(f"{plain} {local} = variant;")
         elif plain == "char":
             self.lines.append(f"char {local}[{LABEL + 1}]; {local}[{LABEL}] = 0;")
-        elif plain == f"{of.maker}_transport":
+        elif plain == "cw_transport":
             self.lines.append(f"const {plain} {local} = any_transport();")
-        elif plain == f"{of.maker}_failure":
+        elif plain == "cw_failure":
             self.lines.append(f"{plain} failure; failure.left_open = 0;")
         else:
             self.lines += [line.strip() for line in of.header.anything(plain, local).splitlines()]
-            if plain == f"{of.maker}_step":
+            if plain == "cw_step":
                 self.lines.append(_bounded(local))
             if not kind.startswith("const"):
                 self.results.append((plain, local))
-        if plain == f"{of.maker}_failure":
+        if plain == "cw_failure":
             self.passed.append("&failure" if self.transport else "nondet_bool() ? &failure : 0")
         else:
             self.passed.append(local if plain == "char" else f"&{local}")
@@ -172,9 +173,8 @@ class _Given:
 
 @dataclass(frozen=True)
 class CallProof:
-    """The functions of one header: that of a device, or without one the shared header."""
+    """The functions of one header: that of a device, or without one a header of the runtime."""
 
-    maker: str
     header: Header
     include: str
     functions: Sequence[Function]
@@ -182,7 +182,7 @@ class CallProof:
 
     @property
     def prefix(self) -> str:
-        return f"{self.maker}_{self.device.name}" if self.device is not None else self.maker
+        return f"{self.device.manufacturer.name}_{self.device.name}" if self.device is not None else "cw"
 
     @cached_property
     def variants(self) -> Variants | None:
@@ -192,14 +192,14 @@ class CallProof:
 
     @cached_property
     def harness(self) -> str:
-        text = f'#include "{self.maker}/encoder.h"\n{PRELUDE}{_TRANSPORT}'
+        text = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED) + PRELUDE + _TRANSPORT
         if self.device is not None:
-            # Comparing labels, too, is proved with the shared header; here it may find anything,
+            # Comparing labels, too, is proved with encoder.h; here it may find anything,
             # so that the search holds whatever the label.
             text += "static size_t any_match(const char *label, const char *code) { return nondet_size(); }\n"
-            text += "#define @maker@_label_match any_match\n"
+            text += "#define cw_label_match any_match\n"
             text += f'{_RUN}#include "{self.include}"\n'
-        text = text.replace("@maker@", self.maker).replace("@MAKER@", self.maker.upper()).replace("@times@", str(TIMES))
+        text = text.replace("@times@", str(TIMES))
         if self.variants is not None:
             text += self.variants.declare(self.prefix, self.header)
         return text + "".join(map(self._call, self.functions))
@@ -208,7 +208,7 @@ class CallProof:
         given = _Given(self, function)
         call = f"{function.name}({', '.join(given.passed)})"
         lines = given.lines
-        if function.type == f"{self.maker}_result":
+        if function.type == "cw_result":
             lines += [f"const {kind} before_{name} = {name};" for kind, name in given.results]
             lines += [f"const int found = (int){call};", *self._claims(given)]
         else:
@@ -243,7 +243,7 @@ class CallProof:
             if "order_codes(" in item.body or "label" in item.name
             if item not in anywhere
         ]
-        steps = [item for item in self.functions if _any_steps(self.maker, item)]
+        steps = [item for item in self.functions if _any_steps(item)]
         rest = [item for item in self.functions if item not in (*codes, *steps, *anywhere)]
         groups = (
             [([item], CODES_ROUNDS) for item in codes]
@@ -259,6 +259,6 @@ class CallProof:
             yield Proof(f"{group[0].name}{more}, called", whole, "everything", rounds, options)
 
 
-def _any_steps(maker: str, function: Function) -> bool:
+def _any_steps(function: Function) -> bool:
     """Whether the function is given steps that may be anything."""
-    return any(kind == f"const {maker}_step *" for kind, _ in function.arguments)
+    return any(kind == "const cw_step *" for kind, _ in function.arguments)

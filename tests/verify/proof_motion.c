@@ -2,17 +2,17 @@
  * What is claimed of tracker.h and angle.h, for every state and every number that a caller may give.
  * The numbers of the claims are worked out with 128 bits, so that nothing starts again.
  */
-#include "@maker@/tracker.h"
-#include "@maker@/angle.h"
+#include "codewheel/tracker.h"
+#include "codewheel/angle.h"
 
 typedef __int128 wide;
 uint64_t nondet_word(void);
 uint32_t nondet_number(void);
 
 /* An axis as the functions leave it: the position it has is one of the encoder's, if it has one. */
-static @maker@_tracker any_axis(void)
+static cw_tracker any_axis(void)
 {
-    @maker@_tracker axis;
+    cw_tracker axis;
     axis.known = nondet_number();
     axis.lost = nondet_number();
     __CPROVER_assume(axis.known <= 1U && axis.lost <= 1U && axis.known + axis.lost < 2U);
@@ -29,12 +29,12 @@ static @maker@_tracker any_axis(void)
  */
 static void believed_after(uint32_t elapsed)
 {
-    @maker@_tracker axis = any_axis();
-    const @maker@_tracker before = axis;
+    cw_tracker axis = any_axis();
+    const cw_tracker before = axis;
     const uint64_t position = nondet_word();
     const uint32_t now = before.at_us + elapsed;
     __CPROVER_assume(position < (1ULL << 61) && (axis.modulus == 0U || position < axis.modulus));
-    if (@maker@_tracker_add(&axis, position, now) != @MAKER@_OK) return;
+    if (cw_tracker_add(&axis, position, now) != CW_OK) return;
     __CPROVER_assert(axis.raw == position && axis.at_us == now && axis.refused == 0U && axis.known == 1U, "is taken in");
     __CPROVER_assert(axis.limit == before.limit && axis.modulus == before.modulus && axis.boot_us == before.boot_us
         && axis.lost_after_us == before.lost_after_us && axis.refused_at_most == before.refused_at_most, "what was set stays");
@@ -49,7 +49,7 @@ static void believed_after(uint32_t elapsed)
     __CPROVER_assert(axis.position == before.position + moved && axis.elapsed_us == elapsed, "how far, in what time");
     __CPROVER_assert(moved == ahead || moved == ahead + whole || moved == ahead - whole, "goes round whole times");
     __CPROVER_assert(whole == 0 || (2 * moved < whole && 2 * moved >= -whole), "the shorter way");
-    const uint32_t reach_us = elapsed < @MAKER@_TRACKER_REACH_US ? elapsed : @MAKER@_TRACKER_REACH_US - 1U;
+    const uint32_t reach_us = elapsed < CW_TRACKER_REACH_US ? elapsed : CW_TRACKER_REACH_US - 1U;
     __CPROVER_assert((moved < 0 ? -moved : moved) <= (int64_t)(((uint64_t)axis.limit * (reach_us / 16U + 1U)) >> 16),
         "no farther than the limit, however long ago");
 }
@@ -62,22 +62,22 @@ void what_is_believed_after_an_hour(void) { believed_after(3600000000U); }
 /* Whatever is sent: what is not believed is counted, and changes nothing else but that the axis may be lost by it. */
 static void refused_after(uint32_t elapsed)
 {
-    @maker@_tracker axis = any_axis();
-    const @maker@_tracker before = axis;
+    cw_tracker axis = any_axis();
+    const cw_tracker before = axis;
     const uint64_t position = nondet_word();
     const uint32_t now = before.at_us + elapsed;
-    const @maker@_result result = @maker@_tracker_add(&axis, position, now);
-    if (result == @MAKER@_OK) return;
+    const cw_result result = cw_tracker_add(&axis, position, now);
+    if (result == CW_OK) return;
     __CPROVER_assert(axis.refused == before.refused + 1U, "is counted");
     __CPROVER_assert(axis.at_us == before.at_us && axis.limit == before.limit && axis.boot_us == before.boot_us
         && axis.lost_after_us == before.lost_after_us && axis.refused_at_most == before.refused_at_most
         && axis.elapsed_us == before.elapsed_us && axis.raw == before.raw && axis.position == before.position
         && axis.moved == before.moved && axis.modulus == before.modulus, "and nothing else");
-    __CPROVER_assert(result == @MAKER@_FAULT_LOST ? (axis.known == 0U && axis.lost == 1U)
-        : (result == @MAKER@_FAULT_RANGE && axis.known == before.known && axis.lost == 0U && before.lost == 0U),
+    __CPROVER_assert(result == CW_FAULT_LOST ? (axis.known == 0U && axis.lost == 1U)
+        : (result == CW_FAULT_RANGE && axis.known == before.known && axis.lost == 0U && before.lost == 0U),
         "lost is what it says");
-    __CPROVER_assert(result != @MAKER@_FAULT_LOST || before.lost != 0U || before.known != 0U, "nothing is lost before the first");
-    __CPROVER_assert((result == @MAKER@_FAULT_LOST) == (before.lost != 0U || (before.known != 0U
+    __CPROVER_assert(result != CW_FAULT_LOST || before.lost != 0U || before.known != 0U, "nothing is lost before the first");
+    __CPROVER_assert((result == CW_FAULT_LOST) == (before.lost != 0U || (before.known != 0U
         && (elapsed > before.lost_after_us || axis.refused > before.refused_at_most))), "lost by what was set, and by nothing else");
 }
 void what_is_refused_after_a_cycle(void) { refused_after(50U); }
@@ -86,33 +86,33 @@ void what_is_refused_after_a_silence(void) { refused_after(524288U); }
 /* With 0 for both an axis is never lost, and only a restart finds one that is. */
 void what_was_lost(void)
 {
-    const @maker@_tracker_config never = { nondet_word(), nondet_number(), nondet_number(), 0U, 0U };
-    @maker@_tracker axis;
-    @maker@_tracker_start(&axis, &never, nondet_number());
+    const cw_tracker_config never = { nondet_word(), nondet_number(), nondet_number(), 0U, 0U };
+    cw_tracker axis;
+    cw_tracker_start(&axis, &never, nondet_number());
     __CPROVER_assert(axis.lost_after_us == 0xFFFFFFFFU && axis.refused_at_most == 0xFFFFFFFFU, "never");
     axis = any_axis();
     __CPROVER_assume(axis.lost == 1U);
-    __CPROVER_assert(@maker@_tracker_add(&axis, nondet_word(), nondet_number()) == @MAKER@_FAULT_LOST && axis.lost == 1U, "whatever comes");
+    __CPROVER_assert(cw_tracker_add(&axis, nondet_word(), nondet_number()) == CW_FAULT_LOST && axis.lost == 1U, "whatever comes");
     const uint32_t boot_us = axis.boot_us, now = nondet_number();
-    @maker@_tracker_restart(&axis, now);
+    cw_tracker_restart(&axis, now);
     __CPROVER_assert(axis.boot_us == boot_us, "the gate stays");
-    __CPROVER_assert(@maker@_tracker_add(&axis, 1U, now) == @MAKER@_OK && axis.known == 1U, "and begins anew");
+    __CPROVER_assert(cw_tracker_add(&axis, 1U, now) == CW_OK && axis.known == 1U, "and begins anew");
 }
 
 /* A number of counts that the speed allows is always believed. */
 static void allowed_after(uint32_t elapsed)
 {
-    @maker@_tracker axis;
+    cw_tracker axis;
     const uint32_t max_speed = nondet_number(), start = nondet_number();
     const uint64_t from = nondet_word(), to = nondet_word();
     __CPROVER_assume(from < (1ULL << 61) && to < (1ULL << 61));
     const uint64_t distance = from < to ? to - from : from - to;
     __CPROVER_assume(max_speed <= 4000000000U && distance < (1ULL << 42));
     __CPROVER_assume(distance * 1000000U <= (uint64_t)max_speed * elapsed);
-    const @maker@_tracker_config config = { 0U, max_speed, 0U, 0U, 0U };
-    @maker@_tracker_start(&axis, &config, start);
-    __CPROVER_assert(@maker@_tracker_add(&axis, from, start) == @MAKER@_OK, "the first");
-    __CPROVER_assert(@maker@_tracker_add(&axis, to, start + elapsed) == @MAKER@_OK, "and one in reach");
+    const cw_tracker_config config = { 0U, max_speed, 0U, 0U, 0U };
+    cw_tracker_start(&axis, &config, start);
+    __CPROVER_assert(cw_tracker_add(&axis, from, start) == CW_OK, "the first");
+    __CPROVER_assert(cw_tracker_add(&axis, to, start + elapsed) == CW_OK, "and one in reach");
 }
 void what_the_speed_allows_in_a_cycle(void) { allowed_after(50U); }
 void what_the_speed_allows_in_a_while(void) { allowed_after(524287U); }
@@ -121,7 +121,7 @@ void highest_bit(void)
 {
     const uint64_t number = nondet_word();
     __CPROVER_assume(number != 0U);
-    const uint32_t bit = @maker@_angle_highest_bit(number);
+    const uint32_t bit = cw_angle_highest_bit(number);
     __CPROVER_assert(bit < 64U && (number >> bit) == 1U, "the highest bit");
 }
 
@@ -132,13 +132,13 @@ void angle_of_a_power_of_two(void)
     const uint32_t bits = nondet_number();
     __CPROVER_assume(bits < 63U);
     const wide rest = (wide)(position & ((1ULL << bits) - 1U));
-    __CPROVER_assert(@maker@_angle(position, 1ULL << bits) == (uint32_t)((rest << 32) >> bits), "its angle");
+    __CPROVER_assert(cw_angle(position, 1ULL << bits) == (uint32_t)((rest << 32) >> bits), "its angle");
 }
 
 void forms_of_an_angle(void)
 {
     const uint32_t angle = nondet_number();
-    __CPROVER_assert((uint32_t)@maker@_angle_q31(angle) == angle, "the same bits");
-    __CPROVER_assert((uint16_t)@maker@_angle_q15(angle) == (uint16_t)(angle >> 16), "the same bits");
-    __CPROVER_assert(@maker@_angle_millidegrees(angle) < 360000U, "less than a turn");
+    __CPROVER_assert((uint32_t)cw_angle_q31(angle) == angle, "the same bits");
+    __CPROVER_assert((uint16_t)cw_angle_q15(angle) == (uint16_t)(angle >> 16), "the same bits");
+    __CPROVER_assert(cw_angle_millidegrees(angle) < 360000U, "less than a turn");
 }

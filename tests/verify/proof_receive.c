@@ -3,7 +3,7 @@
  * stays inside it and finds the word that the line shows, which is written down here once more as a
  * line is read by hand; and a serial line stays what it can be, whatever comes.
  */
-#include "@maker@/receive.h"
+#include "codewheel/receive.h"
 
 int nondet_int(void);
 uint8_t nondet_byte(void);
@@ -48,7 +48,7 @@ void a_frame_of_biss(void)
 {
     const uint32_t bits = nondet_word();
     uint64_t word = 0x5AU;
-    @maker@_result result;
+    cw_result result;
     size_t low;
     size_t start;
     uint64_t expected = 0U;
@@ -56,27 +56,27 @@ void a_frame_of_biss(void)
     any_buffer();
     low = next(0U, 0U);
     start = next(low, 1U);
-    result = @maker@_biss_receive_bits(rx, received, bits, &word);
-    __CPROVER_assert((result == @MAKER@_OK) || (word == 0x5AU), "a fault leaves the word as it was");
-    __CPROVER_assert((result == @MAKER@_FAULT_LINE_HIGH) == (low == received), "never low");
-    __CPROVER_assert((result == @MAKER@_FAULT_LINE_LOW) == ((received != 0U) && (low == 0U)), "low before the frame");
+    result = cw_biss_receive_bits(rx, received, bits, &word);
+    __CPROVER_assert((result == CW_OK) || (word == 0x5AU), "a fault leaves the word as it was");
+    __CPROVER_assert((result == CW_FAULT_LINE_HIGH) == (low == received), "never low");
+    __CPROVER_assert((result == CW_FAULT_LINE_LOW) == ((received != 0U) && (low == 0U)), "low before the frame");
     if ((low == 0U) || (low == received)) {
         return;
     }
-    __CPROVER_assert((result == @MAKER@_FAULT_NO_START) == (start == received), "no start");
+    __CPROVER_assert((result == CW_FAULT_NO_START) == (start == received), "no start");
     if (start == received) {
         return;
     }
     if ((bits > 64U) || ((start + 2U + bits) > received)) {
-        __CPROVER_assert(result == @MAKER@_FAULT_LENGTH, "too few bits");
+        __CPROVER_assert(result == CW_FAULT_LENGTH, "too few bits");
         return;
     }
     const bool wrong = ((start + 2U + bits) < received) && (bit(start + 2U + bits) != 0U);
-    __CPROVER_assert(result == (wrong ? @MAKER@_FAULT_CONSTANT : @MAKER@_OK), "the stop bit, if there is one");
+    __CPROVER_assert(result == (wrong ? CW_FAULT_CONSTANT : CW_OK), "the stop bit, if there is one");
     for (at = start + 2U; at < (start + 2U + bits); at++) {
         expected = (2U * expected) + bit(at);
     }
-    __CPROVER_assert((result != @MAKER@_OK) || (word == expected), "the word");
+    __CPROVER_assert((result != CW_OK) || (word == expected), "the word");
 }
 
 void a_frame_in_whole_bytes(void)
@@ -86,22 +86,22 @@ void a_frame_in_whole_bytes(void)
     bool cds = false, again = false;
     any_buffer();
     received = 8U * size;
-    __CPROVER_assert(@maker@_biss_receive(rx, size, bits, &word) == @maker@_biss_receive_bits(rx, received, bits, &same)
+    __CPROVER_assert(cw_biss_receive(rx, size, bits, &word) == cw_biss_receive_bits(rx, received, bits, &same)
         && word == same, "the frame");
-    __CPROVER_assert(@maker@_biss_receive_cds(rx, size, &cds) == @maker@_biss_receive_cds_bits(rx, received, &again)
+    __CPROVER_assert(cw_biss_receive_cds(rx, size, &cds) == cw_biss_receive_cds_bits(rx, received, &again)
         && cds == again, "and its CDS");
 }
 
 void its_cds(void)
 {
     bool cds = false;
-    @maker@_result result;
+    cw_result result;
     size_t start;
     any_buffer();
     start = next(next(0U, 0U), 1U);
-    result = @maker@_biss_receive_cds_bits(rx, received, &cds);
-    __CPROVER_assert((result == @MAKER@_OK) == ((start + 1U) < received), "where there is one");
-    __CPROVER_assert((result != @MAKER@_OK) || (cds == (bit(start + 1U) != 0U)), "the bit after start");
+    result = cw_biss_receive_cds_bits(rx, received, &cds);
+    __CPROVER_assert((result == CW_OK) == ((start + 1U) < received), "where there is one");
+    __CPROVER_assert((result != CW_OK) || (cds == (bit(start + 1U) != 0U)), "the bit after start");
 }
 
 void a_word_of_ssi(void)
@@ -110,13 +110,13 @@ void a_word_of_ssi(void)
     uint64_t word = 0x5AU;
     uint64_t expected = 0U;
     bool ones = true;
-    @maker@_result result;
+    cw_result result;
     size_t at;
     any_buffer();
-    result = @maker@_ssi_receive(rx, size, bits, &word);
-    __CPROVER_assert((result == @MAKER@_OK) || (word == 0x5AU), "a fault leaves the word as it was");
+    result = cw_ssi_receive(rx, size, bits, &word);
+    __CPROVER_assert((result == CW_OK) || (word == 0x5AU), "a fault leaves the word as it was");
     if ((bits > 64U) || ((bits + 2U) > (8U * size))) {
-        __CPROVER_assert(result == @MAKER@_FAULT_LENGTH, "too few bits");
+        __CPROVER_assert(result == CW_FAULT_LENGTH, "too few bits");
         return;
     }
     for (at = 1U; at <= bits; at++) {
@@ -124,11 +124,11 @@ void a_word_of_ssi(void)
         ones = ones && (bit(at) != 0U);
     }
     if (bit(0U) == 0U) {
-        __CPROVER_assert(result == @MAKER@_FAULT_LINE_LOW, "low before the word");
+        __CPROVER_assert(result == CW_FAULT_LINE_LOW, "low before the word");
     } else if (bit(bits + 1U) != 0U) {
-        __CPROVER_assert(result == (ones ? @MAKER@_FAULT_LINE_HIGH : @MAKER@_FAULT_CONSTANT), "high after the word");
+        __CPROVER_assert(result == (ones ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT), "high after the word");
     } else {
-        __CPROVER_assert((result == @MAKER@_OK) && (word == expected), "the word");
+        __CPROVER_assert((result == CW_OK) && (word == expected), "the word");
     }
 }
 
@@ -138,13 +138,13 @@ void two_readings(void)
     const uint64_t second = nondet_wide();
     const uint64_t modulus = nondet_wide();
     const uint64_t most = nondet_wide();
-    const @maker@_result result = @maker@_ssi_repeats(first, second, modulus, most);
+    const cw_result result = cw_ssi_repeats(first, second, modulus, most);
     const uint64_t apart = (first > second) ? (first - second) : (second - first);
     if ((modulus != 0U) && ((first >= modulus) || (second >= modulus))) {
-        __CPROVER_assert(result == @MAKER@_FAULT_RANGE, "positions are below their modulus");
+        __CPROVER_assert(result == CW_FAULT_RANGE, "positions are below their modulus");
     } else {
         const bool near = (apart <= most) || ((modulus != 0U) && ((modulus - apart) <= most));
-        __CPROVER_assert(result == (near ? @MAKER@_OK : @MAKER@_FAULT_REPEAT), "the shorter way");
+        __CPROVER_assert(result == (near ? CW_OK : CW_FAULT_REPEAT), "the shorter way");
     }
 }
 
@@ -156,9 +156,9 @@ void other_shapes(void)
     uint8_t samples[16];
     uint8_t made[8];
     size_t at;
-    @maker@_received_words16(halves, 2U, made);
+    cw_received_words16(halves, 2U, made);
     __CPROVER_assert(((made[2] * 256U) + made[3]) == halves[1], "two bytes of each word");
-    @maker@_received_words32(words, 2U, made);
+    cw_received_words32(words, 2U, made);
     __CPROVER_assert(((((((made[4] * 256ULL) + made[5]) * 256U) + made[6]) * 256U) + made[7]) == words[1], "four bytes of each word");
     for (at = 0U; at < 16U; at++) {
         samples[at] = nondet_byte();
@@ -167,66 +167,66 @@ void other_shapes(void)
     __CPROVER_assume(at < 16U);
     size = nondet_size();
     __CPROVER_assume(size <= 16U);
-    __CPROVER_assert(@maker@_received_samples(samples, size, mask, rx) == ((size + 7U) / 8U), "bytes for all of them");
+    __CPROVER_assert(cw_received_samples(samples, size, mask, rx) == ((size + 7U) / 8U), "bytes for all of them");
     __CPROVER_assert((at >= size) || (bit(at) == (((samples[at] & mask) != 0U) ? 1U : 0U)), "a bit of each sample");
     __CPROVER_assert((at < size) || (at >= (8U * ((size + 7U) / 8U))) || (bit(at) == 1U), "and ones after them");
 }
 
-static bool line_can_be(const @maker@_rs485_line *line)
+static bool line_can_be(const cw_rs485_line *line)
 {
-    return (line->length <= @MAKER@_RECEIVE_RS485_BYTES) && (line->count <= line->length)
+    return (line->length <= CW_RECEIVE_RS485_BYTES) && (line->count <= line->length)
         && ((line->count == 0U) || (line->bytes[0] == line->control));
 }
 
 void one_more_byte_of_a_line(void)
 {
-    @maker@_rs485_line line;
+    cw_rs485_line line;
     const uint8_t byte = nondet_byte();
     size_t before;
     bool whole;
     __CPROVER_assume(line_can_be(&line));
     before = line.count;
-    whole = @maker@_rs485_take(&line, byte);
+    whole = cw_rs485_take(&line, byte);
     __CPROVER_assert(line_can_be(&line), "a line stays what it can be");
     __CPROVER_assert(!whole || ((line.count == line.length) && (line.count == (before + 1U)) && (line.bytes[before] == byte)),
         "whole with this byte");
     before = line.count;
-    @maker@_rs485_resume(&line);
+    cw_rs485_resume(&line);
     __CPROVER_assert(line_can_be(&line) && ((line.count < before) || (before == 0U)), "and looks on behind the first byte");
 }
 
 /* What came first and began no reply is told as that, whatever came then. */
 void a_reply_without_its_first_byte(void)
 {
-    @maker@_rs485_line line;
+    cw_rs485_line line;
     const uint8_t control = nondet_byte();
     const uint8_t first = nondet_byte();
-    @maker@_result reason;
-    if (@maker@_rs485_ask(&line, control, 4U, 0U, 0U, 1U) != @MAKER@_OK) {
+    cw_result reason;
+    if (cw_rs485_ask(&line, control, 4U, 0U, 0U, 1U) != CW_OK) {
         return;
     }
-    __CPROVER_assert(@maker@_rs485_reason(&line) == @MAKER@_FAULT_TIMEOUT, "nothing came");
+    __CPROVER_assert(cw_rs485_reason(&line) == CW_FAULT_TIMEOUT, "nothing came");
     __CPROVER_assume(first != control);
-    (void)@maker@_rs485_take(&line, first);
-    __CPROVER_assert(@maker@_rs485_reason(&line) == @MAKER@_FAULT_HEAD_MISSING, "one byte");
-    (void)@maker@_rs485_take(&line, nondet_byte());
-    (void)@maker@_rs485_take(&line, nondet_byte());
-    reason = @maker@_rs485_reason(&line);
-    __CPROVER_assert(reason == @MAKER@_FAULT_HEAD_MISSING, "three of four bytes");
+    (void)cw_rs485_take(&line, first);
+    __CPROVER_assert(cw_rs485_reason(&line) == CW_FAULT_HEAD_MISSING, "one byte");
+    (void)cw_rs485_take(&line, nondet_byte());
+    (void)cw_rs485_take(&line, nondet_byte());
+    reason = cw_rs485_reason(&line);
+    __CPROVER_assert(reason == CW_FAULT_HEAD_MISSING, "three of four bytes");
 }
 
 void a_line_that_waits(void)
 {
-    @maker@_rs485_line line;
+    cw_rs485_line line;
     const uint32_t now = nondet_word();
     const uint32_t later = nondet_word();
     const uint32_t most = nondet_word();
     const size_t length = nondet_size();
-    const @maker@_result result = @maker@_rs485_ask(&line, nondet_byte(), length, nondet_size(), now, most);
+    const cw_result result = cw_rs485_ask(&line, nondet_byte(), length, nondet_size(), now, most);
     __CPROVER_assert(
-        result == (((length == 0U) || (length > @MAKER@_RECEIVE_RS485_BYTES)) ? @MAKER@_FAULT_LENGTH : @MAKER@_OK), "what there is room for");
-    if (result == @MAKER@_OK) {
+        result == (((length == 0U) || (length > CW_RECEIVE_RS485_BYTES)) ? CW_FAULT_LENGTH : CW_OK), "what there is room for");
+    if (result == CW_OK) {
         __CPROVER_assert(line_can_be(&line), "a line that is new");
-        __CPROVER_assert(@maker@_rs485_late(&line, later) == ((((1ULL << 32U) + later - now) % (1ULL << 32U)) > most), "time that runs over");
+        __CPROVER_assert(cw_rs485_late(&line, later) == ((((1ULL << 32U) + later - now) % (1ULL << 32U)) > most), "time that runs over");
     }
 }

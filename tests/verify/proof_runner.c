@@ -1,9 +1,9 @@
 /*
  * What is claimed of runner.h, for any two steps, of no kind too, and whatever becomes of what it
- * asks for. That it does what lika_run() does is shown by the fuzzer and by the tests of procedures,
+ * asks for. That it does what cw_run() does is shown by the fuzzer and by the tests of procedures,
  * which all go through both.
  */
-#include "@maker@/runner.h"
+#include "codewheel/runner.h"
 
 uint32_t nondet_number(void);
 uint8_t nondet_byte(void);
@@ -13,7 +13,7 @@ size_t nondet_size(void);
 #define STEPS 2U
 #define ACCESSES 2U
 
-static @maker@_step steps[STEPS];
+static cw_step steps[STEPS];
 static uint8_t room[STEPS];
 
 /* The list, and the places for what it reads at the very end of their memory. */
@@ -24,11 +24,11 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
     __CPROVER_assume(count != 0U && count <= STEPS);
     *length = 0U;
     for (at = 0U; at < STEPS; at++) {
-        @maker@_step step;
+        cw_step step;
         __CPROVER_assume(step.times <= ACCESSES);
-        __CPROVER_assume(step.address <= ACCESSES || step.address > @MAKER@_REPLY_BYTES || step.kind != @MAKER@_STEP_SEND);
+        __CPROVER_assume(step.address <= ACCESSES || step.address > CW_REPLY_BYTES || step.kind != CW_STEP_SEND);
         steps[at] = step;
-        if (at < count && step.kind == @MAKER@_STEP_READ) {
+        if (at < count && step.kind == CW_STEP_READ) {
             (*length)++;
         }
     }
@@ -37,10 +37,10 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
 }
 
 /* Of a step: a byte of which some bits are changed is read and written; the others as often as they say. */
-static uint32_t most_of(const @maker@_step *step)
+static uint32_t most_of(const cw_step *step)
 {
-    const bool changes = step->kind == @MAKER@_STEP_WRITE || step->kind == @MAKER@_STEP_CLOSE;
-    return (changes || step->kind == @MAKER@_STEP_POLL) ? ACCESSES : (step->kind == @MAKER@_STEP_SEND && step->times != 0U)
+    const bool changes = step->kind == CW_STEP_WRITE || step->kind == CW_STEP_CLOSE;
+    return (changes || step->kind == CW_STEP_POLL) ? ACCESSES : (step->kind == CW_STEP_SEND && step->times != 0U)
         ? step->times : 1U;
 }
 
@@ -49,19 +49,19 @@ static size_t reads_from(size_t first, size_t count)
 {
     size_t at, reads = 0U;
     for (at = 0U; at < STEPS; at++) {
-        reads += (at >= first && at < count && steps[at].kind == @MAKER@_STEP_READ) ? 1U : 0U;
+        reads += (at >= first && at < count && steps[at].kind == CW_STEP_READ) ? 1U : 0U;
     }
     return reads;
 }
 
 /* What holds between two calls: a step of the list or its end; after a fault one that closes; and
    room for just the bytes that are still to be read. */
-static bool is_sound(const @maker@_runner *runner, size_t count)
+static bool is_sound(const cw_runner *runner, size_t count)
 {
-    const bool well = runner->result == @MAKER@_OK;
+    const bool well = runner->result == CW_OK;
     return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
         && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
-        && (well || runner->at == count || steps[runner->at].kind == @MAKER@_STEP_CLOSE)
+        && (well || runner->at == count || steps[runner->at].kind == CW_STEP_CLOSE)
         && (well || runner->failure.step < runner->begun)
         && (runner->at == count || runner->round < most_of(&steps[runner->at]));
 }
@@ -70,15 +70,15 @@ static bool is_sound(const @maker@_runner *runner, size_t count)
    to the end. So all of it is, whatever its length. */
 void a_round(void)
 {
-    @maker@_runner runner;
+    cw_runner runner;
     uint8_t *bytes;
     size_t length;
     const size_t count = any_steps(&bytes, &length);
     const uint32_t now = nondet_number();
-    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, now) == @MAKER@_OK, "its places fit");
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, now) == CW_OK, "its places fit");
     __CPROVER_assert(is_sound(&runner, count), "it begins soundly");
     runner.poll_at_most = ACCESSES;
-    runner.result = (@maker@_result)(nondet_byte() % 10U);
+    runner.result = (cw_result)(nondet_byte() % 10U);
     runner.at = nondet_size();
     runner.begun = nondet_size();
     runner.failure.step = nondet_size();
@@ -88,30 +88,30 @@ void a_round(void)
     __CPROVER_assume(runner.at <= count);
     runner.bytes = &room[STEPS - reads_from(runner.at, count)];
     __CPROVER_assume(is_sound(&runner, count));
-    const @maker@_runner before = runner;
-    const @maker@_todo todo = @maker@_runner_next(&runner, now);
-    __CPROVER_assert(before.result == @MAKER@_OK || runner.result == before.result, "the first fault is kept");
+    const cw_runner before = runner;
+    const cw_todo todo = cw_runner_next(&runner, now);
+    __CPROVER_assert(before.result == CW_OK || runner.result == before.result, "the first fault is kept");
     __CPROVER_assert(is_sound(&runner, count), "it is sound while something is under way");
-    if (todo == @MAKER@_TODO_END) {
+    if (todo == CW_TODO_END) {
         __CPROVER_assert(runner.at == count, "all is done");
-        __CPROVER_assert(runner.result != @MAKER@_OK || runner.bytes == &room[STEPS], "and all is read");
+        __CPROVER_assert(runner.result != CW_OK || runner.bytes == &room[STEPS], "and all is read");
         return;
     }
-    if (todo == @MAKER@_TODO_WAIT) {
+    if (todo == CW_TODO_WAIT) {
         __CPROVER_assert(runner.wait_us != 0U && runner.wait_us <= runner.pause_us, "there is something to wait for");
         return;
     }
-    __CPROVER_assert(todo != @MAKER@_TODO_BUSY && runner.at < count, "a step of the list");
-    __CPROVER_assert(@maker@_runner_next(&runner, now) == @MAKER@_TODO_BUSY, "one thing at a time");
-    if (todo != @MAKER@_TODO_WRITE && runner.length != 0U) {
+    __CPROVER_assert(todo != CW_TODO_BUSY && runner.at < count, "a step of the list");
+    __CPROVER_assert(cw_runner_next(&runner, now) == CW_TODO_BUSY, "one thing at a time");
+    if (todo != CW_TODO_WRITE && runner.length != 0U) {
         __CPROVER_assert(__CPROVER_w_ok(runner.data, runner.length), "there is room for it");
         __CPROVER_havoc_slice(runner.data, runner.length);
     }
     const size_t at = runner.at;
     const uint32_t round = runner.round;
     const int32_t error = nondet_error();
-    @maker@_runner_done(&runner, error, now);
-    __CPROVER_assert(error == 0 || runner.result != @MAKER@_OK, "no fault is lost");
+    cw_runner_done(&runner, error, now);
+    __CPROVER_assert(error == 0 || runner.result != CW_OK, "no fault is lost");
     __CPROVER_assert(runner.at > at || runner.round > round, "it is nearer to the end");
     __CPROVER_assert(is_sound(&runner, count), "it is sound again");
 }
@@ -119,48 +119,48 @@ void a_round(void)
 /* Places that are none too few or too many: nothing is done at all. */
 void places_that_do_not_fit(void)
 {
-    @maker@_runner runner;
+    cw_runner runner;
     uint8_t *bytes;
     size_t length;
     const size_t count = any_steps(&bytes, &length);
     const size_t other = nondet_size();
     __CPROVER_assume(other != length);
-    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, other, 0U) == @MAKER@_FAULT_LENGTH, "is told");
-    __CPROVER_assert(@maker@_runner_next(&runner, nondet_number()) == @MAKER@_TODO_END, "and it is over");
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, other, 0U) == CW_FAULT_LENGTH, "is told");
+    __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
 }
 
 /* A list without steps is none that was carried out. */
 void no_steps(void)
 {
-    @maker@_runner runner;
-    __CPROVER_assert(@maker@_runner_start(&runner, steps, 0U, room, 0U, 0U) == @MAKER@_FAULT_LENGTH, "is told");
-    __CPROVER_assert(@maker@_runner_next(&runner, nondet_number()) == @MAKER@_TODO_END, "and it is over");
-    __CPROVER_assert(runner.result == @MAKER@_FAULT_LENGTH, "and stays told");
+    cw_runner runner;
+    __CPROVER_assert(cw_runner_start(&runner, steps, 0U, room, 0U, 0U) == CW_FAULT_LENGTH, "is told");
+    __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
+    __CPROVER_assert(runner.result == CW_FAULT_LENGTH, "and stays told");
 }
 
 /* At the end, with something open or not: what is closed again was opened, and the first fault stays. */
 void closing_again(void)
 {
-    @maker@_runner runner;
+    cw_runner runner;
     uint8_t *bytes;
     size_t length;
     const size_t count = any_steps(&bytes, &length);
-    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, 0U) == @MAKER@_OK, "its places fit");
-    runner.result = (@maker@_result)(1U + (nondet_byte() % 9U));
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, 0U) == CW_OK, "its places fit");
+    runner.result = (cw_result)(1U + (nondet_byte() % 9U));
     runner.at = nondet_size();
     runner.begun = nondet_size();
     runner.failure.step = nondet_size();
     runner.failure.left_open = nondet_byte() != 0U;
     __CPROVER_assume(runner.at <= count && is_sound(&runner, count));
-    const @maker@_runner before = runner;
-    const bool again = @maker@_runner_close(&runner, nondet_number());
+    const cw_runner before = runner;
+    const bool again = cw_runner_close(&runner, nondet_number());
     __CPROVER_assert(again == (before.at == count && before.failure.left_open), "where something is open, at the end");
     __CPROVER_assert(runner.result == before.result && is_sound(&runner, count), "the first fault is kept");
     __CPROVER_assert(again || runner.at == before.at, "else it does nothing");
     if (again) {
         __CPROVER_assert(!runner.failure.left_open, "nothing failed yet");
         for (size_t at = 0U; at < STEPS; at++) {
-            const bool closes = at < count && @maker@_step_closes(steps, runner.begun, &steps[at]);
+            const bool closes = at < count && cw_step_closes(steps, runner.begun, &steps[at]);
             __CPROVER_assert(at >= runner.at || !closes, "the first that closes");
         }
     }
@@ -169,12 +169,12 @@ void closing_again(void)
 /* Told of an end that nobody waits for, it does nothing. */
 void done_too_often(void)
 {
-    @maker@_runner runner;
+    cw_runner runner;
     uint8_t *bytes;
     size_t length;
     const size_t count = any_steps(&bytes, &length);
     const uint32_t now = nondet_number();
-    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, now) == @MAKER@_OK, "its places fit");
-    @maker@_runner_done(&runner, nondet_error(), nondet_number());
-    __CPROVER_assert(runner.at == 0U && runner.from_us == now && runner.result == @MAKER@_OK, "nothing");
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, now) == CW_OK, "its places fit");
+    cw_runner_done(&runner, nondet_error(), nondet_number());
+    __CPROVER_assert(runner.at == 0U && runner.from_us == now && runner.result == CW_OK, "nothing");
 }

@@ -8,7 +8,7 @@ from codewheel.model import Crc, Device
 from proof import PRELUDE, UNDEFINED, Header, Proof
 from proof_reference import shift_in, shifted_out
 
-#: What is proved here, where the arguments are as their comments say.
+#: The functions of bits.h that are proved here, where the arguments are as their comments say.
 FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "difference")
 #: The longest run of bytes over which a CRC is proved.
 BYTES = 12
@@ -31,7 +31,7 @@ void to_gray(void)
     unsigned long long word = nondet_word();
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(low + bits <= 64);
-    __CPROVER_assert(@_to_gray(word, low, bits) == in_gray(word, low, bits),
+    __CPROVER_assert(cw_to_gray(word, low, bits) == in_gray(word, low, bits),
         "each bit is the sum of it and the one above");
 }
 void from_gray(void)
@@ -39,7 +39,7 @@ void from_gray(void)
     unsigned long long word = nondet_word();
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(low + bits <= 64);
-    __CPROVER_assert(in_gray(@_from_gray(word, low, bits), low, bits) == word,
+    __CPROVER_assert(in_gray(cw_from_gray(word, low, bits), low, bits) == word,
         "the number of which this is the Gray code");
 }
 void numbers(void)
@@ -47,22 +47,22 @@ void numbers(void)
     unsigned long long word = nondet_word();
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(bits <= 64);
-    __CPROVER_assert(@_mask(bits) == (unsigned long long)(((wide)1 << bits) - 1), "so many ones");
-    __CPROVER_assert(@_field(word, low, bits)
+    __CPROVER_assert(cw_mask(bits) == (unsigned long long)(((wide)1 << bits) - 1), "so many ones");
+    __CPROVER_assert(cw_field(word, low, bits)
         == (low < 64 ? (unsigned long long)((wide)(word >> low) & (((wide)1 << bits) - 1)) : 0), "the field");
     long long number = nondet_number();
     __CPROVER_assume(bits >= 1);
-    __CPROVER_assert(@_fits_signed(number, bits)
+    __CPROVER_assert(cw_fits_signed(number, bits)
         == (number >= -((wide)1 << (bits - 1)) && number < ((wide)1 << (bits - 1))), "fits");
     __CPROVER_assume((wide)word < ((wide)1 << bits));
-    __CPROVER_assert(@_signed(word, bits) == ((word >> (bits - 1)) & 1 ? (wide)word - ((wide)1 << bits) : (wide)word),
+    __CPROVER_assert(cw_signed(word, bits) == ((word >> (bits - 1)) & 1 ? (wide)word - ((wide)1 << bits) : (wide)word),
         "two's complement");
 }
 void parity(void)
 {
     unsigned value = (unsigned)nondet_word(), odd = 0;
     for (int i = 0; i < 32; i++) odd ^= (value >> i) & 1;
-    __CPROVER_assert(@_parity(value) == odd, "1 where the number of ones is odd");
+    __CPROVER_assert(cw_parity(value) == odd, "1 where the number of ones is odd");
 }
 #ifdef POWER
 /* Some of the powers of two; other numbers of 64 bits are too hard to divide by. */
@@ -70,7 +70,7 @@ void difference(void)
 {
     for (unsigned power = POWER; power < POWER + @powers@; power++) {
         unsigned long long modulus = 1ULL << power, now = nondet_word(), before = nondet_word();
-        long long moved = @_difference(now, before, modulus);
+        long long moved = cw_difference(now, before, modulus);
         __CPROVER_assert(((now - before - (unsigned long long)moved) & (modulus - 1)) == 0, "from before to now");
         __CPROVER_assert((wide)2 * moved < (wide)modulus && (wide)2 * moved >= -(wide)modulus,
             "the shorter way, half way round backwards");
@@ -79,22 +79,22 @@ void difference(void)
 #endif
 void difference_without_modulus(void)
 {
-    __CPROVER_assert(@_difference(nondet_word(), nondet_word(), 0) == 0, "does not move");
+    __CPROVER_assert(cw_difference(nondet_word(), nondet_word(), 0) == 0, "does not move");
 }
 void difference_of_bytes(void)
 {
     unsigned char modulus = nondet_byte(), now = nondet_byte(), before = nondet_byte();
     __CPROVER_assume(now < modulus && before < modulus);
-    int moved = (int)@_difference(now, before, modulus), ahead = now - before;
+    int moved = (int)cw_difference(now, before, modulus), ahead = now - before;
     __CPROVER_assert(moved == ahead || moved == ahead + modulus || moved == ahead - modulus, "from before to now");
     __CPROVER_assert(2 * moved < modulus && 2 * moved >= -modulus, "the shorter way, half way round backwards");
 }
-void difference_of_anything(void) { (void)@_difference(nondet_word(), nondet_word(), nondet_word()); }
+void difference_of_anything(void) { (void)cw_difference(nondet_word(), nondet_word(), nondet_word()); }
 """
 
 
-def shared_proofs(maker: str) -> Iterable[Proof]:
-    text = f'#include "{maker}/encoder.h"\n{PRELUDE}' + _BITS.replace("@powers@", str(POWERS)).replace("@", maker)
+def shared_proofs() -> Iterable[Proof]:
+    text = f'#include "codewheel/bits.h"\n{PRELUDE}' + _BITS.replace("@powers@", str(POWERS))
     for entry in (
         "to_gray",
         "from_gray",
@@ -104,9 +104,9 @@ def shared_proofs(maker: str) -> Iterable[Proof]:
         "difference_of_bytes",
         "difference_of_anything",
     ):
-        yield Proof(f"{maker} {entry}", text, entry, 66, tuple(UNDEFINED))
+        yield Proof(f"cw {entry}", text, entry, 66, tuple(UNDEFINED))
     for power in range(0, 64, POWERS):
-        yield Proof(f"{maker} difference by 2^{power} and on", text, "difference", 66, (f"-DPOWER={power}", *UNDEFINED))
+        yield Proof(f"cw difference by 2^{power} and on", text, "difference", 66, (f"-DPOWER={power}", *UNDEFINED))
 
 
 def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:

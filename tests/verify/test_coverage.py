@@ -47,43 +47,43 @@ UNREACHED = (
     ),
     Unreached(
         r"lika_(am36|sma21)_read_state",
-        r"result != LIKA_OK|\{",
+        r"result != CW_OK|\{",
         8,
         "every configuration, and every number of steps and of revolutions, is one that an encoder can have",
     ),
     Unreached(
         r"lika_(am36|sma21)_set_configuration",
-        r"result != LIKA_OK|\{",
+        r"result != CW_OK|\{",
         4,
         "every byte is a configuration, and there is a place for each step",
     ),
     Unreached(
-        r"lika_(biss_master_next_late|runner_accessed)",
+        r"cw_(biss_master_next_late|runner_accessed)",
         r"default",
         2,
         "every phase and every kind of step has a case of its own; MISRA C:2012 16.4 wants a default all the same",
     ),
     Unreached(
-        r"lika_run_closing",
+        r"cw_run_closing",
         r"\(failed < count\)",
         1,
         "running asks only about a step of the list; the proof asks about any",
     ),
     Unreached(
-        r"lika_runner_accessed",
-        r"case LIKA_STEP_WAIT",
+        r"cw_runner_accessed",
+        r"case CW_STEP_WAIT",
         1,
         "a wait has no access; the case stands for readers",
     ),
     Unreached(
         r"lika_am36_set_resolution_steps",
-        r"result != LIKA_OK|\{",
+        r"result != CW_OK|\{",
         4,
         "a resolution that encodes is one that the encoder can have, from the bytes just written",
     ),
     Unreached(
         r"lika_sma21_(write_preset_offset|set_preset_steps|set_offset_steps)",
-        r"result != LIKA_OK|\{",
+        r"result != CW_OK|\{",
         6,
         "every value of 32 bits fits the register; limits are checked before",
     ),
@@ -109,7 +109,7 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
-    assert {place[0] for place in coverage.regions} == set(headers)
+    assert {place[0] for place in coverage.regions} == set(headers) - {"version.h", "result.h"}, "they have no function"
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}

@@ -21,7 +21,7 @@ OPTIMIZE_OUTPUT_FOR_C = YES
 ENABLE_PREPROCESSING = YES
 MACRO_EXPANSION = YES
 EXPAND_ONLY_PREDEF = YES
-PREDEFINED = LIKA_NODISCARD=
+PREDEFINED = CW_NODISCARD=
 JAVADOC_AUTOBRIEF = YES
 WARN_NO_PARAMDOC = NO
 GENERATE_LATEX = NO
@@ -50,5 +50,5 @@ def test_a_warning_would_be_seen(tmp_path: Path) -> None:
     include = generated_tree(tmp_path) / "c" / "include"
     made = tmp_path / "broken"
     made.mkdir()
-    broken = planted(include, "receive.h", "The bit at place 0 was received first.", "\\nothing_of_the_kind", made)
+    broken = planted(include, "receive.h", "Bit 0 was received first.", "\\nothing_of_the_kind", made)
     assert any("nothing_of_the_kind" in line for line in warnings(broken, tmp_path / "doxygen"))

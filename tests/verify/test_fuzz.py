@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from batch import Batch
 from c_harness import FAMILIES
-from fuzz import HERE, PRECONDITIONS, Header, folded, seeds, source
+from fuzz import HERE, PRECONDITIONS, Header, seeds, source, texts_of
 from machines import crc_tables
 from tools import tool
 from tree import generated_tree, library, number_from_environment
@@ -90,14 +90,7 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
         batch = Batch(library()[name])
         text, inputs = source(batch, include), seeds(batch)
     else:
-        maker = Batch(library()[FAMILIES[0]]).view.maker.name
-        text, inputs = (
-            (HERE / f"fuzz_{name}.c")
-            .read_text(encoding="utf-8")
-            .replace("@maker@", maker)
-            .replace("@MAKER@", maker.upper()),
-            iter(()),
-        )
+        text, inputs = (HERE / f"fuzz_{name}.c").read_text(encoding="utf-8"), iter(())
     status, log = fuzzed(compiler, text, inputs, folder / target)
     said = [line for line in log.splitlines() if not re.match(r"#\d|INFO|\s+NEW_FUNC", line)]
     assert status == 0, "\n".join(said[-60:])
@@ -115,11 +108,7 @@ def test_every_function_is_called(name: str, include: Path) -> None:
     own = [f"{item.view.name}_decode" for item in batch.codecs]
     declared = [
         found
-        for file in ("encoder", name)
-        for found in re.findall(
-            r"^static inline [^;{]*?(\w+)\(",
-            folded((include / batch.view.maker.name / f"{file}.h").read_text(encoding="ascii")),
-            re.MULTILINE,
-        )
+        for text in texts_of(batch, include)
+        for found in re.findall(r"^static inline [^;{]*?(\w+)\(", text, re.MULTILINE)
     ]
-    assert sorted([*called, *own, *(f"{header.maker}_{item}" for item in PRECONDITIONS)]) == sorted(declared)
+    assert sorted([*called, *own, *(f"cw_{item}" for item in PRECONDITIONS)]) == sorted(declared)

@@ -209,7 +209,7 @@ int main()
     const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
     const uint8_t bytes[] = { 0x0A, 0xE8, 0x69, 0xEE };
     lika_amm5_reg_serial_number serial;
-    const lika_result result = lika_amm5_reg_serial_number_decode(&encoder, bytes, sizeof bytes, &serial);
+    const cw_result result = lika_amm5_reg_serial_number_decode(&encoder, bytes, sizeof bytes, &serial);
     std::printf("%d %d %d %d\n", (int)result, serial.year, serial.week, (int)serial.number);
 }
 """

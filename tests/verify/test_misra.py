@@ -82,17 +82,19 @@ def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
 
 
 @pytest.mark.parametrize(
-    ("sound", "planted", "rule"),
+    ("name", "sound", "planted", "rule"),
     [
-        ("return (0x6996U >> (v & 0x0FU)) & 1U;", "return v & value >> 31U;", "12.1"),
-        ("    uint32_t v = value;\n", "    uint32_t v = value;\n    v = v << 1U, v >> 1U;\n", "12.3"),
+        ("bits.h", "return (0x6996U >> (v & 0x0FU)) & 1U;", "return v & value >> 31U;", "12.1"),
+        ("bits.h", "    uint32_t v = value;\n", "    uint32_t v = value;\n    v = v << 1U, v >> 1U;\n", "12.3"),
         (
-            "static inline bool lika_is_digit(char letter)\n{\n",
-            "static inline bool lika_is_digit(char letter)\n{\n    letter++;\n",
+            "encoder.h",
+            "static inline bool cw_is_digit(char letter)\n{\n",
+            "static inline bool cw_is_digit(char letter)\n{\n    letter++;\n",
             "17.8",
         ),
-        ("return (0x6996U >> (v & 0x0FU)) & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
+        ("bits.h", "return (0x6996U >> (v & 0x0FU)) & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
         (
+            "transport.h",
             "        index += done;\n",
             (
                 "        if (done > 2U) {\n            index += done;\n"
@@ -103,14 +105,14 @@ def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
     ],
 )
 def test_what_is_planted_is_found(
-    sound: str, planted: str, rule: str, headers: tuple[Path, list[str]], tmp_path: Path
+    name: str, sound: str, planted: str, rule: str, headers: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
     shutil.copytree(headers[0], tmp_path / "include")
-    header = tmp_path / "include" / "lika" / "encoder.h"
+    header = tmp_path / "include" / "codewheel" / name
     text = header.read_text(encoding="ascii")
     assert text.count(sound) == 1
     header.write_text(text.replace(sound, planted), encoding="ascii")
-    found = findings('#include "lika/encoder.h"\n', tmp_path / "include", tmp_path, "unix64")
+    found = findings(f'#include "codewheel/{name}"\n', tmp_path / "include", tmp_path, "unix64")
     assert rule in {item for item, _ in found} - deviations()
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from c_harness import GCC, compile_c, devices_of, write
+from c_harness import GCC, RUNTIME, compile_c
 from claims import claims_of, planted, verdict
 from motion_harness import source
 from proof import limited
@@ -23,8 +23,9 @@ COMPILER = "12.2.1"
 
 
 @pytest.fixture(scope="module")
-def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(tmp_path_factory.mktemp("motion"), devices_of())
+def include() -> Path:
+    """The runtime where it lies."""
+    return RUNTIME
 
 
 @pytest.mark.parametrize("claim", claims_of(HARNESS))
@@ -38,7 +39,7 @@ def test_whatever_is_sent(claim: str, include: Path, tmp_path: Path) -> None:
     [
         ("what_is_believed_after_a_silence", "tracker.h", "forward += modulus;", "forward += modulus + 1U;"),
         ("what_is_believed_after_a_cycle", "tracker.h", "(2U * reach)", "(4U * reach)"),
-        ("what_is_believed_after_an_hour", "tracker.h", "units > (LIKA_TRACKER_REACH_US / 16U)", "units == 0U"),
+        ("what_is_believed_after_an_hour", "tracker.h", "units > (CW_TRACKER_REACH_US / 16U)", "units == 0U"),
         ("what_was_lost", "tracker.h", "config->lost_after_refused - 1U", "config->lost_after_refused"),
         ("what_was_lost", "tracker.h", "if (tracker->lost != 0U) {", "if (tracker->lost > 1U) {"),
         ("what_is_refused_after_a_cycle", "tracker.h", "tracker->refused++;", "tracker->refused += 2U;"),
@@ -60,14 +61,14 @@ def test_what_is_planted_is_found(
 #: multiplies as the header does.
 EVERY = """
 #include <stdio.h>
-#include "lika/angle.h"
+#include "codewheel/angle.h"
 int main(void)
 {
     uint64_t exact = UINT64_C(0x80000000);
     uint32_t angle = 0U, wrong = 0U;
     do {
         const uint32_t nearest = (uint32_t)(exact >> 32U);
-        wrong += lika_angle_millidegrees(angle) != ((nearest == 360000U) ? 0U : nearest);
+        wrong += cw_angle_millidegrees(angle) != ((nearest == 360000U) ? 0U : nearest);
         exact += 360000U;
         angle++;
     } while (angle != 0U);
@@ -81,7 +82,7 @@ int main(void)
 #: and steps of any width, those beside a multiple of the steps among them.
 ANY_STEPS = """
 #include <stdio.h>
-#include "lika/angle.h"
+#include "codewheel/angle.h"
 __extension__ typedef unsigned __int128 wide;
 static uint64_t state = 1U;
 static uint64_t any(void)
@@ -94,7 +95,7 @@ static uint64_t any(void)
 static uint32_t differs(uint64_t position, uint64_t steps)
 {
     const wide rest = position % steps;
-    return (lika_angle(position, steps) != (uint32_t)((rest << 32U) / steps)) ? 1U : 0U;
+    return (cw_angle(position, steps) != (uint32_t)((rest << 32U) / steps)) ? 1U : 0U;
 }
 int main(void)
 {
@@ -167,9 +168,9 @@ def test_nothing_divides_and_the_tracker_calls_nothing(core: str, include: Path,
     alone = tmp_path / "alone"
     alone.mkdir()
     text = (
-        '#include "lika/tracker.h"\nint add(lika_tracker *axis, uint64_t position, uint32_t now_us);\n'
-        "int add(lika_tracker *axis, uint64_t position, uint32_t now_us)\n"
-        "{\n    return (int)lika_tracker_add(axis, position, now_us);\n}\n"
+        '#include "codewheel/tracker.h"\nint add(cw_tracker *axis, uint64_t position, uint32_t now_us);\n'
+        "int add(cw_tracker *axis, uint64_t position, uint32_t now_us)\n"
+        "{\n    return (int)cw_tracker_add(axis, position, now_us);\n}\n"
     )
     (alone / "add.c").write_text(text, encoding="utf-8")
     command = [tool("arm-none-eabi-gcc"), f"-mcpu={core}", "-mthumb", "-Os", f"-I{include}", "-c"]

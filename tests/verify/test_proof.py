@@ -22,7 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES
+from c_harness import FAMILIES, SHARED
 from codewheel.model import Device
 from proof import Checker, Header, Proof, Result, Told, limited
 from proof_calls import CallProof
@@ -46,18 +46,29 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def maker() -> str:
-    return library()[FAMILIES[0]].manufacturer.name
-
-
-@pytest.fixture(scope="module")
 def checker() -> Checker:
     return Checker(tool("cbmc", (OURS,)), tool("cryptominisat5"))
 
 
 def header_of(device: Device, include: Path) -> Header:
-    folder = include / device.manufacturer.name
-    return Header.read(*((folder / name).read_text(encoding="utf-8") for name in ("encoder.h", f"{device.name}.h")))
+    own = include / device.manufacturer.name / f"{device.name}.h"
+    return Header.read(*(path.read_text(encoding="utf-8") for path in (*runtime(include), own)))
+
+
+def all_shared(include: Path) -> Header:
+    """What the headers of the runtime declare that the families include."""
+    return Header.read(*(path.read_text(encoding="utf-8") for path in runtime(include)))
+
+
+def runtime(include: Path) -> list[Path]:
+    """The headers of the runtime that the families include."""
+    return [include / "codewheel" / f"{name}.h" for name in SHARED]
+
+
+def header_named(stem: str, include: Path) -> Path:
+    """The header of a family, or of the runtime."""
+    device = library().get(stem)
+    return include / (device.manufacturer.name if device is not None else "codewheel") / f"{stem}.h"
 
 
 def codecs(device: Device, header: Header) -> Iterator[Codec]:
@@ -118,23 +129,23 @@ def test_crcs_are_those_of_the_definition(family: str, include: Path, prove: Pro
     prove(f"{family}, CRCs", crc_proofs(library()[family], header_of(library()[family], include)))
 
 
-def test_shared_functions_on_bits(maker: str, prove: Prove) -> None:
-    prove("bits and positions", shared_proofs(maker))
+def test_shared_functions_on_bits(prove: Prove) -> None:
+    prove("bits and positions", shared_proofs())
 
 
-@pytest.mark.parametrize("stem", ["encoder", *FAMILIES])
-def test_other_functions_keep_what_the_headers_promise(stem: str, maker: str, include: Path, prove: Prove) -> None:
+@pytest.mark.parametrize("stem", ["bits", "encoder", "transport", *FAMILIES])
+def test_other_functions_keep_what_the_headers_promise(stem: str, include: Path, prove: Prove) -> None:
     device = library().get(stem)
-    own = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
-    header = header_of(device, include) if device is not None else own
-    proved = {f"{maker}_{item}" for item in FUNCTIONS}
+    path = header_named(stem, include)
+    own = Header.read(path.read_text(encoding="utf-8"))
+    header = header_of(device, include) if device is not None else all_shared(include)
+    proved = {f"cw_{item}" for item in FUNCTIONS if stem == "bits"}
     if device is not None:
         proved = {name for codec in codecs(device, header) for name in functions(codec)}
     assert proved <= own.functions.keys()
     rest = [item for item in own.functions.values() if item.name not in proved]
-    prove(
-        f"{stem}.h, {len(rest)} other functions", CallProof(maker, header, f"{maker}/{stem}.h", rest, device).proofs()
-    )
+    proofs_of_calls = CallProof(header, str(path.relative_to(include)), rest, device).proofs()
+    prove(f"{stem}.h, {len(rest)} other functions", proofs_of_calls)
 
 
 def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None:
@@ -217,7 +228,7 @@ SEEDED = {
         "sma21",
         "lika_sma21_data_request_decode",
         r"return \w+RANGE",
-        "return LIKA_OK",
+        "return CW_OK",
         "sma21_data_request everything",
     ),
     "unused bits at another place": (
@@ -241,7 +252,7 @@ SEEDED = {
         "frame->hardware_error",
         "sma21_position_reply everything",
     ),
-    "undefined shift": ("encoder", "lika_to_gray", r"low < 64U", "low <= 64U", "call lika_to_gray"),
+    "undefined shift": ("bits", "cw_to_gray", r"low < 64U", "low <= 64U", "call cw_to_gray"),
     "result touched by a fault": (
         "amm5",
         "lika_amm5_singleturn_reply_decode",
@@ -256,7 +267,7 @@ SEEDED = {
         "sizeof(bytes) - 1U",
         "call lika_sma21_identify",
     ),
-    "failure not reported": ("encoder", "lika_write", r"error != 0", "error > 0", "call lika_write_byte"),
+    "failure not reported": ("transport", "cw_write", r"error != 0", "error > 0", "call cw_write_byte"),
 }
 
 
@@ -272,21 +283,15 @@ def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
     header.write_text(text[: start.end()] + body + text[end:], encoding="utf-8")
 
 
-def proof_called(name: str, stem: str, maker: str, include: Path) -> Proof:
+def proof_called(name: str, stem: str, include: Path) -> Proof:
     """The proof of this name, of the header as it is."""
     device = library().get(stem)
-    if device is not None:
-        header = header_of(device, include)
-    else:
-        header = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
+    header = header_of(device, include) if device is not None else all_shared(include)
     if device is None or name.startswith("call "):
-        return next(
-            iter(
-                CallProof(
-                    maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]], device
-                ).proofs()
-            )
-        )
+        functions = [header.functions[name.removeprefix("call ")]]
+        path = header_named(stem, include).relative_to(include)
+        return next(iter(CallProof(header, str(path), functions, device).proofs()))
+    maker = device.manufacturer.name
     found = [*crc_proofs(device, header)]
     found += [
         proof for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}" for proof in proofs(codec)
@@ -295,17 +300,15 @@ def proof_called(name: str, stem: str, maker: str, include: Path) -> Proof:
 
 
 @pytest.fixture(scope="module")
-def verdicts(
-    checker: Checker, maker: str, include: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Mapping[str, Result]:
+def verdicts(checker: Checker, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Result]:
     """What becomes of the proofs when there is a fault in a header.
     That they hold for the header as it is, the tests above show."""
     runs: list[tuple[Proof, Path]] = []
     for stem, function, pattern, instead, name in SEEDED.values():
         folder = tmp_path_factory.mktemp("seeded")
-        shutil.copytree(include / maker, folder / maker)
-        with_fault(folder / maker / f"{stem}.h", function, pattern, instead)
-        runs.append((proof_called(name, stem, maker, include), folder))
+        shutil.copytree(include, folder, dirs_exist_ok=True)
+        with_fault(header_named(stem, folder), function, pattern, instead)
+        runs.append((proof_called(name, stem, include), folder))
     return dict(zip(SEEDED, checker.prove_all(runs, tmp_path_factory.mktemp("runs")), strict=True))
 
 

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from c_harness import devices_of, write
+from c_harness import RUNTIME
 from claims import claims_of, planted, verdict
 from tools import tool
 
@@ -16,8 +16,9 @@ MORE = ("--unsigned-overflow-check", "--conversion-check")
 
 
 @pytest.fixture(scope="module")
-def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(tmp_path_factory.mktemp("receive"), devices_of())
+def include() -> Path:
+    """The runtime where it lies."""
+    return RUNTIME
 
 
 @pytest.mark.parametrize("claim", claims_of(HARNESS))
@@ -55,10 +56,10 @@ def test_how_many_bytes_a_receiver_takes(cpu: str, include: Path, tmp_path: Path
     """160 at most for an order code that is known, and nothing of the compiler's library."""
     source, made = tmp_path / "source.c", tmp_path / "source.o"
     source.write_text(
-        '#include "lika/amm5.h"\n#include "lika/receive.h"\n'
-        "lika_result received(const uint8_t *rx, uint64_t *word);\n"
-        "lika_result received(const uint8_t *rx, uint64_t *word)\n{\n    return lika_biss_receive(\n"
-        "        rx, LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES, LIKA_AMM5_A23_65KSC1_BISS_BITS, word);\n}\n",
+        '#include "codewheel/receive.h"\n'
+        "cw_result received(const uint8_t *rx, uint64_t *word);\n"
+        "cw_result received(const uint8_t *rx, uint64_t *word)\n{\n"
+        "    return cw_biss_receive(rx, 12U, 47U, word); /* AMM5A23/65KSC1 */\n}\n",
         encoding="ascii",
     )
     command = [tool("arm-none-eabi-gcc"), "-std=c99", "-Os", "-mthumb", f"-mcpu={cpu}", f"-I{include}", "-c"]

@@ -166,7 +166,7 @@ ENCODERS = (
     Encoder("AM36_AM3616_4096_I7", 0, 36),  # AM36 6.5 p.31: 16 and 20 bits by default
 )
 POSITIONS = """
-#include "lika/receive.h"
+#include "codewheel/receive.h"
 #include "lika/@family@.h"
 
 /* 0, a position that is usable; 100, one that is not; else the fault. */
@@ -176,15 +176,15 @@ int @name@_read(const uint8_t *rx, uint64_t *position)
     static const lika_@family@_variant encoder = LIKA_@NAME@;
     lika_@family@_single_cycle_data frame;
     uint64_t word;
-    lika_result result = lika_biss_receive(rx, LIKA_@NAME@_BISS_@ANSWER@RX_BYTES, LIKA_@NAME@_BISS_@ANSWER@BITS, &word);
-    if (result == LIKA_OK) {
+    cw_result result = cw_biss_receive(rx, LIKA_@NAME@_BISS_@ANSWER@RX_BYTES, LIKA_@NAME@_BISS_@ANSWER@BITS, &word);
+    if (result == CW_OK) {
         result = lika_@family@_single_cycle_data_decode(&encoder, @answer@word, &frame);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return (int)result;
     }
     *position = frame.position;
-    return (lika_@family@_single_cycle_data_verdict(&encoder, &frame) == LIKA_NOT_USABLE) ? 100 : 0;
+    return (lika_@family@_single_cycle_data_verdict(&encoder, &frame) == CW_NOT_USABLE) ? 100 : 0;
 }
 int @name@_bytes(void);
 int @name@_bytes(void) { return (int)LIKA_@NAME@_BISS_@ANSWER@RX_BYTES; }

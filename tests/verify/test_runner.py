@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from c_harness import devices_of, write
+from c_harness import RUNTIME
 from claims import claims_of, planted, verdict
 
 HARNESS = Path(__file__).with_name("proof_runner.c")
@@ -14,8 +14,9 @@ ROUNDS = 4
 
 
 @pytest.fixture(scope="module")
-def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(tmp_path_factory.mktemp("runner"), devices_of())
+def include() -> Path:
+    """The runtime where it lies."""
+    return RUNTIME
 
 
 @pytest.mark.parametrize("claim", claims_of(HARNESS))
@@ -27,15 +28,15 @@ def test_whatever_becomes_of_it(claim: str, include: Path, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("claim", "sound", "instead"),
     [
-        ("a_round", "lika_runner_advance(runner, runner->length);", "lika_runner_advance(runner, 1U);"),
-        ("a_round", "!lika_step_closes(", "lika_step_closes("),
+        ("a_round", "cw_runner_advance(runner, runner->length);", "cw_runner_advance(runner, 1U);"),
+        ("a_round", "!cw_step_closes(", "cw_step_closes("),
         ("a_round", "runner->doing = todo;", ""),
         ("a_round", "runner->bytes = &runner->bytes[runner->length];", "runner->bytes = &runner->bytes[2];"),
         ("places_that_do_not_fit", "fits ? count : 0U,", "count,"),
         ("no_steps", "(count != 0U) && ", ""),
         ("closing_again", "runner->at = 0U;", "runner->at = 1U;"),
         ("closing_again", "(runner->at >= runner->count) && runner->failure.left_open", "runner->failure.left_open"),
-        ("done_too_often", "if (did == LIKA_TODO_END) {", "if (did == LIKA_TODO_BUSY) {"),
+        ("done_too_often", "if (did == CW_TODO_END) {", "if (did == CW_TODO_BUSY) {"),
     ],
 )
 def test_what_is_planted_is_found(claim: str, sound: str, instead: str, include: Path, tmp_path: Path) -> None:

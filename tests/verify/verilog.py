@@ -16,17 +16,17 @@ from tools import tool
 SOURCES = Path(__file__).with_name("rtl")
 #: What the library in C has beside its machines: a buffer of raw samples as a user's program takes it.
 RECEIVE = r"""
-#include "lika/receive.h"
+#include "codewheel/receive.h"
 
 /* CDS, or -1 where no frame was found; word as it was then. */
 int received(const uint8_t *rx, int size, int bits, uint64_t *word);
 int received(const uint8_t *rx, int size, int bits, uint64_t *word)
 {
     bool cds = false;
-    if (lika_biss_receive(rx, (size_t)size, (uint32_t)bits, word) != LIKA_OK) {
+    if (cw_biss_receive(rx, (size_t)size, (uint32_t)bits, word) != CW_OK) {
         return -1;
     }
-    return (lika_biss_receive_cds(rx, (size_t)size, &cds) == LIKA_OK) ? (int)cds : -1;
+    return (cw_biss_receive_cds(rx, (size_t)size, &cds) == CW_OK) ? (int)cds : -1;
 }
 """
 

@@ -59,11 +59,11 @@ class Reader:
             low, width = bits.low.constant, bits.width.constant
             return masked(right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
-            return Call(f"{self.scope.maker}_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
+            return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
         # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
             return right(self.word, bits.low.constant)
-        return Call(f"{self.scope.maker}_above", (self.word, self.scope.of(bits.low)))
+        return Call("cw_above", (self.word, self.scope.of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
         """Return the bit of a flag in place: in the word, or in the byte ``flags``."""
@@ -102,7 +102,7 @@ class Reader:
             number = Operation("^", tuple(Cast(kind, item) for item, _ in parts))
         if widest > 32:
             number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", right(number, 32))))
-        return Call(f"{self.scope.maker}_parity", (number,))
+        return Call("cw_parity", (number,))
 
 
 def digits(number: object, field: Field, run: Digits) -> Expr:

@@ -25,7 +25,7 @@ class Context:
         held = {one.parameter.name: one.most for item in held_parameters(device) for one in item.parameters}
         largest = {item.name: max(item.largest, held.get(item.name, 0)) for item in device.set_parameters}
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
-        self.scope = Scope(self.maker.name, self.prefix, largest, answers)
+        self.scope = Scope(self.prefix, largest, answers)
         self.enumerations = Enumerations(device, self.prefix)
         self.choices = self.enumerations.choices
         self.reports = Reports(device, self.prefix)

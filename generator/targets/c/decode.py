@@ -174,7 +174,7 @@ class Decoder:
                 yield name, self._as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.of(part.field.width)
-                yield name, Cast(type_, Call(f"{self.struct.scope.maker}_signed", (bits, width)))
+                yield name, Cast(type_, Call("cw_signed", (bits, width)))
             case ZeroMeans(number):
                 yield name, Cast(type_, Either(Operation("==", (bits, Number(0))), Number(number), bits))
             case Active(low):

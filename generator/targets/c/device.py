@@ -93,6 +93,7 @@ class DeviceView:
 
     def _declared(self) -> Iterator[Declared]:
         yield f"{self.PREFIX}_H", ()
+        yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
         parts = chain(

@@ -194,6 +194,12 @@ class ExampleCode:
         return f"{self.view.PREFIX}_{self.interface.name}_CONTROL_{name}".upper() if name else ""
 
     @property
+    def longest_reply(self) -> int:
+        """Bytes of the longest frame that the encoder sends on this interface."""
+        frames = (item for item in self.interface.layouts if item.sender == "encoder" and item.in_bytes)
+        return max((item.widest // 8 for item in frames), default=0)
+
+    @property
     def polls(self) -> bool:
         """True if a main loop can request the frame and carry out the procedure, with a reply to every request."""
         code = self.run.code if self.run is not None else None

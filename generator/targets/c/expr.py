@@ -126,7 +126,6 @@ class Scope:
     function of the argument that ``answers`` names.
     """
 
-    maker: str
     prefix: str
     largest: Mapping[str, int]
     answers: Mapping[str, str]
@@ -142,13 +141,13 @@ class Scope:
         """Return a mask of ``width`` ones."""
         if width.is_constant:
             return Number((1 << width.constant) - 1, hexadecimal=True)
-        return Call(f"{self.maker}_mask", (self.of(width),))
+        return Call("cw_mask", (self.of(width),))
 
     def of(self, expression: Expression) -> Expr:
         """Return the expression in C, unsigned. No intermediate result is negative unless the result is."""
         match expression:
             case Expression(-1, (Term(1, (Factor(name, True),)),)):
-                return Call(f"{self.maker}_mask", (self.atom(name),))
+                return Call("cw_mask", (self.atom(name),))
         plus = [self._term(term) for term in expression.terms if term.sign > 0]
         minus = [self._term(term) for term in expression.terms if term.sign < 0]
         if expression.constant > 0 or not plus:
@@ -170,7 +169,7 @@ class Scope:
         if constant == 0 and expression.terms and expression.terms[0].sign > 0:
             total = None
         for term in expression.terms:
-            one = Call(f"{self.maker}_mask", (self.atom(term.factors[0].parameter),)) if term in masks else None
+            one = Call("cw_mask", (self.atom(term.factors[0].parameter),)) if term in masks else None
             wide = Cast("int64_t", one or self._term(term))
             total = Operation("+" if term.sign > 0 else "-", (total, wide)) if total is not None else wide
         return total or Number(0, signed=True)

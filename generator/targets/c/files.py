@@ -1,4 +1,4 @@
-"""The C target: headers for firmware, one for each family and one that the families of a manufacturer share.
+"""The C target: headers for firmware, one for each family, and the runtime that they include.
 
 The headers need C99 or C++11 and no library. The templates have their statements. Names, types and expressions are
 built here.
@@ -11,27 +11,23 @@ standard headers.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer
-from ...plan.receive_lengths import longest_reply
+from ...model import Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
-from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem, has_biss
+from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
 from ..licence import licence_in
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
-from .generation import UNKNOWN, generation
 from .lines import documented, laid_out
-from .names import called, clashes, shared_names
+from .names import called, clashes
 from .package import FILES, Package, package_files
 from .receivers import ReceiverCode
+from .runtime import FOLDER, runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, selftest_files
-
-#: The headers that all families of a manufacturer share, by the stems of their names.
-SHARED_HEADERS = ("encoder", "receive", "biss", "runner", "tracker", "angle")
 
 
 class Shared(TypedDict):
@@ -40,13 +36,9 @@ class Shared(TypedDict):
     PREFIX: Annotated[str, "the same in uppercase, for macros"]
 
 
-class Header(Shared):
-    generation: Annotated[str, "the number of the generation, shared by headers that belong together"]
-    longest: Annotated[int, "the length of the longest RS-485 reply in bytes, or 0 if no family has one"]
-
-
-class FamilyHeader(Header):
+class FamilyHeader(Shared):
     d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
+    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the least minor one"]
 
 
 class Family(Shared):
@@ -66,20 +58,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
-        headers = [f"{name}.h" for name in SHARED_HEADERS if name != "biss" or has_biss(devices)]
-        values = _names_of(library, maker, devices, headers, options)
-        for name in headers:
-            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", values)
         for device in devices:
-            if device.name in SHARED_HEADERS:
-                raise TargetError(
-                    f"a family cannot be called '{device.name}': a header shared by all families has that name"
-                )
-            views[device.name] = view = DeviceView(device)
-            files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**values, "d": view})
-        for device, clash in clashes(
-            ((item, views[item.name].names) for item in devices), shared_names(maker.name, has_biss(devices))
-        ):
+            views[device.name] = DeviceView(device)
+            files[f"c/include/{maker.name}/{device.name}.h"] = _family(library, views[device.name])
+        for device, clash in clashes((item, views[item.name].names) for item in devices):
             raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if library.devices:
         makers = library.by_manufacturer()
@@ -90,12 +72,13 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         tests = selftest_files(makers, views, rendered)
         package = package_files(makers, views, tests, rendered)
         files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
+        files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
     return files
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
     """Yield the first item in each device that C cannot express, and every C name that two parts of specs share."""
-    for maker, devices in library.by_manufacturer():
+    for _, devices in library.by_manufacturer():
         headers = []
         for device in devices:
             try:
@@ -103,25 +86,23 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             except TargetError as error:
                 said = f"{error}; use 'generate --target' to write the other outputs"
                 yield TargetProblem(device, "c-target", error.place or ("device",), said)
-        for device, clash in clashes(headers, shared_names(maker.name, has_biss(devices))):
+        for device, clash in clashes(headers):
             other = () if clash.other[:1] == ("device",) else clash.other
             message = clash.message(" on line {line}" if other else "")
             yield TargetProblem(device, "c-name", clash.path, message, other)
 
 
-def _names_of(
-    library: Library, maker: Manufacturer, devices: Sequence[Device], headers: Iterable[str], options: Options
-) -> Header:
-    """Return the template values of all headers of a manufacturer. ``headers`` are the ones that its families share."""
-    names: Header = {
+def _family(library: Library, view: DeviceView) -> str:
+    """Return the header of a family."""
+    maker = view.maker
+    values: FamilyHeader = {
         "maker": maker,
         "prefix": maker.name,
         "PREFIX": maker.name.upper(),
-        "generation": UNKNOWN,
-        "longest": longest_reply(devices),
+        "d": view,
+        "runtime": runtime_version(),
     }
-    texts = [_render(library, f"{name}.jinja", names) for name in headers]
-    return {**names, "generation": generation(maker, options, texts)}
+    return _render(library, "device.h.jinja", values)
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
@@ -139,7 +120,6 @@ def _json(value: object) -> str:
 TEMPLATES = Templates(
     our_templates("c"),
     values={
-        **{f"{name}.h.jinja": Header for name in SHARED_HEADERS},
         "device.h.jinja": FamilyHeader,
         "example.c.jinja": Program,
         "poller.c.jinja": Program,

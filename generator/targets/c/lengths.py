@@ -27,7 +27,7 @@ class LengthCode:
         self.held = any(item.held for item in found)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
-        self.register_access = "".join(_register_access(context.maker.name, interface, found))
+        self.register_access = "".join(_register_access(interface, found))
         self._stems = {id(row.variant): row.macro for row in rows}
         self.macros = [macro for item in found for macro in self.macros_of(item)]
 
@@ -43,7 +43,7 @@ class LengthCode:
         yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
 
 
-def _register_access(maker: str, interface: Interface, found: Sequence[Received]) -> Iterator[str]:
+def _register_access(interface: Interface, found: Sequence[Received]) -> Iterator[str]:
     """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
     if not isinstance(interface, Biss) or not found:
         return
@@ -52,9 +52,9 @@ def _register_access(maker: str, interface: Interface, found: Sequence[Received]
     times = " and ".join(
         f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
     )
-    yield f"For register access with {maker}/biss.h: the bit of {maker}_biss_master_next must be on MA before the last "
+    yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
     yield f"clock of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
-    yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
+    yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:
         yield f" ({timeout_words(interface.timeout)})"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ...language.problems import Path
 from ...model import Device, Layout
 from .reserved import c_name
+from .runtime import TAKEN
 
 _WORDS = {
     "alarms": "the alarm",
@@ -65,52 +66,6 @@ class Names:
                 self.clashes.append(Clash(name, self.paths[name], ()))
 
 
-#: Names in encoder.h, without the prefix of the manufacturer.
-_ENCODER_H = """
-    ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
-    FAULT_HEAD_MISSING FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_LOST FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT
-    FAULT_TRANSPORT FAULT_UNSUPPORTED FAULT_VERIFY GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485
-    INTERFACE_SSI NODISCARD NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US REPLY_BYTES STEP_CLOSE STEP_POLL
-    STEP_READ STEP_SEND STEP_VERIFY STEP_WAIT STEP_WRITE UNKNOWN USABLE USABLE_WITH_WARNING VERSION above access capital
-    difference failed failed_at failure field fits_signed from_gray interface is_digit is_letter_or_digit label_ends
-    label_match mask open_code parity read reply_check report_text result run run_closing run_poll run_reads run_send
-    run_step run_together run_verify run_write send signed step step_address step_close step_closes step_kind
-    step_poll step_read step_send step_verify step_wait step_write to_gray transport verdict wait write write_byte
-"""
-#: Names in receive.h, in the same way.
-_RECEIVE_H = """
-    RECEIVE_H RECEIVE_RS485_BYTES biss_receive biss_receive_bits biss_receive_cds biss_receive_cds_bits received_bit
-    received_bits received_samples received_words16 received_words32 rs485_ask rs485_late rs485_line rs485_reason
-    rs485_resume rs485_take ssi_receive ssi_repeats
-"""
-#: Names in runner.h, tracker.h and angle.h, in the same way.
-_USE_H = """
-    ANGLE_H RUNNER_H TODO_BUSY TODO_END TODO_READ TODO_SEND TODO_WAIT TODO_WRITE TRACKER_H TRACKER_REACH_US
-    angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees angle_q15 angle_q31 angle_radians
-    counts_per_second runner runner_accessed runner_advance runner_ask runner_begin runner_close runner_done
-    runner_fail runner_next runner_polled runner_sent runner_start runner_write todo tracker tracker_add
-    tracker_config tracker_lose tracker_reach tracker_restart tracker_shorter tracker_speed tracker_start
-"""
-#: Names in biss.h, without that prefix and ``biss_``.
-_BISS_H = """
-    ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS LATE_FRAMES NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START
-    PHASE_WAIT READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode
-    byte_decode byte_encode crc data echo header late_busy late_byte late_first late_header master master_abort
-    master_begin master_byte master_ends master_header master_init master_next master_next_late master_read
-    master_start master_write outcome phase request request_decode request_encode slave slave_allow slave_awaits
-    slave_byte slave_fetch slave_give slave_header slave_init slave_leaves slave_lock slave_may slave_next slave_start
-    slave_stored slaves wants zeros
-"""
-
-
-def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
-    """Yield the names in the headers that the families of a manufacturer share. Macros are in uppercase."""
-    names = [*_ENCODER_H.split(), *_RECEIVE_H.split(), *_USE_H.split()]
-    names += [f"biss_{name}" for name in _BISS_H.split() if with_biss]
-    for name in names:
-        yield f"{prefix}_{name}".upper() if name.removeprefix("biss_").isupper() else f"{prefix}_{name}"
-
-
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
     """Yield the C names of members, arguments and locals, and the part of the spec that each comes from."""
     for parameter in device.parameters:
@@ -129,10 +84,12 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
         yield from ((c_name(item.name), ("procedures", procedure.name)) for item in procedure.arguments)
 
 
-def clashes(headers: Iterable[tuple[Device, Names]], shared: Iterable[str]) -> Iterator[tuple[Device, Clash]]:
-    """Yield every clash within these headers, with the ``shared`` names, and between families."""
-    taken: dict[str, Path] = dict.fromkeys(shared, ())
+def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
+    """Yield every clash within these headers, and between families."""
+    taken: dict[str, Path] = {}
     for device, names in headers:
+        if device.manufacturer.name in TAKEN:
+            yield device, Clash(device.manufacturer.name, ("manufacturer",), ())
         for clash in names.clashes:
             yield device, clash
         for name, path in names.paths.items():

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import Biss, Device, Manufacturer
-from .. import has_biss
 from .comments import ascii_text
 from .crcs import CrcCode
 from .device import DeviceView
@@ -16,6 +15,7 @@ from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
 from .procedures import ProcedureCode
 from .receivers import ReceiverCode, receiver_codes
 from .reserved import c_name
+from .runtime import runtime_headers
 
 #: The other files of the package, and their templates. ``{package}`` is the name of the package. The folder has the
 #: layout of an installation.
@@ -43,11 +43,11 @@ class Package(TypedDict):
     title: Annotated[str, "its description in one line of plain letters"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
     makers: Annotated[list[Manufacturer], "the manufacturers"]
-    with_biss: Annotated[list[str], "the names of those that have biss.h"]
     devices: Annotated[list[Device], "the families"]
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
     with_bitwise: Annotated[list[str], "the same for those with a CRC that can do without its table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
+    runtime: Annotated[list[str], "the names of the headers of the runtime"]
     examples: Annotated[list[str], "the names of the programs"]
     tests: Annotated[list[str], "the C files of the self-test, by their path in the folder"]
 
@@ -71,7 +71,6 @@ def package_files(
         "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker, _ in makers)}"),
         "guide": guide(programs),
         "makers": [maker for maker, _ in makers],
-        "with_biss": [maker.name for maker, devices in makers if has_biss(devices)],
         "devices": [device for _, devices in makers for device in devices],
         "with_tables": _with_crcs(makers, views, lambda crc: crc.is_fold and bool(crc.table)),
         "with_bitwise": _with_crcs(makers, views, lambda crc: crc.by_bits),
@@ -80,6 +79,7 @@ def package_files(
             key=lambda item: item.count,
             default=None,
         ),
+        "runtime": list(runtime_headers()),
         "examples": [item.name for item in shown],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }

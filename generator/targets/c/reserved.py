@@ -1,8 +1,10 @@
-"""Reserved names: a name of a spec that C uses for something else gets a trailing underscore."""
+"""Reserved names: a name from a spec that C or the runtime uses for something else gets a trailing underscore."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+
+from .runtime import PREFIX
 
 #: The keywords of C up to C23, of C++ up to C++26 and its technical specifications, and of common compilers,
 #: as far as they can be names in a spec.
@@ -46,4 +48,4 @@ RESERVED = frozenset(f"{_WORDS} {_TYPES} {_MACROS} {_MATH}".split())
 
 def c_name(name: str, taken: Iterable[str] = ()) -> str:
     """Return ``name`` as the name of a member or argument."""
-    return name + "_" if name in RESERVED or name in taken else name
+    return name + "_" if name in RESERVED or name in taken or name.startswith(PREFIX) else name

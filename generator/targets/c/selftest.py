@@ -24,13 +24,13 @@ from ...model import (
 )
 from ...plan.codec import Part
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
-from ...plan.vectors import CONTROL_FIELDS, CONTROL_WORDS, vectors_of
-from .. import has_biss
+from ...plan.vectors import CONTROL_FIELDS, vectors_of
 from .codec import StructCodec
 from .device import DeviceView
 from .positions import LengthPositions
 from .procedures import ProcedureCode
 from .reserved import c_name
+from .runtime import runtime_tests
 from .types import number, string
 
 
@@ -172,7 +172,7 @@ class SelfTest:
             layout = item.struct.layout
             fits = item.plan.in_bytes == bool(example.bytes)
             if fits and (example.layout or example.refused == "length"):
-                fault = f"{self.view.maker.name.upper()}_FAULT_{example.refused.upper()}" if example.refused else ""
+                fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
                 yield FrameCheck(
                     item,
                     self._variant(example.order_code),
@@ -272,10 +272,7 @@ class FamilyTest(TypedDict):
 class AllTests(TypedDict):
     namespace: Annotated[str, "the folder of the headers below include"]
     option: Annotated[str, "the name of the package in uppercase"]
-    makers: Annotated[list[Manufacturer], "the manufacturers"]
-    with_biss: Annotated[list[str], "the names of those that have biss.h"]
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
-    control_words: Annotated[tuple[tuple[int, int], ...], "reads over BiSS: address, and the word that is sent"]
 
 
 def selftest_files(
@@ -295,11 +292,8 @@ def selftest_files(
     values: AllTests = {
         "namespace": "_".join(names),
         "option": "_".join((*names, "encoders")).upper(),
-        "makers": [maker for maker, _ in makers],
-        "with_biss": [maker.name for maker, devices in makers if has_biss(devices)],
         "tests": list(tests.values()),
-        "control_words": CONTROL_WORDS,
     }
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
-    return files
+    return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}
