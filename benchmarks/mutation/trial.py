@@ -15,12 +15,20 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 from codewheel.loading.across_devices import check_alike
 from codewheel.loading.library import Family, families_of, packaged_masters, packaged_specs
+from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
 from codewheel.readings.coverage import coverage_of
 from codewheel.readings.fact import Facts
-from codewheel.readings.collect import facts_of
 from codewheel.readings.reading import Reading
-from codewheel.readings.second_readings import Readings, Second, compare_readings, explain, read_beside, second_of, sound_specs
+from codewheel.readings.second_readings import (
+    Readings,
+    Second,
+    compare_readings,
+    explain,
+    read_beside,
+    second_of,
+    sound_specs,
+)
 
 from .effects import Effect, Outputs
 from .mistakes import Mutant, mutants, mutated

@@ -17,7 +17,7 @@ from ..say.lines import WIDTH, wrapped
 from ..say.name import words
 from ..say.origin import origin
 from ..say.text import BY_NAME
-from ..say.words import WORTH, counted, sentence
+from ..say.words import WORTH, counted, in_units, sentence
 from ..why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
 from .frame_text import FrameTextError, checked, frame_bytes, frame_number
 
@@ -379,8 +379,9 @@ def _table(decoded: codec.Decoded) -> list[str]:
         place = bit_place(decoded.layout.layout, decoded.layout.bits, item.high, item.low) if item.high >= 0 else ""
         value = {True: "yes", False: "no"}[item.value] if isinstance(item.value, bool) else str(item.value)
         raw = f"{item.raw:#x}" if item.high > item.low or item.high < 0 else str(item.raw)
-        unit = f" {item.unit}" if item.unit and not isinstance(item.value, bool) else ""
-        rows.append((place, item.name, raw, value + unit, item.meaning))
+        if item.unit and not isinstance(item.value, bool):
+            value = in_units(item.value, item.unit)
+        rows.append((place, item.name, raw, value, item.meaning))
     widths = [max(len(row[column]) for row in rows) for column in range(4)]
     lines = []
     for row in rows:

@@ -177,7 +177,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
-    said = f"not compared, with {counted(len(problems), 'problem')} in the current spec language: {', '.join(left_out)}"
+    said = f"not compared because of {counted(len(problems), 'problem')} in the current spec language: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 

@@ -20,8 +20,9 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")
         if told:
             raise RegisterError(told)
-        known = ", ".join(registers) or "none"
-        raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
+        if not registers:
+            raise RegisterError(f"{variant.code} has no register '{name}', and no other registers")
+        raise RegisterError(f"{variant.code} has no register '{name}'; it has: {', '.join(registers)}")
     if len(data) != register.length:
         raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
     return codec.decode(device, register.layout.place(variant.parameters), number_from_bytes(register.layout, data))

@@ -33,6 +33,12 @@ def counted(count: int | str, thing: str) -> str:
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
+def in_units(value: int | str, unit: str) -> str:
+    """Return a value with a unit of any spec, which is singular after 1: ``1 revolution``, ``8 counts``, ``1 µs``."""
+    is_word = len(unit) > 2 and unit.isascii() and unit.isalpha()
+    return f"{value} {unit.removesuffix('s') if value == 1 and is_word else unit}"
+
+
 def hertz(value: int) -> str:
     """Return a frequency in its shortest unit."""
     for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):

@@ -352,7 +352,7 @@ def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: 
 
 
 def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Yield tries with the frame of another order code, or of this one with other widths in its registers.
+    """Yield tries with the frame of another order code, or of this one with different register widths.
 
     The frame is complete, read too long, or truncated.
     """
@@ -398,7 +398,7 @@ def _kind(codes: Sequence[str]) -> str:
 
 def _sender(variant: Variant, codes: Sequence[str]) -> str:
     if not codes:
-        return f"the frame of {variant.code} with other widths in its registers"
+        return f"the frame of {variant.code} with different register widths"
     return f"the frame of {codes[0]}" + (
         f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else ""
     )

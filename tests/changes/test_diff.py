@@ -273,7 +273,7 @@ def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, caps
     code, out, _ = diff(capsys, "HEAD:specs", "specs")
     assert (code, out) == (
         0,
-        "not compared, with 2 problems in the current spec language: demo of HEAD:specs\nno differences\n",
+        "not compared because of 2 problems in the current spec language: demo of HEAD:specs\nno differences\n",
     )
 
 
