@@ -177,7 +177,8 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
-    said = f"not compared because of {counted(len(problems), 'problem')} in the current spec language: {', '.join(left_out)}"
+    because = f"because of {counted(len(problems), 'problem')} in the current spec language"
+    said = f"not compared {because}: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 
