@@ -101,7 +101,7 @@ def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
     monkeypatch.setattr(schema, "PARTS", tuple(part if item is old else item for item in PARTS))
     known = records.records()
-    members = (*known.members["Register"], records.RecordMember("needs_restart", "bool", False, False))
+    members = (*known.members["Register"], records.RecordMember("needs_restart", frozenset(), False))
     made = replace(known, members={**known.members, "Register": members})
     monkeypatch.setattr(records, "records", lambda: made)
     schema.show_schema.cache_clear()

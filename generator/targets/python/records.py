@@ -7,7 +7,6 @@ class is printed if the model has it, and an enumeration or another record is pr
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -20,7 +19,7 @@ from ...render import our_templates
 from .literals import Call, Hex, Literal, Member
 
 #: Sources with classes of records and enumerations.
-_SOURCES = tuple(our_templates("python") / f"_{name}.py.jinja" for name in ("codec", "facts", "order_codes", "reports"))
+_SOURCES = tuple(our_templates("python") / f"_{name}.py.jinja" for name in ("facts", "order_codes", "reports"))
 #: Records whose required members are printed without their names.
 _POSITIONAL = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
@@ -35,12 +34,11 @@ _NOTHING = object()
 
 @dataclass(frozen=True)
 class RecordMember:
-    """A member of a record: the record or enumeration that its type names, if any, and its default."""
+    """A member of a record: the names in its type, and its default. A required member has no default."""
 
     name: str
-    type: str
-    is_tuple: bool
-    default: object = _NOTHING
+    types: frozenset[str]
+    default: object
 
 
 @dataclass(frozen=True)
@@ -58,27 +56,25 @@ def records() -> Records:
     bases = {item.name: {ast.unparse(base) for base in item.bases} for item in classes}
     return Records(
         {item.name: tuple(_members(item)) for item in classes if "NamedTuple" in bases[item.name]},
-        frozenset(name for name, found in bases.items() if "Enum" in found),
+        frozenset(("Interface", *(name for name, found in bases.items() if "Enum" in found))),
     )
 
 
 def _classes(source: str) -> Iterator[ast.ClassDef]:
-    # Only whole classes are read. In a template, what surrounds them is not Python.
-    for text in re.findall(r"^class \w+\((?:NamedTuple|Enum)\):\n(?:(?: .*)?\n)+", source, re.MULTILINE):
-        found = ast.parse(text).body[0]
-        assert isinstance(found, ast.ClassDef)
-        yield found
+    lines = source.splitlines()
+    # The comment and the header of a template are not Python.
+    while lines and not lines[0].startswith('"'):
+        del lines[0]
+    yield from (item for item in ast.parse("\n".join(lines)).body if isinstance(item, ast.ClassDef))
 
 
 def _members(item: ast.ClassDef) -> Iterator[RecordMember]:
     for node in item.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            kind = ast.unparse(node.annotation)
-            inner = re.fullmatch(r"(?:tuple\[)?(\w+)(?:, \.\.\.\])?(?: \| None)?", kind)
+            names = [each.id for each in ast.walk(node.annotation) if isinstance(each, ast.Name)]
             is_literal = isinstance(node.value, (ast.Constant, ast.Tuple))
             default = ast.literal_eval(node.value) if node.value is not None and is_literal else None
-            given = {"default": default} if node.value is not None else {}
-            yield RecordMember(node.target.id, inner[1] if inner else "", kind.startswith("tuple"), **given)
+            yield RecordMember(node.target.id, frozenset(names), default if node.value is not None else _NOTHING)
 
 
 def row(function: str, item: object, **made: Literal) -> Call:
@@ -113,14 +109,14 @@ def _value(item: object, member: RecordMember) -> Literal:
     found = getattr(item, member.name)
     if member.name == "source":
         return cite(found)
-    if member.is_tuple and member.type in records().members:
-        return rows(member.type, found)
-    if member.is_tuple and member.type in records().enumerations:
-        return tuple(Member(member.type, value) for value in found)
-    if member.type in records().enumerations:
-        return Member(member.type, found) if found else None
-    if member.type in records().members:
-        return row(member.type, found) if found is not None else None
+    for record in member.types & records().members.keys():
+        if not isinstance(found, tuple):
+            return row(record, found) if found is not None else None
+        return rows(record, found)
+    for kind in member.types & records().enumerations:
+        if not isinstance(found, tuple):
+            return Member(kind, found) if found else None
+        return tuple(Member(kind, each) for each in found)
     if isinstance(found, Expression):
         return found.render()
     part = PARTS_BY_CLASS.get(type(item).__name__)
