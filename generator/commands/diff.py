@@ -146,8 +146,8 @@ def _record(found: Found, after: _Side) -> Found:
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
-    from ..changes.revisions import RevisionError, lay_out, named
     from ..loading.library import load_families, sound_families
+    from ..loading.revisions import RevisionError, lay_out, named
 
     place = named(text)
     with ExitStack() as stack:

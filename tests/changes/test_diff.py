@@ -11,7 +11,7 @@ from shutil import copytree
 
 import pytest
 from codewheel.changes.families import compare
-from codewheel.changes.revisions import RevisionError, lay_out, named
+from codewheel.loading.revisions import RevisionError, lay_out, named
 from codewheel.commands.cli import main
 from codewheel.model import Device
 from jsonschema import Draft202012Validator

@@ -11,7 +11,7 @@ from shutil import copytree
 
 import pytest
 from codewheel.changes import revisions
-from codewheel.changes.revisions import LaidOut, Named, RevisionError, lay_out
+from codewheel.loading.revisions import LaidOut, Named, RevisionError, lay_out
 from codewheel.commands.cli import main
 from pair import BASE
 
