@@ -57,6 +57,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     ("laid_out|_lines|_broken|_split", ".*", "a line of C, broken where the language allows it, whatever it says"),
     ("documented|_documented|_one_or_more|comment", ".*", "a comment of C, whatever it says"),
     ("broken|_broken|_items|_in_pieces", ".*", "a line of Python, broken at its brackets, whatever it says"),
+    ("records|_classes", ".*", "the classes of the records, in the source of the runtime"),
     ("|_row|imports|_named", r"(names|needed|optional)\.split\(\)", "a list of words"),
     ("__str__", r"\{first\.operator, .*", "the operators of an expression"),
     ("package_files", r"path\.endswith\(.*", "the name of a file"),

@@ -4,149 +4,117 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from ..model import (
-    Alarm,
     Alternative,
-    Biss,
     CodePart,
-    ControlField,
-    Crc,
-    DataId,
     Device,
     Field,
-    Interface,
-    Join,
     Layout,
     Procedure,
     Register,
     RegisterStep,
     Rs485,
     Step,
-    Timing,
-    Value,
 )
+from ..model.members import PARTS_BY_CLASS
 from .family_pair import FamilyPair
 from .pairs import Pair, both_of, paired
+
+_Part = TypeVar("_Part")
 
 
 def note_all(both: FamilyPair) -> None:
     """Remember every renaming, so that references to the renamed thing do not count as changed."""
     old, new = both.old, both.new
     both.note("part", parts(old, new))
-    both.note("crc", crcs(old.crcs, new.crcs))
-    both.note("decision", alternatives(old.alternatives, new.alternatives))
-    both.note("register", registers(both))
-    for one, other in both_of(registers(both)):
+    both.note("crc", recognised(both, old.crcs, new.crcs))
+    both.note("decision", alternatives(old, new))
+    both.note("register", recognised(both, old.registers, new.registers))
+    for one, other in both_of(recognised(both, old.registers, new.registers)):
         _note_layout(both, one.layout, other.layout, other.interface, other.name)
     for before, after in both_of(paired(old.interfaces, new.interfaces)):
-        both.note("frame", layouts(both, before, after))
-        for frame, frame_now in both_of(layouts(both, before, after)):
+        both.note("frame", recognised(both, before.layouts, after.layouts, after.name))
+        for frame, frame_now in both_of(recognised(both, before.layouts, after.layouts, after.name)):
             _note_layout(both, frame, frame_now, after.name, frame_now.name)
-        both.note("data-id", data_ids(before, after))
-    both.note("procedure", procedures(both))
+        if isinstance(before, Rs485) and isinstance(after, Rs485):
+            both.note("data-id", recognised(both, before.data_ids, after.data_ids))
+    both.note("procedure", procedure_pairs(both))
 
 
 def _note_layout(both: FamilyPair, old: Layout, new: Layout, interface: str, scope: str) -> None:
-    for found in (fields(both, old, new, interface), joins(both, old, new, scope)):
-        both.note(f"field {scope}", found)
-        both.note("any-field", found)
-    for one, other in both_of(fields(both, old, new, interface)):
-        both.note("any-value", paired(one.values, other.values, number))
+    names = f"field {scope}"
+    found = fields(both, old, new, interface)
+    both.note(names, found)
+    both.note("any-field", found)
+    numbers = recognised(both, old.joins, new.joins, scope=scope)
+    both.note(names, numbers)
+    both.note("any-field", numbers)
+    for one, other in both_of(found):
+        both.note("any-value", recognised(both, one.values, other.values))
 
 
-def number(item: Value) -> Hashable:
-    """Return the property that identifies a named value."""
-    return item.value
+def recognised(
+    both: FamilyPair, olds: Sequence[_Part], news: Sequence[_Part], interface: str = "", scope: str = ""
+) -> list[Pair[_Part]]:
+    """Pair parts of the model by name, or by the members that identify them, which the table of members names.
 
+    Frames and registers are also identified by the bits of their fields.
 
-def registers(both: FamilyPair) -> list[Pair[Register]]:
-    """Pair registers. A renamed one has the same address and bits."""
+    Args:
+        both: The two versions of the family.
+        olds: The old parts.
+        news: The new parts.
+        interface: The interface of frames.
+        scope: The frame or register in which to look up the names of fields.
+    """
 
-    def mark(is_old: bool) -> Callable[[Register], Hashable]:
-        return lambda item: (
-            item.interface,
-            item.bank,
-            item.address,
-            item.length,
-            both.places(item.layout, item.interface, is_old),
-        )
+    def identity(is_old: bool) -> Callable[[Any], Hashable | None]:
+        def of(item: Any) -> Hashable | None:
+            part = PARTS_BY_CLASS[type(item).__name__]
+            values = [getattr(item, name) for name in part.identity]
+            for index, name in enumerate(part.identity):
+                kind = part.by_attribute[name].refers_to
+                if is_old and kind:
+                    values[index] = both.to_new(kind, values[index], scope)
+            layout = item.layout if isinstance(item, Register) else item
+            if isinstance(layout, Layout):
+                values.append(both.places(layout, interface or item.interface, is_old))
+            return tuple(values) if any(values) else None
 
-    return paired(both.old.registers, both.new.registers, mark(True), mark(False))
+        return of
 
-
-def layouts(both: FamilyPair, old: Interface, new: Interface) -> list[Pair[Layout]]:
-    def mark(is_old: bool) -> Callable[[Layout], Hashable]:
-        return lambda item: (
-            item.sender,
-            item.in_bytes,
-            item.selects,
-            item.channel,
-            both.places(item, new.name, is_old),
-        )
-
-    return paired(old.layouts, new.layouts, mark(True), mark(False))
+    return paired(olds, news, identity(True), identity(False))
 
 
 def fields(both: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
     """Pair fields. A renamed one has the same bits, and carries data only if the old one does."""
 
-    def mark(layout: Layout, is_old: bool) -> Callable[[Field], Hashable]:
+    def identity(layout: Layout, is_old: bool) -> Callable[[Field], Hashable]:
         places = both.places(layout, interface, is_old)
         at = {item.name: place for item, place in zip(layout.fields, places, strict=True)}
         return lambda item: (at[item.name], item.carries_data)
 
     olds, news = ([item for item in layout.fields if not item.fills_gap] for layout in (old, new))
-    return paired(olds, news, mark(old, True), mark(new, False))
+    return paired(olds, news, identity(old, True), identity(new, False))
 
 
-def joins(both: FamilyPair, old: Layout, new: Layout, scope: str) -> list[Pair[Join]]:
-    return paired(
-        old.joins, new.joins, lambda item: both.to_new("fields", item.fields, scope), lambda item: item.fields
-    )
+def alternatives(old: Device, new: Device) -> list[Pair[Alternative]]:
+    def identity(item: Alternative) -> Hashable:
+        return tuple(tuple(sorted(answer.sets.values())) for answer in item.answers)
 
-
-def crcs(olds: Sequence[Crc], news: Sequence[Crc]) -> list[Pair[Crc]]:
-    return paired(olds, news, lambda item: (item.width, item.poly, item.init, item.refin, item.refout, item.xorout))
-
-
-def alternatives(olds: Sequence[Alternative], news: Sequence[Alternative]) -> list[Pair[Alternative]]:
-    return paired(olds, news, lambda item: tuple(tuple(sorted(answer.sets.values())) for answer in item.answers))
-
-
-def data_ids(old: Interface, new: Interface) -> list[Pair[DataId]]:
-    if isinstance(old, Rs485) and isinstance(new, Rs485):
-        return paired(old.data_ids, new.data_ids, lambda item: (item.id, item.control))
-    return []
-
-
-def control_fields(old: Interface, new: Interface) -> list[Pair[ControlField]]:
-    if isinstance(old, Biss) and isinstance(new, Biss):
-        return paired(old.control_data, new.control_data, lambda item: (item.bits, item.crc, len(item.values)))
-    return []
-
-
-def timings(olds: Sequence[Timing], news: Sequence[Timing]) -> list[Pair[Timing]]:
-    return paired(olds, news, lambda item: (item.at_least_us, item.typical_us, item.at_most_us))
-
-
-def alarms(both: FamilyPair) -> list[Pair[Alarm]]:
-    def old(item: Alarm) -> Hashable:
-        return (both.to_new("register", item.register), both.to_new("any-field", item.field)) if item.field else None
-
-    return paired(
-        both.old.alarms, both.new.alarms, old, lambda item: (item.register, item.field) if item.field else None
-    )
+    return paired(old.alternatives, new.alternatives, identity)
 
 
 def parts(old: Device, new: Device) -> list[Pair[CodePart]]:
-    return paired(
-        old.order_code.parts, new.order_code.parts, lambda item: tuple(value.text for value in item.values) or None
-    )
+    def identity(item: CodePart) -> Hashable | None:
+        return tuple(value.text for value in item.values) or None
+
+    return paired(old.order_code.parts, new.order_code.parts, identity)
 
 
-def procedures(both: FamilyPair) -> list[Pair[Procedure]]:
+def procedure_pairs(both: FamilyPair) -> list[Pair[Procedure]]:
     """Pair procedures. A renamed one has the same steps."""
 
     def old(item: Procedure) -> Hashable:

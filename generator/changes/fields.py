@@ -20,11 +20,11 @@ from ..model import (
     Unused,
 )
 from ..model.expressions import Expression
-from . import counterparts
 from .change import Change, Thing
 from .compare import members, things
+from .counterparts import fields, recognised
 from .family_pair import FamilyPair
-from .pairs import Pair, paired
+from .pairs import Pair
 from .value_text import arrow, shown
 
 _WORDS = {
@@ -46,9 +46,9 @@ def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout, scope: str)
     """Yield the differences in the fields of a frame or register, which ``scope`` names."""
     # The bare name of a frame or register, as used for its fields.
     short = thing.label.rpartition(" ")[2]
-    for pair in counterparts.fields(both, old, new, thing.interface):
+    for pair in fields(both, old, new, thing.interface):
         yield from _field(both, thing, pair, scope, short)
-    for join in counterparts.joins(both, old, new, scope):
+    for join in recognised(both, old.joins, new.joins, scope=scope):
         place = thing.inside(join.item.name, f"{short}: number {join.item.name}")
         yield from both.presence("joined", place, join.old, join.new)
         if join.old is not None and join.new is not None:
@@ -74,7 +74,7 @@ def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short:
         yield from things(
             both,
             "value",
-            paired(old.values, new.values, counterparts.number),
+            recognised(both, old.values, new.values),
             lambda value: place.inside(value.item.name, f"{label}: value {value.item.name}"),
         )
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Biss, ControlField, DataId, Interface, Layout, Rs485, Timing
-from . import counterparts
 from .change import Change, Thing
 from .compare import members, things
+from .counterparts import recognised
 from .family_pair import FamilyPair
 from .fields import layout
 from .names_in_code import named_in_code
@@ -27,18 +27,23 @@ def interfaces(both: FamilyPair) -> Iterator[Change]:
 def _interface(both: FamilyPair, thing: Thing, old: Interface, new: Interface) -> Iterator[Change]:
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         yield from members(both, thing.inside("port", thing.label), old.port, new.port)
-        yield from things(both, "data-id", counterparts.data_ids(old, new), lambda pair: _data_id(both, thing, pair))
+        yield from things(
+            both,
+            "data-id",
+            recognised(both, old.data_ids, new.data_ids),
+            lambda pair: _data_id(both, thing, pair),
+        )
     elif not isinstance(new, Rs485) and not isinstance(old, Rs485):
         yield from members(both, thing.inside("clock", thing.label), old.clock, new.clock)
     if isinstance(old, Biss) and isinstance(new, Biss):
-        found = counterparts.control_fields(old, new)
+        found = paired(old.control_data, new.control_data, lambda item: (item.bits, item.crc, len(item.values)))
         yield from things(both, "control-field", found, lambda pair: _control_field(thing, pair), _control_values)
     yield from timings(both, thing, old.timings, new.timings)
     path = f"interfaces.{new.name}.layouts"
     yield from things(
         both,
         "frame",
-        counterparts.layouts(both, old, new),
+        recognised(both, old.layouts, new.layouts, new.name),
         lambda pair: named_in_code(both, pair, path, "frame", new.name),
         _frame,
     )
@@ -68,7 +73,7 @@ def _control_values(both: FamilyPair, thing: Thing, old: ControlField, new: Cont
     yield from things(
         both,
         "value",
-        paired(old.values, new.values, counterparts.number),
+        recognised(both, old.values, new.values),
         lambda pair: thing.inside(pair.item.name, f"control frame: {new.name}: value {pair.item.name}"),
     )
 
@@ -78,6 +83,6 @@ def timings(both: FamilyPair, thing: Thing, olds: tuple[Timing, ...], news: tupl
     yield from things(
         both,
         "timing",
-        counterparts.timings(olds, news),
+        recognised(both, olds, news),
         lambda pair: thing.inside(f"timings.{pair.item.name}", f"{thing.label} time {pair.item.name}".strip()),
     )

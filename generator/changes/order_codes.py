@@ -157,7 +157,7 @@ def quantities(both: FamilyPair) -> Iterator[Change]:
     yield from things(
         both,
         "decision",
-        alternatives(both.old.alternatives, both.new.alternatives),
+        alternatives(both.old, both.new),
         lambda pair: _place_of_decision(both, pair),
         _answers,
     )

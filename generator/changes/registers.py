@@ -9,13 +9,13 @@ from typing import Any
 
 from ..model import Biss, Crc, CrcValue, Device, Procedure, Register, Step
 from ..say.place import register_at
-from . import counterparts
 from .change import Change, Thing
 from .compare import members, things
+from .counterparts import bare, procedure_pairs, recognised, step_in_new
 from .family_pair import FamilyPair
 from .fields import layout
 from .names_in_code import named_in_code
-from .pairs import Pair, paired
+from .pairs import Pair
 from .value_text import arrow, plain, shown
 
 _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
@@ -25,27 +25,27 @@ def registers(both: FamilyPair) -> Iterator[Change]:
     def place(pair: Pair[Register]) -> Thing:
         return named_in_code(both, pair, "registers", register_at(pair.first), pair.item.interface)
 
-    yield from things(both, "register", counterparts.registers(both), place, _register)
+    yield from things(both, "register", recognised(both, both.old.registers, both.new.registers), place, _register)
 
 
 def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
-    bare = place.unnamed
+    unnamed = place.unnamed
     if old.access != new.access:
         is_lost = any(old.access in can and new.access not in can for can in (_CAN_READ, _CAN_WRITE))
         access = f": {old.access.replace('_', ' ')} → {new.access.replace('_', ' ')}"
-        rule, thing = ("access-lost", place) if is_lost else ("access-gained", bare)
+        rule, thing = ("access-lost", place) if is_lost else ("access-gained", unnamed)
         yield both.change(rule, thing.inside("access", place.label), access, old.access, new.access)
     yield from things(
         both,
         "meaning",
-        paired(old.meanings, new.meanings, lambda item: (item.when, item.value)),
-        lambda pair: bare.inside(pair.item.name, f"{place.label}: meaning {pair.item.name}"),
+        recognised(both, old.meanings, new.meanings),
+        lambda pair: unnamed.inside(pair.item.name, f"{place.label}: meaning {pair.item.name}"),
     )
     # Everything else in the layout of a register follows from the register, which is compared separately.
     own = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
     before = replace(new.layout, **own)
-    yield from members(both, bare, before, new.layout, new.name)
-    yield from layout(both, bare, before, new.layout, new.name)
+    yield from members(both, unnamed, before, new.layout, new.name)
+    yield from layout(both, unnamed, before, new.layout, new.name)
 
 
 def crcs(both: FamilyPair) -> Iterator[Change]:
@@ -53,7 +53,7 @@ def crcs(both: FamilyPair) -> Iterator[Change]:
         device = both.new if pair.old is None else both.old
         return named_in_code(both, pair, "crcs", "CRC", _interface_of(device, pair.first))
 
-    yield from things(both, "crc", counterparts.crcs(both.old.crcs, both.new.crcs), place)
+    yield from things(both, "crc", recognised(both, both.old.crcs, both.new.crcs), place)
 
 
 def _interface_of(device: Device, crc: Crc) -> str:
@@ -73,7 +73,7 @@ def procedures(both: FamilyPair) -> Iterator[Change]:
     yield from things(
         both,
         "procedure",
-        counterparts.procedures(both),
+        procedure_pairs(both),
         lambda pair: named_in_code(both, pair, "procedures", "procedure", pair.first.interface),
         _procedure,
     )
@@ -96,8 +96,8 @@ def _procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -
     elif [item.meaning for item in old.arguments] != [item.meaning for item in new.arguments]:
         yield both.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
     inner = place.unnamed.inside("steps", place.label)
-    before = [counterparts.step_in_new(both, step) for step in old.steps]
-    after = [counterparts.bare(step) for step in new.steps]
+    before = [step_in_new(both, step) for step in old.steps]
+    after = [bare(step) for step in new.steps]
     if before != after:
         yield both.change("procedure-steps", inner, _steps(before, after), before, after)
     elif [step.meaning for step in old.steps] != [step.meaning for step in new.steps]:

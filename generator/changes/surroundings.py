@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..model import Alarm, Connector, Contact, Device
-from . import counterparts
 from .change import Change, Thing
 from .compare import members, things
+from .counterparts import recognised
 from .family_pair import FamilyPair
 from .order_codes import supply
 from .pairs import Pair, both_of, paired
@@ -31,7 +31,7 @@ def alarms(both: FamilyPair) -> Iterator[Change]:
         interface = _interface_of(both.new if pair.new else both.old, pair.item)
         return Thing(f"alarms.{pair.item.name}", f"alarm {pair.item.name}", interface)
 
-    yield from things(both, "alarm", counterparts.alarms(both), place)
+    yield from things(both, "alarm", recognised(both, both.old.alarms, both.new.alarms), place)
 
 
 def _interface_of(device: Device, alarm: Alarm) -> str:
@@ -57,7 +57,7 @@ def wiring(both: FamilyPair) -> Iterator[Change]:
     yield from things(
         both,
         "input",
-        paired(old.inputs, new.inputs, lambda item: (item.inverts, item.low, item.high)),
+        recognised(both, old.inputs, new.inputs),
         lambda pair: Thing(f"inputs.{pair.item.name}", f"input {pair.item.name}"),
     )
 

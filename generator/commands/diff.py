@@ -146,8 +146,8 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
     from tempfile import TemporaryDirectory
 
-    from ..changes.revisions import RevisionError, lay_out, named
     from ..loading.library import load_families, sound_families
+    from ..loading.revisions import RevisionError, lay_out, named
     from ..say.words import counted
 
     place = named(text)
@@ -179,8 +179,8 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
-    count = counted(len(problems), "problem")
-    said = f"not compared, because of {count} according to the current spec language: {', '.join(left_out)}"
+    because = f"because of {counted(len(problems), 'problem')} in the current spec language"
+    said = f"not compared {because}: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 

@@ -11,8 +11,8 @@ from shutil import copytree
 
 import pytest
 from codewheel.changes import revisions
-from codewheel.changes.revisions import LaidOut, Named, RevisionError, lay_out
 from codewheel.commands.cli import main
+from codewheel.loading.revisions import LaidOut, Named, RevisionError, lay_out
 from pair import BASE
 
 #: They start git.

@@ -13,6 +13,7 @@ FRAMES = (
         PRINTED_NAME,
         NAMES,
         MEANING,
+        identity="value",
     ),
     Part(
         "digits",
@@ -29,6 +30,7 @@ FRAMES = (
         NAME,
         Member("fields", "[name]", "Fields.", "joined-of", "made of", refers_to="fields"),
         Member("width", "expression", "Total number of bits."),
+        identity="fields",
     ),
     Part(
         "field",
@@ -277,6 +279,7 @@ FRAMES = (
         NOTE,
         Member("fields", "[field]", "Fields."),
         Member("widest"),
+        identity="sender in_bytes selects channel",
     ),
     Part(
         "opened_by",
@@ -399,6 +402,7 @@ FRAMES = (
         Member("opened_by_value", rule="register-rule", label="unlocked by the value", refers_to="any-value"),
         Member("layout"),
         Member("opened_by_field", rule="register-rule", label="unlocked by the field", refers_to="any-field"),
+        identity="interface bank address length",
     ),
     Part(
         "register_meaning",
@@ -423,6 +427,7 @@ FRAMES = (
         Member("min", "expression?", "Lowest value that may be written.", "limit-narrower", "minimum"),
         Member("max", "expression?", "Highest value that may be written.", "limit-narrower", "maximum"),
         MEANING,
+        identity="when value",
     ),
     Part(
         "crc",
@@ -463,6 +468,7 @@ FRAMES = (
             "xorout", "hex", "Value XORed with the result.", "crc-changed", "inverted with", read="crc", noun="xorout"
         ),
         NOTE,
+        identity="width poly init refin refout xorout",
     ),
     Part(
         "alarm",
@@ -524,6 +530,7 @@ FRAMES = (
             "alarm-rule",
             "manual steps",
         ),
+        identity="register field",
     ),
     Part(
         "step",

@@ -79,6 +79,7 @@ INTERFACES = (
         Member("control", "hex", "Byte of the control field.", "data-id-changed", "control byte"),
         Member("purpose", "name", "Effect of the request.", "data-id-changed", read="setting"),
         MEANING,
+        identity="id control",
     ),
     Part(
         "memory_access",

@@ -86,11 +86,20 @@ class Member:
 class Part:
     """A part of the model with its members in the order of the data.
 
-    ``of`` names the classes of the model, if they are not called like the part. A part that ``is_sourced`` also has its
-    sources in the data.
+    ``of`` names the classes of the model, if they are not called like the part. ``identity`` names the members of the
+    model by which a part is recognised under another name. A part that ``is_sourced`` also has its sources in the data.
     """
 
-    def __init__(self, name: str, about: str, *members: Member, of: str | None = None, is_sourced: bool = True) -> None:
+    def __init__(
+        self,
+        name: str,
+        about: str,
+        *members: Member,
+        of: str | None = None,
+        identity: str = "",
+        is_sourced: bool = True,
+    ) -> None:
+        self.identity = tuple(identity.split())
         self.name, self.about, self.members, self.is_sourced = name, about, members, is_sourced
         camel = "".join(word.capitalize() for word in name.split("_"))
         self.classes = tuple((camel if of is None else of).split())

@@ -22,6 +22,7 @@ SURROUNDINGS = (
             "timing-typical",
             "order codes",
         ),
+        identity="at_least_us typical_us at_most_us",
     ),
     Part(
         "contact",
@@ -230,6 +231,7 @@ SURROUNDINGS = (
         ),
         Member("when_unused", "text", "Connection of the input when it is not used.", "input-rule"),
         NOTE,
+        identity="inverts low high",
     ),
     Part(
         "table_row",

@@ -1,0 +1,141 @@
+"""The table of members: it describes the whole model, and every output takes its members from there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, make_dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from codewheel import model
+from codewheel.changes import compare as changes
+from codewheel.changes.families import compare_family
+from codewheel.changes.rules import RULES
+from codewheel.dump import plain, schema
+from codewheel.dump.xml import to_xml
+from codewheel.dump.xsd import schema_text
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
+from codewheel.model import Device, Register
+from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
+from codewheel.readings import stated
+from codewheel.readings.collect import facts_of
+from codewheel.readings.compare import compare
+from codewheel.readings.fact import Sort
+from codewheel.readings.reading import Reading
+from codewheel.targets.python import records
+from codewheel.targets.python.facts import register_rows
+
+SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
+#: Records with another name than the part of the model.
+RECORDS = {
+    "BissFacts": "interface",
+    "DataIdFacts": "data_id",
+    "FieldFacts": "field",
+    "NamedValue": "value",
+    "OrderCode": "order_code_grammar",
+    "Part": "code_part",
+    "PartValue": "code_value",
+    "Rs485Facts": "interface",
+    "SsiFacts": "interface",
+}
+#: Members that Python users have elsewhere: in the classes of frames and registers, in ``VARIANTS``, or as bytes.
+ELSEWHERE = {
+    "FieldFacts": """kind high low width group container padding_of makes_position sums_up only only_while remedy
+        by_hand values crc parity_of parity digits equals equals_text""",
+    "Register": "interface last_address default_bytes min max limits_of wait_at_least_ms other_bits join",
+    "Timing": "interface",
+    "Crc": "poly_with_top_bit",
+    "NamedValue": "printed_name names",
+    "ControlField": "names",
+    "Alarm": "group",
+    "Erratum": "overlay edition",
+    "PartValue": "interface sets only_with supply",
+}
+
+
+@pytest.mark.parametrize("kind", sorted(PARTS_BY_CLASS))
+def test_every_member_of_the_model_is_in_the_table(kind: str) -> None:
+    """A new member must have a rule, or none for a reason."""
+    names = {item.name for item in fields(getattr(model, kind))} - {"source"}
+    assert names <= set(PARTS_BY_CLASS[kind].by_attribute)
+
+
+def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
+    members = [item for part in PARTS for item in part.members]
+    assert {item.rule for item in members} - {""} <= set(RULES)
+    assert {item.read for item in members} - {""} <= {sort.value for sort in Sort}
+
+
+def parts_of_records() -> Iterator[tuple[str, Part]]:
+    known = {part.name: part for part in PARTS}
+    for record in records.records().members:
+        name = RECORDS.get(record) or re.sub(r"(?<=[a-z])(?=[A-Z])", "_", record).lower()
+        if name in known and name != "interface":
+            yield record, known[name]
+
+
+@pytest.mark.parametrize(
+    ("record", "part"), list(parts_of_records()), ids=lambda item: item if isinstance(item, str) else ""
+)
+def test_records_of_python_have_the_members(record: str, part: Part) -> None:
+    """A member of the data that the class of a record lacks would be missing from the Python package."""
+    there = {item.name for item in records.records().members[record]} | set(ELSEWHERE.get(record, "").split())
+    assert {item.name for item in part.members if item.shape and item.attribute not in there} - there == set()
+
+
+NEW = Member("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
+#: The class of registers with one more property. The table finds it by its name.
+NEW_REGISTER: Any = make_dataclass("Register", [("needs_restart", bool, False)], bases=(Register,), frozen=True)
+
+
+@pytest.fixture
+def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A property of registers that is only documented, described in the table and in the class of the record."""
+    old = PARTS_BY_CLASS["Register"]
+    part = Part(old.name, old.about, *old.members, NEW)
+    by_class: Mapping[str, Part] = {**PARTS_BY_CLASS, "Register": part}
+    for module in (plain, changes, stated):
+        monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
+    monkeypatch.setattr(schema, "PARTS", tuple(part if item is old else item for item in PARTS))
+    known = records.records()
+    members = (*known.members["Register"], records.RecordMember("needs_restart", frozenset(), False))
+    made = replace(known, members={**known.members, "Register": members})
+    monkeypatch.setattr(records, "records", lambda: made)
+    schema.show_schema.cache_clear()
+    schema_text.cache_clear()
+    yield
+    schema.show_schema.cache_clear()
+    schema_text.cache_clear()
+
+
+def with_property(device: Device, value: bool) -> Device:
+    """Return the device, with this value of the property in its first register."""
+    registers = [
+        NEW_REGISTER(
+            **{item.name: getattr(register, item.name) for item in fields(Register)}, needs_restart=value and not index
+        )
+        for index, register in enumerate(device.registers)
+    ]
+    return replace(device, registers=tuple(registers))
+
+
+@pytest.mark.usefixtures("property_")
+def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(amm5: Device) -> None:
+    old, new = with_property(amm5, False), with_property(amm5, True)
+    name = new.registers[0].name
+    dump = plain.device_dump(new)
+    assert [item["name"] for item in dump["registers"] if item["needs_restart"]] == [name]
+    assert 'needs_restart="true"' in to_xml(dump)
+    assert 'name="needs_restart"' in schema_text()
+    assert schema.show_schema()["$defs"]["register"]["properties"]["needs_restart"]["type"] == "boolean"
+    assert [key for key, row in register_rows(new).items() if "needs_restart=True" in row.flat] == [name]
+    (change,) = compare_family(old, new)
+    assert change.text.endswith(f" {name}: needs restart no → yes")
+    assert change.rule.name == "register-rule"
+    document = read_document(SPEC, Report())
+    assert document is not None
+    (found,) = compare(facts_of(Reading(old, document)), facts_of(Reading(new, document))).disagreements
+    assert (found.what.partition(" of ")[0], found.used, found.other) == ("needs restart", "nothing", "yes")
