@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 _MANUFACTURER = "manufacturer.yaml"
 _OTHER_KINDS = frozenset((b"overlay", b"changes", b"master", b"takes"))
-_KEY = re.compile(rb"^([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)", re.MULTILINE)
-_NAME = re.compile(rb"^device[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#.*)?\r?$", re.MULTILINE)
-_PATTERN_KEY = re.compile(rb"\bpattern['\"]?[ \t]*:")
-_PATTERN = re.compile(rb"\bpattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
+_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
+_NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
+_PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
+_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
 
 
 class _NotSelectable(Exception):
@@ -86,8 +86,8 @@ def _device_files(paths: Sequence[Path]) -> Iterator[_Found]:
         _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
     """
     for path in dict.fromkeys(spec_files(paths)):
-        text = path.read_bytes()
-        keys = {match[1] for match in _KEY.finditer(text)}
+        text = b"\n" + path.read_bytes()
+        keys = set(_KEY.findall(text))
         names = _NAME.findall(text)
         if len(names) == 1 and keys.isdisjoint(_OTHER_KINDS) and not is_second(path):
             if not path.with_name(_MANUFACTURER).is_file():
