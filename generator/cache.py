@@ -63,7 +63,7 @@ class Cache:
             return None
 
     def put(self, kind: str, content: Iterable[bytes | str], data: Any) -> None:
-        """Store data that consists of what JSON can express. Other entries may be removed to make room."""
+        """Store data that consists of what JSON can express. Other entries may be removed because of the limits."""
         if self._folder is None:
             return
         key = key_of(kind, content)
@@ -73,7 +73,7 @@ class Cache:
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
                 if _is_ours(os.stat(self._folder)):
                     _write(self._folder, key, hashlib.sha256(text).hexdigest().encode() + text)
-                    _make_room(self._folder)
+                    _keep_limits(self._folder)
 
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:
@@ -169,8 +169,8 @@ def _write(folder: Path, key: str, content: bytes) -> None:
         raise
 
 
-def _make_room(folder: Path) -> None:
-    """Remove the oldest entries if there are too many, until half of the room is free, and unfinished files."""
+def _keep_limits(folder: Path) -> None:
+    """Remove the oldest entries above the limits, down to half of these, and unfinished files."""
     entries: list[tuple[float, int, str]] = []
     with os.scandir(folder) as found:
         for entry in found:
