@@ -6,6 +6,7 @@ import fcntl
 import gc
 import importlib
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -83,6 +84,16 @@ def _specs_read_once() -> Iterator[None]:
         for module in (loading, outputs, check):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Tests and their processes keep results in a folder of their own, but pip keeps its downloads."""
+    with pytest.MonkeyPatch.context() as patch:
+        if "PIP_CACHE_DIR" not in os.environ:
+            patch.setenv("PIP_CACHE_DIR", str(Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "pip"))
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         yield
 
 

@@ -14,7 +14,8 @@ from codewheel.language.document import Document
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 from codewheel.loading.across_devices import check_alike
-from codewheel.loading.library import Family, families_of, packaged_masters, packaged_specs
+from codewheel.loading.library import Family, families_of
+from codewheel.loading.shipped import packaged_masters, packaged_specs
 from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
 from codewheel.readings.coverage import coverage_of

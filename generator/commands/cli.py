@@ -22,6 +22,7 @@ from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, me
 from .terminal import Stop, prepare, release
 
 if TYPE_CHECKING:
+    from ..cache import Cache
     from ..loading.library import Family
 
 _DESCRIPTION = (
@@ -380,7 +381,18 @@ def _add_spec_option(parser: argparse.ArgumentParser) -> None:
         help="specs to use (default: those in the current folder, or those shipped with codewheel)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
+    _add_cache_option(parser)
     parser.set_defaults(looks_up=True)
+
+
+def _add_cache_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--no-cache", action="store_true", help="neither use nor keep results of earlier runs")
+
+
+def _cache(chosen: argparse.Namespace) -> Cache:
+    from ..cache import Cache, default_folder
+
+    return Cache(None if chosen.no_cache else default_folder())
 
 
 def _print_json(data: Mapping[str, Any]) -> None:
@@ -448,7 +460,7 @@ def _list(chosen: argparse.Namespace) -> int:
 
 
 def _show(chosen: argparse.Namespace) -> int:
-    device, match = look_up.family_or_code(chosen.specs, chosen.what)
+    device, match = look_up.family_or_code(chosen.specs, chosen.what, _cache(chosen))
     if chosen.edition is not None:
         from .editions import asked_for
 
@@ -504,7 +516,7 @@ def _new(chosen: argparse.Namespace) -> int:
 def _master(chosen: argparse.Namespace) -> int:
     from .master import run
 
-    code, data = run(chosen)
+    code, data = run(chosen, _cache(chosen))
     if isinstance(data, str):
         print(data)
     else:
@@ -519,7 +531,7 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
 
-    device, found = look_up.order_code(chosen.specs, chosen.order_code)
+    device, found = look_up.order_code(chosen.specs, chosen.order_code, _cache(chosen))
     match, held = found, held_bytes(chosen.register)
     if chosen.edition is not None:
         from .editions import asked_for

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .terminal import Stop
 
 if TYPE_CHECKING:
+    from ..cache import Cache
     from ..language.problems import Report
     from ..model import Device
     from ..order_codes.labels import Match
@@ -86,25 +87,55 @@ def _listed(files: Sequence[str]) -> str:
     return ", ".join(files[:_MOST_FILES]) + (f" and {more} more" if more > 0 else "")
 
 
-def order_code(specs: Sequence[Path], text: str) -> tuple[Device, Match]:
-    """Return the family and variant of an order code. Specs with problems are left out and listed.
+def order_code(specs: Sequence[Path], text: str, cache: Cache) -> tuple[Device, Match]:
+    """Return the family and variant of an order code. Only the families that it may belong to are loaded.
+
+    If none of these has the order code, all are loaded. Specs with problems are then left out and listed.
 
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
+    refuse_missing(specs)
+    selected = _only_match(_selected(specs, text, cache), text)
+    if selected is not None:
+        return selected
     with _sound(specs) as devices:
         return find(devices, text)
 
 
-def family_or_code(specs: Sequence[Path], text: str) -> tuple[Device, Match | None]:
-    """Return a family by its name, or the family and variant of an order code.
+def family_or_code(specs: Sequence[Path], text: str, cache: Cache) -> tuple[Device, Match | None]:
+    """Return a family by its name, or the family and variant of an order code, like ``order_code``.
 
     Raises:
         Stop: As for ``order_code``.
     """
+    refuse_missing(specs)
+    devices = _selected(specs, text, cache)
+    family = _family(devices, text)
+    selected = (family, None) if family is not None else _only_match(devices, text)
+    if selected is not None:
+        return selected
     with _sound(specs) as devices:
         family = _family(devices, text)
         return (family, None) if family is not None else find(devices, text)
+
+
+def _selected(specs: Sequence[Path], text: str, cache: Cache) -> Sequence[Device]:
+    from ..loading.selected import families_for
+
+    return families_for(specs, text, cache)
+
+
+def _only_match(devices: Sequence[Device], text: str) -> tuple[Device, Match] | None:
+    """Return the only one of these families that has the order code, or None if there is none or more than one."""
+    from ..order_codes.labels import UnknownOrderCode
+    from ..order_codes.labels import find as find_in
+
+    found = []
+    for device in devices:
+        with suppress(UnknownOrderCode):
+            found.append((device, find_in(device, text)))
+    return found[0] if len(found) == 1 else None
 
 
 def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
@@ -163,7 +194,6 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
     """Yield the usable devices. If the search then fails, report the problems in the specs instead."""
     from ..loading.library import load_sound
 
-    refuse_missing(specs)
     devices, report = load_sound(specs)
     try:
         yield devices

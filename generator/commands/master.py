@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any
 
+from ..cache import Cache
 from ..language.problems import suggestion
 from ..masters import sheet, text
 from ..masters.record import NoRecord, Undecided, record
@@ -17,7 +18,7 @@ from .editions import asked_for
 from .terminal import Stop
 
 
-def run(chosen: argparse.Namespace) -> tuple[int, str | Mapping[str, Any]]:
+def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[str, Any]]:
     """Return the exit code, and the text to print or the data of ``--json``.
 
     Raises:
@@ -35,7 +36,7 @@ def run(chosen: argparse.Namespace) -> tuple[int, str | Mapping[str, Any]]:
     if chosen.master is not None and chosen.master not in names:
         hint = suggestion(chosen.master, names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
-    device, found = look_up.order_code(chosen.specs, chosen.order_code)
+    device, found = look_up.order_code(chosen.specs, chosen.order_code, cache)
     match, held = found, held_bytes(chosen.register)
     if chosen.edition is not None:
         device, again, held = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, held)

@@ -138,5 +138,6 @@ def _keys(path: Path) -> frozenset[str] | None:
     if start is None:
         return frozenset()
     in_braces = text[start.end() - 1 : start.end()] == b"{"
-    found = re.findall(_KEY if in_braces else rb"^" + re.escape(start[1]) + _KEY, text, re.MULTILINE)
+    # A line break is found faster than the beginning of a line.
+    found = re.findall(_KEY if in_braces else rb"\n" + re.escape(start[1]) + _KEY, b"\n" + text, re.MULTILINE)
     return frozenset(key.decode() for key in found)

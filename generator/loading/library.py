@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -24,24 +23,7 @@ from .history import read_history
 from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
 from .reading_counts import read_counts
-
-
-def packaged_specs() -> Path:
-    """Return the folder of the specs that ship with the tool. In an editable install this is ``specs``."""
-    return Path(str(resources.files("codewheel.specs")))
-
-
-def packaged_masters() -> Path:
-    """Return the folder of the master descriptions that ship with the tool."""
-    return packaged_specs() / "masters"
-
-
-def _packaged_families() -> list[Path]:
-    return sorted(
-        path
-        for path in packaged_specs().iterdir()
-        if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml"))
-    )
+from .shipped import packaged_families
 
 
 def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
@@ -83,9 +65,9 @@ def _share(one: Device, other: Device) -> bool:
 def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
     """Load all families, like ``load_library``, with the spec and the files of each device."""
     report = Report()
-    documents = read_specs(paths or _packaged_families(), report)
+    documents = read_specs(paths or packaged_families(), report)
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
-        documents += read_specs(_packaged_families(), report)
+        documents += read_specs(packaged_families(), report)
     documents += _missing_manufacturers(documents, report)
     given = {Path(document.file).resolve() for document in documents}
     documents += read_specs((path for path in overlays_beside(documents) if path.resolve() not in given), report)

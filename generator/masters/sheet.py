@@ -15,7 +15,7 @@ from ..language.check import check_document
 from ..language.master_items import NUMBERS
 from ..language.problems import Report, listed
 from ..language.read import read_specs
-from ..loading.library import packaged_masters
+from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
 from ..say.words import hertz

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from typing import Any
 
 from ..model import Device, Field, Flag
@@ -29,17 +30,26 @@ def _held(item: Any, codes: Collection[str]) -> Any:
         kept = tuple(_held(one, codes) for one in item if not _is_of_others(one, codes))
         is_same = len(kept) == len(item) and all(new is old for new, old in zip(kept, item, strict=True))
         return item if is_same else kept
-    if not is_dataclass(item) or isinstance(item, type):
-        return item
     if isinstance(item, Field) and isinstance(item.kind, Flag) and _is_of_others(item.kind, codes):
         return item.unexplained
-    changed = {
-        part.name: new for part in fields(item) if (new := _held(old := getattr(item, part.name), codes)) is not old
-    }
+    changed = {name: new for name, old in _parts(item) if (new := _held(old, codes)) is not old}
     only = getattr(item, "only", "")
     if only and all(fits(only, code) for code in codes):
         changed["only"] = ""
     return replace(item, **changed) if changed else item
+
+
+def _parts(item: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the members that can contain an ``only`` or steps: tuples and objects of the model."""
+    for name in _names(item.__class__):
+        value = getattr(item, name)
+        if isinstance(value, tuple) or _names(value.__class__):
+            yield name, value
+
+
+@cache
+def _names(kind: type) -> tuple[str, ...]:
+    return tuple(item.name for item in fields(kind)) if is_dataclass(kind) else ()
 
 
 def _is_of_others(item: Any, codes: Collection[str]) -> bool:
@@ -52,13 +62,7 @@ def _with_steps(item: Any, known: Collection[str]) -> Any:
     if isinstance(item, tuple):
         kept = tuple(_with_steps(one, known) for one in item)
         return item if all(new is old for new, old in zip(kept, item, strict=True)) else kept
-    if not is_dataclass(item) or isinstance(item, type):
-        return item
-    changed = {
-        part.name: new
-        for part in fields(item)
-        if (new := _with_steps(old := getattr(item, part.name), known)) is not old
-    }
+    changed = {name: new for name, old in _parts(item) if (new := _with_steps(old, known)) is not old}
     names = getattr(item, "by_hand", ())
     if not set(names) <= set(known):
         changed["by_hand"] = tuple(name for name in names if name in known)

@@ -1,0 +1,192 @@
+"""Cache of results in the user's own folder, so that nothing is computed twice.
+
+The cache is never a source of truth. A key is a hash of everything that the result depends on: the content of the
+specs, the code of this tool, its packages and the interpreter. An entry that is missing, damaged, too large or not
+safe from other users is ignored, and the result is computed again. Entries are JSON, so reading one runs no code.
+Several processes can share the folder, and it can be deleted at any time.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import stat
+import sys
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+#: Largest entry that is read or written, and largest size of all entries, in bytes.
+MAX_ENTRY = 32 * 2**20
+MAX_SIZE = 256 * 2**20
+#: Highest number of entries.
+MAX_ENTRIES = 4096
+#: Age in seconds from which an unfinished file is the remains of a killed process.
+_LEFT_OVER = 3600
+_UNFINISHED = ".new-"
+#: Size of the hash in hexadecimal digits.
+_HASH = 64
+#: Packages outside the standard library on which results depend.
+_PACKAGES = ("yaml", "jsonschema", "jinja2", "lxml")
+
+
+def default_folder() -> Path | None:
+    """Return the folder of the cache, or None if the user has no such folder.
+
+    It is ``codewheel`` in ``$XDG_CACHE_HOME``, by default in ``~/.cache``, and on Windows in ``%LOCALAPPDATA%``.
+    """
+    place = os.environ.get("XDG_CACHE_HOME") or (os.environ.get("LOCALAPPDATA", "") if os.name == "nt" else "")
+    with suppress(RuntimeError):
+        base = Path(place) if place else Path.home() / ".cache"
+        if base.is_absolute():
+            return base / "codewheel"
+    return None
+
+
+class Cache:
+    """Results by key. Without a folder, nothing is kept. No method raises an error of the file system."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+
+    def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
+        """Return what ``put`` stored for the same kind and content, or None."""
+        if self._folder is None:
+            return None
+        try:
+            return _read(self._folder, key_of(kind, content))
+        except (OSError, ValueError, RecursionError):
+            return None
+
+    def put(self, kind: str, content: Iterable[bytes | str], data: Any) -> None:
+        """Store data that consists of what JSON can express. Other entries may be removed because of the limits."""
+        if self._folder is None:
+            return
+        key = key_of(kind, content)
+        with suppress(OSError, ValueError, RecursionError):
+            text = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
+            if len(text) <= MAX_ENTRY:
+                self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+                if _is_ours(os.stat(self._folder)):
+                    _write(self._folder, key, hashlib.sha256(text).hexdigest().encode() + text)
+                    _keep_limits(self._folder)
+
+
+def key_of(kind: str, content: Iterable[bytes | str]) -> str:
+    """Return the key of a result: a hash of its kind, of all content that it depends on, and of this tool."""
+    found = hashlib.sha256(f"{kind}\0{_tool()}".encode())
+    for item in content:
+        data = item if isinstance(item, bytes) else item.encode("utf-8", "surrogateescape")
+        found.update(b"%d\0" % len(data))
+        found.update(data)
+    return found.hexdigest()
+
+
+def content_of(paths: Iterable[Path]) -> list[bytes | str]:
+    """Return the names and the content of files, for a key. A file that cannot be read has no content."""
+    found: list[bytes | str] = []
+    for path in paths:
+        found.append(path.name)
+        try:
+            found.append(path.read_bytes())
+        except (OSError, ValueError):
+            found.append("missing")
+    return found
+
+
+@functools.cache
+def _tool() -> str:
+    """Return a hash of the tool's own code, the versions of its packages, and the interpreter."""
+    found = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
+    for path in _files(Path(__file__).parent):
+        found.update(path.encode())
+        with open(path, "rb") as file:
+            found.update(hashlib.sha256(file.read()).digest())
+    for name in _versions():
+        found.update(name.encode())
+    return found.hexdigest()
+
+
+def _files(folder: Path | str) -> Iterable[str]:
+    with os.scandir(folder) as found:
+        entries = sorted(found, key=lambda entry: entry.name)
+    for entry in entries:
+        if entry.is_dir():
+            if entry.name != "__pycache__":
+                yield from _files(entry.path)
+        elif entry.name.endswith((".py", ".json", ".dtd")):
+            yield entry.path
+
+
+def _versions() -> Iterable[str]:
+    """Yield the versions of the packages that the tool uses, as their folders are named, without importing them."""
+    from importlib.util import find_spec
+
+    for name in _PACKAGES:
+        spec = find_spec(name)
+        place = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
+        yield f"{name} {place}"
+        if place is not None:
+            yield from sorted(item for item in os.listdir(place) if item.lower().startswith((name, f"py{name}")))
+
+
+def _is_ours(status: os.stat_result) -> bool:
+    """Return whether no other user can have written a file or folder."""
+    return os.name == "nt" or (status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
+
+
+def _read(folder: Path, key: str) -> Any:
+    if not _is_ours(os.stat(folder)):
+        return None
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    with open(os.open(folder / key, flags), "rb") as file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode) or not _is_ours(status) or status.st_size > MAX_ENTRY + _HASH:
+            return None
+        content = file.read(MAX_ENTRY + _HASH)
+    text = content[_HASH:]
+    if hashlib.sha256(text).hexdigest().encode() != content[:_HASH]:
+        return None
+    found = json.loads(text)
+    return found["data"] if isinstance(found, dict) and found.get("key") == key and "data" in found else None
+
+
+def _write(folder: Path, key: str, content: bytes) -> None:
+    """Write an entry at once, so that no process reads part of it."""
+    place = folder / f"{_UNFINISHED}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
+    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
+    try:
+        with open(handle, "wb") as file:
+            file.write(content)
+        os.replace(place, folder / key)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(place)
+        raise
+
+
+def _keep_limits(folder: Path) -> None:
+    """Remove the oldest entries above the limits, down to half of these, and unfinished files."""
+    entries: list[tuple[float, int, str]] = []
+    with os.scandir(folder) as found:
+        for entry in found:
+            with suppress(OSError):
+                status = entry.stat(follow_symlinks=False)
+                if len(entry.name) == _HASH:
+                    entries.append((status.st_mtime, status.st_size, entry.path))
+                elif entry.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _LEFT_OVER:
+                    os.unlink(entry.path)
+    size = sum(item[1] for item in entries)
+    if len(entries) <= MAX_ENTRIES and size <= MAX_SIZE:
+        return
+    left = len(entries)
+    for _, of_entry, path in sorted(entries):
+        if left <= MAX_ENTRIES // 2 and size <= MAX_SIZE // 2:
+            break
+        with suppress(OSError):
+            os.unlink(path)
+        left, size = left - 1, size - of_entry

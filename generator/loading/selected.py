@@ -1,0 +1,133 @@
+"""Load only the families that a name or a label can belong to, from the cache if they are in it.
+
+A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
+YAML. Whenever the result could differ from that of reading all specs, nothing is selected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..cache import Cache, content_of
+from ..language.files import below, is_folder
+from ..language.second_reading import is_second
+from .shipped import packaged_families
+
+if TYPE_CHECKING:
+    from ..model import Device
+
+_MANUFACTURER = "manufacturer.yaml"
+_OTHER_KINDS = frozenset((b"overlay", b"changes", b"master", b"takes"))
+_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
+_NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
+_PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
+_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
+
+
+class _NotSelectable(Exception):
+    """All specs must be read."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A device file: its name, and the beginnings of its order codes or None if the text does not show them."""
+
+    path: Path
+    name: str
+    beginnings: tuple[str, ...] | None
+
+    def can_have(self, label: str) -> bool:
+        return self.beginnings is None or label.startswith(self.beginnings)
+
+
+def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device, ...]:
+    """Return the valid families that ``text`` can name or be an order code of.
+
+    Args:
+        paths: Files and folders. Default: the specs that ship with the tool.
+        text: The name of a family, or the text of a label.
+        cache: The place for families that were loaded before.
+
+    Returns:
+        The families. Empty if all specs must be read, for example because one of them is an overlay.
+    """
+    try:
+        found = list(_device_files(paths))
+        name, label = text.strip().lower(), "".join(text.split()).upper()
+        named = [item for item in found if item.name == name]
+        if len(named) > 1:
+            return ()
+        return tuple(_load(item.path, cache) for item in named or found if named or item.can_have(label))
+    except (OSError, ValueError, _NotSelectable):
+        return ()
+
+
+def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
+    """Yield the files that a run with these paths reads as specs."""
+    for given in paths or packaged_families():
+        yield from below(given).specs if is_folder(given) else (given,)
+
+
+def family_files(spec: Path) -> list[Path]:
+    """Return all files on which the model of a family depends: its own, and its manufacturer's."""
+    own = sorted(path for path in spec.parent.iterdir() if path.name.startswith(f"{spec.stem}."))
+    return [*own, spec.with_name(_MANUFACTURER)]
+
+
+def _device_files(paths: Sequence[Path]) -> Iterator[_Found]:
+    """Yield each device file.
+
+    Raises:
+        _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
+    """
+    for path in dict.fromkeys(spec_files(paths)):
+        text = b"\n" + path.read_bytes()
+        keys = set(_KEY.findall(text))
+        names = _NAME.findall(text)
+        if len(names) == 1 and keys.isdisjoint(_OTHER_KINDS) and not is_second(path):
+            if not path.with_name(_MANUFACTURER).is_file():
+                raise _NotSelectable
+            yield _Found(path, names[0].decode(), _beginnings(text))
+        elif path.name != _MANUFACTURER or b"device" in keys or not keys.isdisjoint(_OTHER_KINDS):
+            raise _NotSelectable
+
+
+def _beginnings(text: bytes) -> tuple[str, ...] | None:
+    """Return the beginnings of order codes, in capitals and without spaces, or None if the text does not show them."""
+    found = _PATTERN.findall(text)
+    if not found or len(found) != len(_PATTERN_KEY.findall(text)):
+        return None
+    return tuple("".join(item.decode("ascii", "replace").split()).upper() for item in found)
+
+
+def _load(spec: Path, cache: Cache) -> Device:
+    """Return the device of a spec.
+
+    Raises:
+        _NotSelectable: The spec has problems or overlays.
+    """
+    from .stored import NotStorable, as_data, from_data
+
+    files = family_files(spec)
+    if any(".overlay." in path.name for path in files):
+        raise _NotSelectable
+    content = content_of(files)
+    with suppress(NotStorable):
+        found = cache.get("family", content)
+        if found is not None:
+            return from_data(found)
+    from .library import load_library
+
+    devices, report = load_library([spec])
+    if report or len(devices) != 1:
+        raise _NotSelectable
+    # The files must not have changed since their content was read.
+    if content_of(family_files(spec)) == content:
+        with suppress(NotStorable):
+            cache.put("family", content, as_data(devices[0]))
+    return devices[0]

@@ -1,0 +1,25 @@
+"""Folders of the specs that ship with the tool."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+
+def packaged_specs() -> Path:
+    """Return the folder of the specs that ship with the tool. In an editable install this is ``specs``."""
+    return Path(str(resources.files("codewheel.specs")))
+
+
+def packaged_masters() -> Path:
+    """Return the folder of the master descriptions that ship with the tool."""
+    return packaged_specs() / "masters"
+
+
+def packaged_families() -> list[Path]:
+    """Return the folders of the families that ship with the tool, one for each manufacturer."""
+    return sorted(
+        path
+        for path in packaged_specs().iterdir()
+        if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml"))
+    )

@@ -1,0 +1,112 @@
+"""Models as plain data for the cache, and back.
+
+An object is a list that begins with the position of its class in ``_CLASSES``. Objects that occur more than once are
+kept once. Only objects of the model can be built, so no data can run other code.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from enum import Enum
+from types import MappingProxyType, ModuleType
+from typing import Any
+
+from .. import model
+from ..model import by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, steps
+from ..model.interfaces import biss, common, rs485, ssi
+
+_MODULES: tuple[ModuleType, ...] = (
+    *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, steps),
+    *(biss, common, rs485, ssi),
+)
+_CLASSES: tuple[type, ...] = tuple(
+    item
+    for module in _MODULES
+    for item in vars(module).values()
+    if isinstance(item, type) and item.__module__ == module.__name__ and dataclasses.is_dataclass(item)
+)
+_ENUMS: tuple[type[Enum], ...] = tuple(
+    item
+    for module in _MODULES
+    for item in vars(module).values()
+    if isinstance(item, type) and item.__module__ == module.__name__ and issubclass(item, Enum)
+)
+_NAMES = tuple(tuple(item.name for item in dataclasses.fields(kind)) for kind in _CLASSES)
+_BY_KEYWORD = tuple(any(item.kw_only for item in dataclasses.fields(kind)) for kind in _CLASSES)
+_INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
+_MAP, _OBJECT, _ENUM, _BYTES = "m", "o", "e", "b"
+
+
+class NotStorable(Exception):
+    """The data does not have the form of a model."""
+
+
+def as_data(item: model.Device) -> list[Any]:
+    """Return a device as data that JSON can express.
+
+    Raises:
+        NotStorable: A member has a type that models did not have so far.
+    """
+    rows: list[Any] = []
+    known: dict[int, int] = {}
+
+    def put(value: Any) -> Any:
+        kind = type(value)
+        if value is None or kind in (bool, int, str):
+            return value
+        if kind is bytes:
+            return {_BYTES: value.hex()}
+        if kind is tuple:
+            return [put(part) for part in value]
+        if kind in _INDEX:
+            if id(value) not in known:
+                index = _INDEX[kind]
+                rows.append([index, *(put(getattr(value, name)) for name in _NAMES[index])])
+                known[id(value)] = len(rows) - 1
+            return {_OBJECT: known[id(value)]}
+        if isinstance(value, Enum) and kind in _ENUMS:
+            return {_ENUM: [_ENUMS.index(kind), value.name]}
+        if isinstance(value, Mapping):
+            return {_MAP: [[put(key), put(part)] for key, part in value.items()], "f": kind is MappingProxyType}
+        raise NotStorable(kind.__name__)
+
+    put(item)
+    return rows
+
+
+def from_data(rows: Any) -> model.Device:
+    """Return the device that ``as_data`` converted.
+
+    Raises:
+        NotStorable: The data is not that of a device.
+    """
+    built: list[Any] = []
+
+    def get(value: Any) -> Any:
+        if isinstance(value, list):
+            return tuple([get(part) for part in value])
+        if not isinstance(value, dict):
+            return value
+        if _OBJECT in value:
+            return built[value[_OBJECT]]
+        if _ENUM in value:
+            index, name = value[_ENUM]
+            return _ENUMS[index][name]
+        if _BYTES in value:
+            return bytes.fromhex(value[_BYTES])
+        found = {get(key): get(part) for key, part in value[_MAP]}
+        return MappingProxyType(found) if value["f"] else found
+
+    try:
+        for row in rows:
+            index, *parts = row
+            kind, values = _CLASSES[index], [get(part) for part in parts]
+            members = dict(zip(_NAMES[index], values, strict=True))
+            built.append(kind(**members) if _BY_KEYWORD[index] else kind(*values))
+        found = built[-1]
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise NotStorable(str(error)) from None
+    if not isinstance(found, model.Device):
+        raise NotStorable(type(found).__name__)
+    return found

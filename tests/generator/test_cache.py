@@ -1,0 +1,353 @@
+"""The cache: the same bytes with and without it, after kills, with damaged or foreign entries, and without room."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from codewheel import cache as cache_module
+from codewheel.cache import Cache, content_of, default_folder, key_of
+from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
+from codewheel.loading.selected import families_for
+from codewheel.loading.stored import NotStorable, as_data, from_data
+from codewheel.targets import Library
+
+SPECS = Path(__file__).resolve().parents[2] / "specs" / "lika"
+COMMANDS = (
+    ("decode", "AMM5A21/65KSC1", "0xF4243D3"),
+    ("decode", "AMM5A21/65KSC1", "--as", "serial_number", "0A E8 69 EE", "--json"),
+    ("show", "AM3616/4096-I7"),
+    ("show", "asc85"),
+    ("show", "SMA21-SC4-0050", "--json"),
+    ("master", "AMM5A21/65KBG1"),
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cache of its own, which is empty."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "codewheel"
+
+
+@pytest.fixture
+def specs(tmp_path: Path) -> Path:
+    """A copy of our specs."""
+    place = tmp_path / "specs"
+    shutil.copytree(SPECS, place)
+    return place
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    code = main(arguments)
+    return (code, *capsys.readouterr())
+
+
+def entries(folder: Path) -> list[Path]:
+    return sorted(folder.iterdir()) if folder.is_dir() else []
+
+
+def test_commands_print_the_same_with_and_without_the_cache(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    without = [said(capsys, *command, "--no-cache") for command in COMMANDS]
+    assert entries(folder) == []
+    order = list(enumerate(COMMANDS)) * 2
+    random.Random(33).shuffle(order)
+    for index, command in order:
+        assert said(capsys, *command) == without[index]
+    assert entries(folder)
+
+
+def test_a_model_survives_the_cache(library: Library) -> None:
+    for device in library.devices:
+        rows = json.loads(json.dumps(as_data(device)))
+        assert from_data(rows) == device
+        assert repr(from_data(rows)) == repr(device)
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        None,
+        7,
+        [],
+        [[]],
+        [[0]],
+        [[9999, 1]],
+        [["Device", 1]],
+        [[0, {"o": 5}]],
+        [[0, {"e": [99, "X"]}]],
+        [[0, {"anything": 1}]],
+        [[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]],
+    ],
+)
+def test_data_that_is_not_a_model_is_rejected(rows: object) -> None:
+    with pytest.raises(NotStorable):
+        from_data(rows)
+
+
+@pytest.fixture
+def kept(folder: Path) -> tuple[Cache, Path]:
+    """A cache with one entry."""
+    cache = Cache(folder)
+    cache.put("number", ["a"], [1, "two", None])
+    return cache, folder / key_of("number", ["a"])
+
+
+def test_what_is_put_is_got(kept: tuple[Cache, Path]) -> None:
+    cache, place = kept
+    assert entries(place.parent) == [place]
+    assert cache.get("number", ["a"]) == [1, "two", None]
+    assert cache.get("other", ["a"]) is None
+    assert cache.get("number", ["a", ""]) is None
+    assert Cache(None).get("number", ["a"]) is None
+
+
+def damaged(content: bytes) -> Iterator[bytes]:
+    yield b""
+    yield content[:-1]
+    yield content + b" "
+    yield content[:64]
+    yield content[:70] + bytes([content[70] ^ 1]) + content[71:]
+    for text in (b"", b"null", b"[]", b"{}", b"\xff", b'{"key": "other", "data": 5}', b"[" * 100_000):
+        yield hashlib.sha256(text).hexdigest().encode() + text
+
+
+def test_a_damaged_entry_is_ignored_and_replaced(kept: tuple[Cache, Path]) -> None:
+    cache, place = kept
+    for content in damaged(place.read_bytes()):
+        place.write_bytes(content)
+        assert cache.get("number", ["a"]) is None
+        cache.put("number", ["a"], "again")
+        assert cache.get("number", ["a"]) == "again"
+
+
+def test_an_entry_of_another_key_is_ignored(kept: tuple[Cache, Path]) -> None:
+    cache, place = kept
+    shutil.copy(place, place.with_name(key_of("number", ["b"])))
+    assert cache.get("number", ["b"]) is None
+
+
+def test_an_entry_that_others_can_write_is_ignored(kept: tuple[Cache, Path]) -> None:
+    cache, place = kept
+    for mode in (0o620, 0o602):
+        place.chmod(mode)
+        assert cache.get("number", ["a"]) is None
+    place.chmod(0o600)
+    place.parent.chmod(0o777)
+    assert cache.get("number", ["a"]) is None
+    place.unlink()
+    cache.put("number", ["a"], 1)
+    assert entries(place.parent) == []
+
+
+def test_an_entry_of_another_user_is_ignored(kept: tuple[Cache, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    cache, _ = kept
+    monkeypatch.setattr(os, "getuid", lambda: 12345)
+    assert cache.get("number", ["a"]) is None
+
+
+def test_an_entry_that_is_no_file_is_ignored(kept: tuple[Cache, Path], tmp_path: Path) -> None:
+    cache, place = kept
+    place.rename(tmp_path / "elsewhere")
+    place.symlink_to(tmp_path / "elsewhere")
+    assert cache.get("number", ["a"]) is None
+    place.unlink()
+    os.mkfifo(place)
+    assert cache.get("number", ["a"]) is None
+    place.unlink()
+    place.mkdir()
+    assert cache.get("number", ["a"]) is None
+    cache.put("number", ["a"], 1)
+
+
+def test_a_folder_that_cannot_be_written_changes_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without = said(capsys, *COMMANDS[0], "--no-cache")
+    folder.parent.mkdir()
+    folder.write_text("a file instead of a folder", encoding="utf-8")
+    assert said(capsys, *COMMANDS[0]) == without
+    folder.unlink()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", full)
+        assert said(capsys, *COMMANDS[0]) == without
+    assert entries(folder) == []
+
+
+def test_another_version_has_other_entries(kept: tuple[Cache, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    cache, place = kept
+    monkeypatch.setattr(cache_module, "_tool", lambda: "another version")
+    assert cache.get("number", ["a"]) is None
+    cache.put("number", ["a"], "of the other")
+    monkeypatch.undo()
+    assert len(entries(place.parent)) == 2
+
+
+def test_the_code_of_the_tool_is_part_of_the_key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "generator"
+    package.mkdir()
+    (package / "some.py").write_text("A = 1", encoding="utf-8")
+    monkeypatch.setattr(cache_module, "__file__", str(package / "cache.py"))
+    first = cache_module._tool.__wrapped__()
+    assert cache_module._tool.__wrapped__() == first
+    times = (package / "some.py").stat()
+    (package / "some.py").write_text("A = 2", encoding="utf-8")
+    os.utime(package / "some.py", ns=(times.st_atime_ns, times.st_mtime_ns))
+    assert cache_module._tool.__wrapped__() != first
+
+
+def test_the_cache_has_a_limit(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cache_module, "MAX_ENTRIES", 8)
+    cache = Cache(folder)
+    for number in range(40):
+        cache.put("number", [str(number)], number)
+        assert len(entries(folder)) <= 8
+    assert cache.get("number", ["39"]) == 39
+    monkeypatch.setattr(cache_module, "MAX_SIZE", 2000)
+    cache.put("text", [], "x" * 1500)
+    cache.put("text", ["a"], "y" * 1500)
+    assert sum(path.stat().st_size for path in entries(folder)) <= 2000
+    monkeypatch.setattr(cache_module, "MAX_ENTRY", 100)
+    cache.put("long", [], "z" * 100)
+    assert cache.get("long", []) is None
+
+
+def test_the_remains_of_killed_processes_are_removed(kept: tuple[Cache, Path]) -> None:
+    cache, place = kept
+    old, new = place.with_name(".new-1-old"), place.with_name(".new-1-new")
+    for path in (old, new):
+        path.write_bytes(b"half")
+    os.utime(old, (0, 0))
+    cache.put("number", ["b"], 2)
+    assert (old.exists(), new.exists()) == (False, True)
+
+
+def test_the_folder_is_that_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    assert default_folder() == tmp_path / ".cache" / "codewheel"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
+    assert default_folder() == tmp_path / "own" / "codewheel"
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    assert default_folder() is None
+
+
+def test_a_changed_spec_is_read_again(folder: Path, specs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Not even the same size and time hide a change."""
+    spec = specs / "amm5.yaml"
+    command = ("show", "AMM5A21/65KBG1", "--specs", str(specs))
+    before = said(capsys, *command)
+    text, times = spec.read_text(encoding="utf-8"), spec.stat()
+    changed = text.replace("title: AMM5A and AMM5B absolute kit", "title: AMM5A and AMM5B absolute kiT")
+    assert len(changed) == len(text)
+    assert changed != text
+    spec.write_text(changed, encoding="utf-8")
+    os.utime(spec, ns=(times.st_atime_ns, times.st_mtime_ns))
+    after = said(capsys, *command)
+    assert after[1] == before[1].replace("AMM5A and AMM5B absolute kit", "AMM5A and AMM5B absolute kiT")
+    spec.write_text(text, encoding="utf-8")
+    assert said(capsys, *command) == before
+
+
+@pytest.mark.parametrize("broken", ["amm5.yaml", "manufacturer.yaml"])
+def test_problems_are_reported_as_without_a_selection(
+    folder: Path, specs: Path, broken: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ("show", "AMM5A21/65KSC1", "--specs", str(specs))
+    assert said(capsys, *command)[0] == 0
+    spec = specs / broken
+    spec.write_text(spec.read_text(encoding="utf-8") + "nonsense: 1\n", encoding="utf-8")
+    code, out, err = said(capsys, *command)
+    assert (code, out) == (1, "")
+    assert f"{broken}:" in err
+    assert "unknown-key: unknown key 'nonsense'" in err
+
+
+def test_only_the_family_of_the_order_code_is_loaded(folder: Path) -> None:
+    def names(text: str) -> list[str]:
+        return [device.name for device in families_for([SPECS], text, Cache(folder))]
+
+    assert names("sma21") == ["sma21"]
+    assert names(" AMM5 ") == ["amm5"]
+    # The order codes of AM36 begin with a part, so that the pattern does not tell how they begin.
+    assert names("AMM5A21/65KSC1-K") == ["am36", "amm5"]
+    assert names("asc8525/BG1") == ["am36", "asc85"]
+
+
+def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path) -> None:
+    cache = Cache(folder)
+    assert families_for([specs], "sma21", cache)
+    overlay = specs / "x.overlay.yaml"
+    overlay.write_text("codewheel: 1\noverlay: x\nof: sma21\n", encoding="utf-8")
+    assert families_for([specs], "sma21", cache) == ()
+    overlay.unlink()
+    (specs / "sma21.mine.overlay.yaml").write_text("nonsense", encoding="utf-8")
+    assert families_for([specs / "sma21.yaml"], "sma21", cache) == ()
+    (specs / "sma21.mine.overlay.yaml").unlink()
+    (specs / "again.yaml").write_bytes((specs / "sma21.yaml").read_bytes())
+    assert families_for([specs], "sma21", cache) == ()
+    (specs / "again.yaml").unlink()
+    (specs / "manufacturer.yaml").rename(specs / "other.yaml")
+    assert families_for([specs], "sma21", cache) == ()
+
+
+def test_a_file_that_changes_while_it_is_read_is_not_kept(
+    folder: Path, specs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from codewheel.loading import library as module
+
+    def changing(paths: list[Path]) -> object:
+        found = load_library(paths)
+        with open(specs / "sma21.yaml", "a", encoding="utf-8") as file:
+            file.write("# changed\n")
+        return found
+
+    monkeypatch.setattr(module, "load_library", changing)
+    assert families_for([specs], "sma21", Cache(folder))
+    assert entries(folder) == []
+
+
+def test_content_has_names_and_bytes(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"1")
+    assert content_of([tmp_path / "a", tmp_path / "b"]) == ["a", b"1", "b", "missing"]
+    assert key_of("k", ["a", "b"]) != key_of("k", ["ab"])
+
+
+@pytest.mark.slow
+def test_processes_share_the_cache_and_may_be_killed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    without = said(capsys, *COMMANDS[0], "--no-cache")
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder.parent)}
+    command = [sys.executable, "-m", "codewheel", *COMMANDS[0]]
+    chance = random.Random(33)
+    for _ in range(6):
+        shutil.rmtree(folder, ignore_errors=True)
+        running = [subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL) for _ in range(3)]
+        time.sleep(chance.uniform(0.1, 1.0))
+        for process in running:
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == without
+        assert all(path.name.startswith(".new-") or len(path.name) == 64 for path in entries(folder))
+    finished = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(4)
+    ]
+    for process in finished:
+        out, err = process.communicate()
+        assert (process.returncode, out, err) == without
