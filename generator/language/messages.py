@@ -79,6 +79,7 @@ _ITEMS = {
     "sets": "a parameter that is set",
     "join": "a joined number",
     "names": "a name",
+    "needs": "a required object",
     "when": "a condition",
 }
 
