@@ -80,6 +80,7 @@ _ITEMS = {
     "sets": "a parameter that is set",
     "join": "a joined number",
     "names": "a name",
+    "needs": "a required object",
     "when": "a condition",
 }
 

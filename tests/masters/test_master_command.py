@@ -223,7 +223,13 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
         title=hostile,
         documents=tuple(replace(item, title=hostile) for item in master.documents),
         settings=tuple(
-            {**item, "name": hostile, "at": hostile, "note": hostile, "source": hostile} for item in master.settings
+            {
+                **item, "name": hostile, "at": hostile, "note": hostile, "source": hostile,
+                "places": [
+                    {**place, "symbol": hostile, "unit": hostile, "source": hostile} for place in item["places"]
+                ],
+            }
+            for item in master.settings
         ),
         notes=({"text": hostile},),
         limits=({"item": "data_bits", "at_most": 1, "reason": hostile, "source": hostile},),

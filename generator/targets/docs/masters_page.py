@@ -197,8 +197,8 @@ def _places(taken: Told) -> Iterator[Row]:
     for (name, _), places in found.items():
         for words in place_words(*places):
             place = ": ".join(filter(None, (words.devices, words.location or "not given")))
-            unit = words.unit if words.unit != "none" else ""
-            data = ", ".join(filter(None, (words.type or "not given", unit, words.range)))
+            unit = {"": "unit not given", "none": ""}.get(words.unit, words.unit)
+            data = ", ".join(filter(None, (words.type or "type not given", unit, words.range)))
             source = f"{words.source}{words.mark}"
             yield tuple(map(text, (name, place, data, words.default or "not given", source)))
 
