@@ -93,7 +93,7 @@ def steps(device: Device, procedure: Procedure) -> Iterator[str]:
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for item in timings:
-        names = " ".join(filter(None, (text(item.symbol), code(item.name))))
+        names = "</small> <small>".join(filter(None, (text(item.symbol), code(item.name))))
         yield bounds(item), f"{text(item.meaning)} <small>{names}</small> <small>{cited(item.source)}</small>"
 
 
