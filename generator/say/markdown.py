@@ -14,6 +14,7 @@ from .lines import one_line, plain
 from .text import Ref, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
+_ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
 #: An underscore starts emphasis at the edge of a word, but not inside it.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
 _WIDTH = 132
@@ -62,8 +63,8 @@ def _numbered(sources: Sources) -> str:
 
 
 def html(value: object) -> str:
-    """Return one line of text for an HTML element or attribute, where Markdown has no meaning."""
-    return escape(plain(value)).replace("`", "&#96;").replace("|", "&#124;")
+    """Return one line of text for an HTML element or attribute, with Markdown marks as entities."""
+    return escape(plain(value)).translate(_ENTITIES)
 
 
 def link(label: str, target: str) -> str:

@@ -9,16 +9,17 @@ from ..model import Device
 from .text import Ref
 
 _ACRONYMS = {
-    "id": "ID",
-    "ssi": "SSI",
     "biss": "BiSS",
     "crc": "CRC",
     "eeprom": "EEPROM",
+    "id": "ID",
     "led": "LED",
     "leds": "LEDs",
     "lsb": "LSB",
     "rs485": "RS-485",
     "scd": "SCD",
+    "ssi": "SSI",
+    "um": "µm",
 }
 
 

@@ -187,11 +187,11 @@ def _asked(reading: Reading) -> Iterator[Asked]:
 def _about_interface(name: str, interface: Raw) -> Iterator[Asked]:
     if "clock" in interface:
         low, high = (frequency(int(interface["clock"][key])) for key in ("min_hz", "max_hz"))
-        yield Asked(name, "clock", (), ("Clock",), f"{low} to {high}")
+        yield Asked(name, "clock", (("Clock and cable",),), ("Clock",), f"{low} to {high}")
     for item, metres in zip(interface.get("cable_lengths", []), (30, 80, 150, 300), strict=False):
         assert metres < int(item["shorter_than_m"])
-        answer = f"below {frequency(int(item['below_hz']))} with a cable shorter than {item['shorter_than_m']} m"
-        yield Asked(name, f"clock at {metres} m", (), ("Clock",), answer)
+        label, answer = f"shorter than {item['shorter_than_m']} m", f"below {frequency(int(item['below_hz']))}"
+        yield Asked(name, f"clock at {metres} m", (("Clock and cable",),), (label,), answer)
     for item in interface.get("timings", []):
         labels = tuple(item[key] for key in ("symbol", "name") if key in item)
         yield Asked(name, "wait", (("Times",),), labels, duration(item))

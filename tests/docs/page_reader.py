@@ -8,6 +8,11 @@ from dataclasses import dataclass, field
 from html import unescape
 
 _HEADING = re.compile(r"(#+) (.+)")
+#: Headings inside a fold, and the fold itself, whose summary is its heading.
+_RAW_HEADING = re.compile(r"<h(\d)>(.+)</h\d>")
+_FOLD = re.compile(r"<summary><b>([^<]+)</b>.*</summary>")
+_BREAK = re.compile(r"<br>|</?small>")
+_TAG = re.compile(r"</?(?:code|b|picture|source|img|details)\b[^>]*>")
 _ANCHOR = re.compile(r'<a id="[^"]*"></a>')
 _PICTURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
 _LINK = re.compile(r"\[([^\]]*)\]\([^)\s]*\)")
@@ -30,7 +35,8 @@ class Line:
         return self.is_called(label) and any(_in(value, line) for cell in self.cells for line in cell)
 
     def is_called(self, label: str) -> bool:
-        return any(_same(label, line) for cell in self.cells[:2] for line in cell)
+        called = self.cells[: max(2, len(self.cells) - 1)]
+        return any(_same(label, line) or label in _listed(line) for cell in called for line in cell)
 
     def has_cell(self, value: str) -> bool:
         return any(_same(value, line) for cell in self.cells for line in cell)
@@ -70,9 +76,10 @@ def read(page: str) -> Section:
     rows: list[str] = []
     for block in re.split(r"\n\s*\n", _ANCHOR.sub("", page)):
         rows = [line for line in _PICTURE.sub("", block).splitlines() if line.strip()]
-        found = _HEADING.fullmatch(rows[0]) if rows else None
+        rows = [line for line in rows if line not in ("<details>", "</details>")]
+        found = _heading(rows[0]) if rows else None
         if found is not None:
-            section = Section(_plain(found[2]), len(found[1]))
+            section = Section(_plain(found[1]), found[0])
             while stack[-1].level >= section.level:
                 stack.pop()
             stack[-1].inner.append(section)
@@ -82,23 +89,46 @@ def read(page: str) -> Section:
     return top
 
 
+def _heading(row: str) -> tuple[int, str] | None:
+    """The level and the words of a heading, of Markdown or in a fold."""
+    if found := _HEADING.fullmatch(row):
+        return len(found[1]), found[2]
+    if found := _RAW_HEADING.fullmatch(row):
+        return int(found[1]), _BREAK.sub(" ", found[2])
+    return (2, found[1]) if (found := _FOLD.fullmatch(row)) else None
+
+
+def _listed(line: str) -> set[str]:
+    """The contacts in a cell of a table of pins: ``7, 8 (1), 7 to 12 (2)``."""
+    found = set[str]()
+    if ":" in line:
+        return found
+    for part in re.sub(r" \(\d\)", "", line).split(", "):
+        first, _, last = part.partition(" to ")
+        is_range = first.isdecimal() and last.isdecimal()
+        found |= {f"{number}" for number in range(int(first), int(last) + 1)} if is_range else {part}
+    return found
+
+
 def _lines(rows: list[str]) -> Iterator[Line]:
     if rows and rows[0].startswith("| "):
         yield from (_row(row) for row in rows if not re.fullmatch(r"[|\s:-]+", row))
     elif rows and rows[0].startswith("- "):
         yield from (Line(((_plain(item),),)) for item in re.split(r"\n?- ", "\n".join(rows)) if item.strip())
+    elif rows and rows[0].startswith("1. "):
+        yield from (Line(tuple((_plain(part),) for part in row.split(". ", 1))) for row in rows)
     elif rows:
         yield Line(((_plain(" ".join(rows)),),))
 
 
 def _row(row: str) -> Line:
     cells = re.split(r"(?<!\\)\|", row)[1:-1]
-    return Line(tuple(tuple(_plain(line) for line in cell.split("<br>")) for cell in cells))
+    return Line(tuple(tuple(_plain(line) for line in _BREAK.split(cell) if line.strip()) for cell in cells))
 
 
 def _plain(text: str) -> str:
     """Markdown as it is shown."""
-    parts = re.split(r"(`+)(.*?)\1", _LINK.sub(r"\1", text))
+    parts = re.split(r"(`+)(.*?)\1", _LINK.sub(r"\1", _TAG.sub("", text)))
     shown = "".join(
         part if index % 3 == 2 else unescape(_ESCAPED.sub(r"\1", part))
         for index, part in enumerate(parts)

@@ -58,14 +58,20 @@ def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
     ("code", "rows"),
     [
         # AMM5 6.2.1 p.32 and 6.4: the position of 37 bits above nE, nW and 6 bits of CRC; its preset from bit 12 on.
-        ("AMM5A21/65KSC1", ["| `multiturn` | bits 44:29 | 16 |", "| `error`<br>Error, nE | bit 7 | 1 |"]),
-        ("AMM5A21/65KSC1", ["| `multiturn` | bits 48:33 | 16 |", "| `singleturn` | bits 32:12 | 21 |"]),
-        ("AMM5B17/1SC1", ["| `singleturn` | bits 24:8 | 17 |", "| `singleturn` | bits 32:16 | 17 |"]),
+        (
+            "AMM5A21/65KSC1",
+            ["| bits 44:29 | Multiturn <small>`multiturn`", "| bit 7 | Error, nE <small>`error`</small>"],
+        ),
+        ("AMM5A21/65KSC1", ["| bits 48:33 | Multiturn <small>`multiturn`", "| bits 32:12 | Singleturn <small>"]),
+        ("AMM5B17/1SC1", ["| bits 24:8 | Singleturn <small>`singleturn`", "| bits 32:16 | Singleturn <small>"]),
         # AM36 5.2: 16 + 12 bits, 19 + 12 bits; 5.3: 100 kHz to 3 MHz.
-        ("AM3616/4096-BG", ["| `singleturn` | bits 15:0 | 16 |", "| Clock | 100 kHz to 3 MHz | §5.3 |"]),
-        ("AMC3619/4096-GG", ["| `multiturn` | bits 30:19 | 12 |", "- `position` is in Gray code."]),
-        # SMA21 6.2 p.25: 24 bits for the position at 50 µm, 20 of them used; 25 at 1 µm.
-        ("SMA21-SC4-0050", ["| `padding` | bits 31:28 | 4 |", "| Supply (`SMA21-SC4-0050`) | 5 V to 30 V |"]),
+        ("AM3616/4096-BG", ["| bits 15:0 | Singleturn <small>`singleturn`", "- Clock: 100 kHz to 3 MHz (§5.3)."]),
+        ("AMC3619/4096-GG", ["| bits 30:19 | Multiturn <small>`multiturn`", "`position` is in Gray code."]),
+        # SMA21 6.2 p.25: 24 bits for the position at 50 µm, 20 of them used; 25 at 1 µm. 4.1 p.15: the supply.
+        (
+            "SMA21-SC4-0050",
+            ["| bits 31:28 | Padding <small>`padding`", "5 V to 30 V (§4.1 p.15, §4.2 p.16) with `SMA21-SC4-"],
+        ),
     ],
 )
 def test_the_numbers_are_those_of_the_manual(pages: Files, code: str, rows: list[str]) -> None:

@@ -31,7 +31,9 @@ def desc(pages: Files, name: str) -> str:
 
 def test_text_has_11_pixels_on_a_phone(pages: Files) -> None:
     for name, root in drawn(pages):
-        shown = min(1.0, PHONE / float(root.attrib["width"]))
+        # A frame as one line is shown on wide screens only.
+        room = 720 if name.endswith("-wide.svg") else PHONE
+        shown = min(1.0, room / float(root.attrib["width"]))
         assert all(float(item.attrib["font-size"]) * shown >= 11 for item in root.iter(f"{SVG}text")), name
 
 
@@ -41,7 +43,7 @@ def test_no_text_leaves_the_card_or_its_box(pages: Files) -> None:
         for item in root.iter(f"{SVG}text"):
             size, x = float(item.attrib["font-size"]), float(item.attrib["x"])
             wide = size * 0.5 * len("".join(item.itertext()))
-            left = x - {"start": 0.0, "middle": wide / 2}[item.attrib["text-anchor"]]
+            left = x - {"start": 0.0, "middle": wide / 2, "end": wide}[item.attrib["text-anchor"]]
             assert left >= 0, name
             assert left + wide <= float(root.attrib["width"]), (name, item.text)
 
@@ -51,7 +53,11 @@ def test_a_picture_and_the_words_beside_it_say_the_same(pages: Files) -> None:
         words = root.findtext(f"{SVG}desc", "")
         assert words, name
         page = name.rpartition("/")[2]
-        shown = [made for other, made in pages.items() if other.endswith(".md") and f"{page})" in made]
+        shown = [
+            made
+            for other, made in pages.items()
+            if other.endswith(".md") and (f"{page})" in made or f'{page}"' in made)
+        ]
         assert shown, name
 
 
@@ -98,7 +104,8 @@ def test_bytes_that_an_encoder_has_no_use_for_are_zeros(pages: Files) -> None:
     assert [rows[f"byte {number}"][0] for number in (5, 6, 7, 8, 9)] == ["encoder id", "0", "0", "0", "alarm field"]
     assert "byte 6: always 0 7:0" in desc(pages, "amm5/AMM5A21-1JP1-complete_reply")
     page = pages["docs/amm5/AMM5A21-1JP1.md"]
-    assert "| bytes 6 to 8 | 24 | Always zero." in page.partition('id="layout-complete_reply"')[2]
+    frame = page.partition('id="layout-complete_reply"')[2]
+    assert "| bytes 6 to 8 | Multiturn padding <small>`multiturn_padding`</small><br>Always zero." in frame
 
 
 def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
@@ -141,3 +148,19 @@ def test_nobody_takes_the_order_of_pins_for_a_face(pages: Files) -> None:
         texts(pages, "am36/connector-m12_connector")
     )
     assert "face" not in " ".join(texts(pages, "am36/connector-m8_type_cable"))
+
+
+def test_a_frame_as_one_line_has_its_ruler(pages: Files) -> None:
+    """AMM5 6.2 p.32, 21 and 16 bits: the numbers of the first and the last bit of each field, from left to right."""
+    name = "docs/amm5/AMM5A21-65KSC1-single_cycle_data-wide.svg"
+    root = ElementTree.fromstring(pages[name])
+    found = [(float(item.attrib["x"]), item.text or "") for item in root.iter(f"{SVG}text")]
+    numbers = [(x, int(words)) for x, words in found if words.isdigit()]
+    assert [number for _, number in numbers] == [44, 29, 28, 8, 7, 6, 5, 0]
+    assert [x for x, _ in numbers] == sorted(x for x, _ in numbers)
+    boxes = [float(item.attrib["width"]) for item in root.iter(f"{SVG}rect")][1:]
+    bit = boxes[2]
+    assert [round(wide / bit) for wide in boxes[:5]] == [16, 21, 1, 1, 6]
+    page = pages["docs/amm5/AMM5A21-65KSC1.md"]
+    assert '<source media="(max-width: 699px)" srcset="AMM5A21-65KSC1-single_cycle_data.svg">' in page
+    assert '<img src="AMM5A21-65KSC1-single_cycle_data-wide.svg" alt="45 bits: multiturn 44:29,' in page

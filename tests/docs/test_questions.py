@@ -113,12 +113,12 @@ def test_a_page_that_errs_is_noticed() -> None:
     assert all(answered(read(made), item) for item in asked)
     spoilt = {
         "low byte first": "high byte first",
-        "| 13 | +5Vdc": "| 12 | +5Vdc",
+        "| 13 | Brown_Green | +5Vdc": "| 15 | Brown_Green | +5Vdc",
         "bits 28:8": "bits 29:8",
         "at least 30 ms": "at least 3 ms",
         "x^6 + x + 1": "x^6 + x^2 + 1",
-        "| Pink |": "| Red |",
-        "- Default: `00`": "- Default: `01`",
+        "| Pink |": "| Turquoise |",
+        "Default: `00`": "Default: `01`",
         "50 kHz to 10 MHz": "50 kHz to 1 MHz",
     }
     for right, wrong in spoilt.items():

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import pytest
 from codewheel.model.by_hand import steps_of
+from codewheel.say.markdown import text
 from codewheel.targets import Library
 from codewheel.targets.docs.inline_errata import all_values
 
@@ -46,13 +47,36 @@ def test_what_belongs_to_an_interface_is_on_its_page(library: Library, pages: Fi
 def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
     """AMM5 7.5 p.46: which bit is MEM BUSY is open; it bites in four frames."""
     page = pages["docs/amm5/rs485.md"]
-    told = [line for line in page.splitlines() if "`mem_busy_position`" in line]
+    told = [line for line in page.splitlines() if "[Mem busy position]" in line]
     assert told[0].startswith(
-        '- <a id="erratum-mem_busy_position"></a>⚠ **open** [`mem_busy_position`](errata.md#erratum-mem_busy_position) '
+        '- <a id="erratum-mem_busy_position"></a>⚠ **open** [Mem busy position](errata.md#erratum-mem_busy_position): '
+        "Either position is possible. The user must choose, and there is no default."
     )
-    assert set(told[1:]) == {"- ⚠ **open** [`mem_busy_position`](#erratum-mem_busy_position), see above"}
+    assert set(told[1:]) == {"- ⚠ **open** [Mem busy position](#erratum-mem_busy_position), see above"}
     frame = page.partition('<a id="layout-eeprom_write_request"></a>')[2].partition('<a id="layout-')[0]
     assert told[0] in frame
+
+
+def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages: Files) -> None:
+    """AMM5 4.1.3 p.21: A and B without + or -."""
+    page = pages["docs/amm5/AMM5A23-65KJP1.md"]
+    wiring = page.partition("## Wiring")[2].partition("\n## ")[0]
+    assert " ⚠ [Ground wire](#erratum-ground_wire), [RS-485 polarity](#erratum-rs485_polarity)\n" in wiring
+    line = (
+        '- <a id="erratum-rs485_polarity"></a>⚠ **open** [RS-485 polarity](errata.md#erratum-rs485_polarity): '
+        "The names are given as printed. No polarity is assumed.\n"
+    )
+    assert line in page.partition("<summary><b>Errata</b>")[2]
+
+
+def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files) -> None:
+    for device in library.devices:
+        for item in device.errata:
+            if item.why and not item.overlay:
+                why = " ".join(text(item.why).split())
+                own = {name: page for name, page in pages.items() if name.startswith(f"docs/{device.name}")}
+                shown = [name for name, page in own.items() if why in " ".join(page.split())]
+                assert shown == [f"docs/{device.name}/errata.md"], item.name
 
 
 def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files) -> None:

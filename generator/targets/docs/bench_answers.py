@@ -380,7 +380,7 @@ def _requests(device: Device, interface: Interface) -> Iterator[Row]:
         others = dict.fromkeys(
             field.group or field.name for field in rest if not field.group or field.group != rest[0].group
         )
-        sent = ", ".join([code(f"{item.control:02X}"), *(text(as_words(name)) for name in others)])
+        sent = ", ".join([code(f"{item.control:02X}"), *(text(as_words(name).partition(" of ")[0]) for name in others)])
         back = (
             f" → {link(counted(answered.widest // 8, 'byte'), f'#layout-{answered.name}')}"
             if answered is not None

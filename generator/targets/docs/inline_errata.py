@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.erratum import changed, errata, erratum
-from ...say.markdown import anchor, cited, code, link, text
+from ...say.erratum import errata, erratum
+from ...say.markdown import STYLE, anchor, cited, code, link, text
 from ...say.name import heading
 from ...say.words import sentence
 from . import fact_tables
@@ -128,13 +128,17 @@ def _edition(item: Erratum) -> str:
 
 
 def in_one_line(item: Erratum, page: str) -> str:
-    """Return the status and title of an erratum, and what is used. The link leads to the full text."""
+    """Return the status and title of an erratum, and what is used. The link leads to the full text.
+
+    A change by an overlay has its reason and source, because the user of a special model needs them.
+    """
+    head = f"{badge(item)} {link(text(heading(item.name)), f'{page}#erratum-{item.name}')}"
+    if item.overlay:
+        return " ".join([f"{head} {STYLE.cited(item.source)}:", *map(STYLE.sentence, erratum(item).below)])
     used = sentence(item.used)
     if len(used) > _LONG:
         used = f"{used[:_LONG].rpartition('. ' if '. ' in used[:_LONG] else ' ')[0]} …"
-    if item.overlay or item.edition:
-        used = " ".join(sentence(f"{label}: {value}") for label, value in changed(item))
-    return f"{badge(item)} {link(text(heading(item.name)), f'{page}#erratum-{item.name}')}: {text(used)}"
+    return f"{head}: {text(used)}"
 
 
 def badge(item: Erratum) -> str:

@@ -29,6 +29,8 @@ from .order_code_patterns import patterns
 from .page_pictures import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
+#: Longest lead, in characters.
+_LEAD = 180
 #: Other files in the folder of a family: names of pages, and first words of the names of pictures.
 TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
@@ -37,6 +39,7 @@ class CodePage(Sections, OverValues):
     """Values of the page of an order code in addition to those of its interface page."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
+    lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
     wiring: Annotated[bench_answers.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
@@ -144,6 +147,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         **over_values(alike.family, here, alike.variants, has_masters, alike.pictures),
         "errata_at": badges,
         "codes": alike.codes,
+        "lead": lead(interface.note),
         "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
         "wiring": bench_answers.wiring(here),
         "supply": bench_answers.supply(here, alike.variants),
@@ -176,6 +180,13 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "errata_summary": badges.summary,
         "errata_list": badges.listed,
     }
+
+
+def lead(note: str) -> str:
+    """Return the first sentences of a text, up to the length that is shown at the top of a page."""
+    parts = note.split(". ")
+    count = max((index for index in range(len(parts) + 1) if len(". ".join(parts[:index])) <= _LEAD), default=0)
+    return sentence(". ".join(parts[: max(count, 1)])) if note else ""
 
 
 def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:

@@ -16,7 +16,6 @@ from ...say.timing import bounds
 from ...say.words import counted, sentence
 from .fact_tables import example_facts
 from .layout_tables import field_cell, field_place_cell, group_place, group_shapes, has_value_table, value_rows
-from .page_links import to_steps
 
 Row = tuple[str, ...]
 
@@ -93,7 +92,7 @@ def steps(device: Device, procedure: Procedure) -> Iterator[str]:
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for item in timings:
-        names = " ".join(filter(None, (text(item.symbol), code(item.name))))
+        names = "</small> <small>".join(filter(None, (text(item.symbol), code(item.name))))
         yield bounds(item), f"{text(item.meaning)} <small>{names}</small> <small>{cited(item.source)}</small>"
 
 
@@ -112,7 +111,8 @@ def led_rows(device: Device) -> Iterator[Row]:
     for item in device.leds:
         yield f"**{text(item.title)}**", f"<small>{cited(item.source)}</small>"
         for state in item.states:
-            yield text(state.state), joined([text(sentence(state.meaning)), *to_steps("", state.by_hand)], " ")
+            hands = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
+            yield text(state.state), joined([text(sentence(state.meaning)), *hands], " ")
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
