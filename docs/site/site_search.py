@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from collections.abc import Iterator
@@ -16,19 +17,24 @@ from docutils import nodes
 from sphinx.application import Sphinx
 
 _ID = re.compile(r"""\bid=["']([^"']+)["']""")
-_SUMMARY = re.compile(r"<summary[^>]*>(.*?)</summary>", re.DOTALL)
+#: A fold, or a heading inside one, with its title. Identifiers for programmers are in small type.
+_HEADING = re.compile(r"<(summary|h[2-4])[^>]*>(.*?)</\1>", re.DOTALL)
+_SMALL = re.compile(r"<small>.*?</small>", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 #: Pages about the project rather than about encoders.
 _OF_PROJECT = re.compile(r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(mutants|templates|architecture"
-                         r"|footprint|evidence|how-to-write|rules|spec-language|exports)|.*-changes$)")  # fmt: skip
+                         r"|footprint|evidence|how-to|example|overlays|rules|spec-language|exports|start-maintainer)|.*-changes$)")  # fmt: skip
 #: Longest text of a section in characters. Only words beyond it are not found.
 _LONGEST = 6000
+#: Heading of the folded part of the page of an order code.
+_DETAILS = "Details"
 
 
 @dataclass
 class Section:
     anchor: str
     title: str
+    is_fold: bool = False
     texts: list[str] = field(default_factory=list)
 
     @property
@@ -42,10 +48,14 @@ def sections(doctree: nodes.document) -> Iterator[Section]:
     for node in doctree.findall():
         if isinstance(node, nodes.raw):
             ids = _ID.findall(node.astext())
-            anchor = ids[-1] if ids and isinstance(node.parent, (nodes.section, nodes.document)) else anchor
-            for summary in _SUMMARY.findall(node.astext()):
+            if ids and current.is_fold and not current.anchor:
+                current.anchor = ids[0]
+            elif ids and isinstance(node.parent, (nodes.section, nodes.document)):
+                anchor = ids[-1]
+            for tag, inside in _HEADING.findall(node.astext()):
                 yield current
-                current = Section(anchor or current.anchor, _TAG.sub("", summary).strip())
+                # Folds have their anchor inside, after the summary.
+                current = Section("" if tag == "summary" else anchor, _title(inside), tag == "summary")
         elif isinstance(node, nodes.title) and isinstance(node.parent, nodes.section):
             yield current
             own = "" if isinstance(node.parent.parent, nodes.document) else node.parent["ids"][0]
@@ -53,6 +63,12 @@ def sections(doctree: nodes.document) -> Iterator[Section]:
         elif isinstance(node, nodes.Text) and _is_prose(node):
             current.texts.append(str(node))
     yield current
+
+
+def _title(inside: str) -> str:
+    """Return the title of a heading or fold in HTML: its bold part, or all of it."""
+    bold = re.search(r"<b>(.*?)</b>", inside, re.DOTALL)
+    return html.unescape(_TAG.sub("", _SMALL.sub("", bold[1] if bold else inside))).strip()
 
 
 def _is_prose(node: nodes.Node) -> bool:
@@ -77,11 +93,12 @@ class Index:
         """Return the index with the names, addresses and order codes of ``encoders``, the domain."""
         places = {page: place for place, page in enumerate(sorted(self._found))}
         texts: dict[str, int] = {}
-        rows = [
-            [places[page], item.anchor, item.title, texts.setdefault(item.text, len(texts))]
-            for page in places
-            for item in self._found[page][1]
-        ]
+        rows = []
+        for page, place in places.items():
+            in_sight = True
+            for item in self._found[page][1]:
+                in_sight &= item.title != _DETAILS
+                rows.append([place, item.anchor, item.title, texts.setdefault(item.text, len(texts)), int(in_sight)])
         things = [
             [name.partition(".")[2] or name, what, places[page], anchor, name.partition(".")[0].lower(), priority]
             for name, _, what, page, anchor, priority in encoders.get_objects()
@@ -104,8 +121,14 @@ class Index:
         if _OF_PROJECT.match(page.rpartition("generated/docs/")[2] if family else page):
             return ["project", family, ""]
         name = page.rpartition("/")[2]
+        if family and re.search(r"(errata|masters|manual)$", name):
+            return ["masters" if name.endswith("masters") else "aside", family, ""]
         is_interface = bool(family) and name in encoders.interfaces_of(family)
-        return ["interface" if is_interface else "family" if family else "general", family, name if is_interface else ""]
+        return [
+            "interface" if is_interface else "family" if family else "general",
+            family,
+            name if is_interface else "",
+        ]
 
 
 def _add(app: Sphinx, page: str, _template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:

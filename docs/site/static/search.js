@@ -9,7 +9,7 @@
   const CONCEPTS = [
     ["connector wiring", "pinout pin pins wire wires connect connection connections plug socket colour color colours"],
     ["cable", "length distance metre metres meter long"],
-    ["preset zero", "home homing origin offset zeroing reference datum"],
+    ["preset zero send", "home homing origin offset zeroing reference datum"],
     ["baud rate", "baudrate bitrate bps bd mbd"],
     ["clock", "frequency mhz khz"],
     ["timeout times", "monoflop"],
@@ -72,8 +72,8 @@
     return counted.get(place);
   }
 
-  const sections = INDEX.sections.map(([page, anchor, title, text]) => ({
-    page: pages[page], anchor, title, text, titleWords: new Set(wordsOf(title)),
+  const sections = INDEX.sections.map(([page, anchor, title, text, isInSight]) => ({
+    page: pages[page], anchor, title, text, isInSight, titleWords: new Set(wordsOf(title)),
   }));
 
   // ------------------------------------------------------------------------------------------------ labels
@@ -122,7 +122,19 @@
     return code === undefined ? null : pages[INDEX.codes[code]];
   }
 
+  /** Why a text is not an order code: of the beginning of one, the part that is wrong. */
   function helpFor(text) {
+    const whole = messageFor(text);
+    for (const code of Object.keys(INDEX.codes)) {
+      const common = [...text.toUpperCase()].findIndex((one, place) => one !== code[place]);
+      if (common < 4 || text.includes("/")) continue;
+      const part = / has \S+ '.*?'; valid values: [^.]*/.exec(messageFor(text + code.slice(text.length)));
+      if (part) return `'${text}'${part[0]}`;
+    }
+    return whole;
+  }
+
+  function messageFor(text) {
     try {
       wheel.readLabel(text);
       return "";
@@ -154,14 +166,19 @@
     return sum && sum + 3 / section.titleWords.size;
   }
 
-  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, project: 0.35 };
+  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.6, masters: 0.4, project: 0.35 };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
-  function found(words, page) {
+  function found(words, page, typed) {
     if (!words.length) return [];
     const searched = sections.filter((one) => one.page.kind !== "code" || one.page === page);
+    const phrase = words.length > 1 ? plain(typed) : "";
+    const bonus = (section) => (phrase && plain(`${section.title} ${INDEX.texts[section.text]}`).includes(phrase) ? 1.3 : 1);
     const rank = (someAreEnough) => searched
       .map((section) => ({ section, score: scoreOf(section, words, someAreEnough) * WEIGHTS[section.page.kind] }))
+      // The upper part of the page of an order code answers most questions at once.
+      .map((one) => (one.section.isInSight && one.section.page === page ? { ...one, score: 2 * one.score } : one))
+      .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
       .filter((one) => one.score > 0).sort((one, other) => other.score - one.score);
     const all = rank(false);
     return all.length ? all : rank(true);
@@ -262,7 +279,7 @@
     const made = [];
     if (asked.wrong) {
       const help = helpFor(asked.wrong);
-      const like = codesLike(asked.wrong, help);
+      const like = codesLike(asked.wrong, messageFor(asked.wrong));
       const isBeginning = like.length && squeezed(like[0]).startsWith(squeezed(asked.wrong));
       if (!isBeginning) made.push(element("p", { class: "help", role: "note" }, `${help}.`));
       made.push(...group("Order codes", like.slice(0, 12).map((code) => hit(pages[INDEX.codes[code]], "", code, ""))));
@@ -273,7 +290,7 @@
     const names = typed ? namesFor(typed, context) : [];
     const nameHits = names.slice(0, 6).map((one) => hit(one.page, one.anchor, one.name,
       `${one.family.toUpperCase()} ${one.what}`));
-    const hits = found(words, context.page);
+    const hits = found(words, context.page, typed);
     const isOf = {
       code: ({ page }) => page === context.page,
       over: ({ page }) => page.family === context.family && page.over === context.over && page.over !== "",
@@ -287,7 +304,9 @@
     });
     const title = families().find((one) => one.name === context.family)?.title ?? "";
     if (context.page) made.push(...group(context.page.title, take(isOf.code, 8)));
-    const isOwn = names.length > 0 && (!context.family || names[0].family === context.family);
+    // A plain word such as zero means the task rather than a field with this name.
+    const isPlain = words.some((one) => one.titles.length) && /^(?:field|part) of/.test(names[0]?.what ?? "");
+    const isOwn = names.length > 0 && !isPlain && (!context.family || names[0].family === context.family);
     if (isOwn) made.push(...group("Names and addresses", nameHits));
     if (asked.family && !words.length) {
       const page = pages.find((one) => one.path === `generated/docs/${asked.family}`);
@@ -295,13 +314,14 @@
     }
     if (context.over) made.push(...group(`${title}, this interface`, take(isOf.over, 6)));
     if (context.family) made.push(...group(title, take(isOf.family, 6)));
-    if (!isOwn) made.push(...group("Names and addresses", nameHits));
+    if (!isOwn && context.family) made.push(...group("Names and addresses", nameHits));
     const best = (test) => hits.find((one) => !taken.has(one) && test(one.section))?.score ?? 0;
     const isGeneral = (section) => !isOf.encoders(section);
     const rest = [[context.family ? "Other encoders" : "Encoders", isOf.encoders, best(isOf.encoders)],
       ["General", isGeneral, best(isGeneral)]];
-    if (!context.family && rest[1][2] > rest[0][2]) rest.reverse();
+    if (!context.family && rest[1][2] > 1.4 * rest[0][2]) rest.reverse();
     for (const [name, test] of rest) made.push(...group(name, take(test, 10)));
+    if (!isOwn && !context.family) made.push(...group("Names and addresses", nameHits));
     return made;
   }
 
