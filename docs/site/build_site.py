@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from api_pages import api_pages
+from front_cards import cards
 from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
 
@@ -40,7 +41,9 @@ DECODER_PAGE = "decode"
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
 #: Line of the contents in ``index.md`` that stands for the families.
 FAMILIES = "(families)\n"
-_LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
+#: Line of the start page that stands for a card for each family.
+CARDS = "(cards)\n"
+_LINK = re.compile(r"""(?:\]\(|\bsrc(?:set)?=")([^)"\s#]+)""")
 
 
 def build(target: Path, root: Path = ROOT) -> int:
@@ -85,6 +88,8 @@ def stage(root: Path, source: Path) -> None:
 def _start_page(source: Path) -> str:
     """Return the start page, with contents that list the existing pages."""
     lines = (HERE / "index.md").read_text(encoding="utf-8").splitlines(keepends=True)
+    place = lines.index(CARDS)
+    lines[place : place + 1] = cards(source)
     place = lines.index(FAMILIES)
     families = sorted(path for path in source.glob("generated/docs/*.md") if path.with_suffix("").is_dir())
     lines[place : place + 1] = [f"{path.relative_to(source).with_suffix('')}\n" for path in families]

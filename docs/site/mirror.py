@@ -38,7 +38,9 @@ class Mirror(SphinxTransform):
         anchors = [name for section in self.document.findall(nodes.section) for name in section["ids"]]
         for raw in list(self.document.findall(nodes.raw)):
             made = _TARGET.sub(lambda found: f'{found[1]}="{self._leads_to(found[3])}"', raw.rawsource or raw.astext())
-            raw.rawsource, raw.children = made, [nodes.Text(made)]
+            raw.clear()
+            raw.rawsource = made
+            raw += nodes.Text(made)
             anchors += _ID.findall(made)
         self.env.metadata[self.env.docname]["anchors"] = anchors  # type: ignore[assignment]
 

@@ -154,6 +154,14 @@ class Encoders(Domain):
         start = f"{_PAGES}/"
         return next((name for name in names if re.match(rf"{start}{name}\b", page)), "")
 
+    def code_pages(self) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Yield the pages of order codes, and the codes that each describes."""
+        yield from self._code_pages.items()
+
+    def interfaces_of(self, family: str) -> list[str]:
+        """Return the names of the interfaces of a family."""
+        return [item.name for device in self._families if device.name == family for item in device.interfaces]
+
     def interface_page_of(self, page: str) -> str:
         """Return the page for the interface of an order code, or an empty string for other pages."""
         code = self.code_of(page)

@@ -1,0 +1,346 @@
+// The search: labels as the command line reads them, names and addresses, and words with their synonyms.
+(() => {
+  "use strict";
+
+  const INDEX = globalThis.codewheelSearch;
+  const wheel = globalThis.codewheelDecode;
+
+  /** Words that people use for the same thing. The first words of a row are those of titles. */
+  const CONCEPTS = [
+    ["connector wiring", "pinout pin pins wire wires connect connection connections plug socket colour color colours"],
+    ["cable", "length distance metre metres meter long"],
+    ["preset zero send", "home homing origin offset zeroing reference datum"],
+    ["baud rate", "baudrate bitrate bps bd mbd"],
+    ["clock", "frequency mhz khz"],
+    ["timeout times", "monoflop"],
+    ["crc", "checksum polynomial poly checksums"],
+    ["led leds", "blink blinks blinking flash flashes flashing lamp light lights"],
+    ["battery", "batteries"],
+    ["save eeprom", "store storing nonvolatile permanent persist keep"],
+    ["alarm alarms error errors warning", "fault failure problem"],
+    ["supply", "voltage power volt volts vdc"],
+    ["usable verdict", "trust valid reliable"],
+    ["send request", "poll query ask"],
+    ["direction counting", "clockwise counterclockwise cw ccw reverse invert"],
+    ["frame frames layout", "telegram packet word message bits"],
+    ["errata", "mistake mistakes misprint erratum"],
+    ["resolution", "counts ppr steps"],
+  ];
+
+  const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+  /** A text in lower case, with numbers without separators and exponents as ^n. */
+  function plain(text) {
+    return text.toLowerCase()
+      .replace(/[⁰¹²³⁴⁵⁶⁷⁸⁹]+/g, (digits) => `^${[...digits].map((digit) => superscripts.indexOf(digit)).join("")}`)
+      .replace(/\b\d{1,3}(?:[,\u00a0\u202f']\d{3})+\b/g, (number) => number.replace(/\D/g, ""));
+  }
+
+  /** The stem of a word: blinks and blinking are blink. */
+  function stem(word) {
+    if (!/^[a-z]+$/.test(word) || word.length < 4) return word;
+    const cut = word.replace(/(?:ing|ed|es|s)$/, "");
+    return (cut.length < 3 || /(?:ss|us)$/.test(word) ? word : cut).replace(/e$/, "");
+  }
+
+  /** The words of a text, also the parts of identifiers, and compounds such as time-out as one word. */
+  function wordsOf(text) {
+    const found = [];
+    for (const [word] of plain(text).matchAll(/[\p{L}\p{N}_^µ]+(?:\.\d+)*(?:-[\p{L}\p{N}_]+)*/gu)) {
+      const parts = word.split(/[-_]/).filter(Boolean);
+      found.push(...parts.map(stem));
+      if (parts.length > 1) found.push(word, stem(parts.join("")));
+    }
+    return found;
+  }
+
+  const concepts = CONCEPTS.map(([titles, others]) => ({
+    titles: new Set(wordsOf(titles)), all: new Set(wordsOf(`${titles} ${others}`)),
+  }));
+  const synonymsOf = (word) => concepts.filter((one) => one.all.has(word)).map((one) => one.titles);
+
+  const pages = INDEX.pages.map(([path, title, kind, family, over]) => ({ path, title, kind, family, over }));
+  const counted = new Map();
+
+  /** How often each word is in a text. */
+  function countsOf(place) {
+    if (!counted.has(place)) {
+      const counts = new Map();
+      for (const word of wordsOf(INDEX.texts[place])) counts.set(word, (counts.get(word) ?? 0) + 1);
+      counted.set(place, counts);
+    }
+    return counted.get(place);
+  }
+
+  const sections = INDEX.sections.map(([page, anchor, title, text, isInSight]) => ({
+    page: pages[page], anchor, title, text, isInSight, titleWords: new Set(wordsOf(title)),
+  }));
+
+  // ------------------------------------------------------------------------------------------------ labels
+
+  /** The order code that a text is a label of, in any spelling, or null. */
+  function codeOf(text) {
+    for (const spelled of [text, text.replace("-", "/"), text.replace("/", "-")]) {
+      const found = wheel?.findCode(spelled);
+      if (found) return found;
+    }
+    return null;
+  }
+
+  const families = () => (wheel?.table.families ?? []).filter((one) => !one.base);
+
+  /** Whether a text begins like an order code. */
+  function isLikeCode(text) {
+    const start = /^[A-Z]{2,}\d{2}|^[A-Z]{3,}\d/.exec(text.toUpperCase())?.[0];
+    return Boolean(start) && Object.keys(INDEX.codes).some((code) => code.startsWith(start));
+  }
+
+  const squeezed = (text) => text.toUpperCase().replace(/[^A-Z0-9]/g, "");
+
+  /** What was typed: a label or the beginning of one, a family, and the words besides. */
+  function read(text) {
+    const pieces = text.trim().split(/\s+/).filter(Boolean);
+    const asked = { label: null, wrong: "", family: "", words: pieces, text: text.trim() };
+    for (let size = Math.min(4, pieces.length); size > 0; size -= 1) {
+      for (let at = 0; at + size <= pieces.length; at += 1) {
+        const label = codeOf(pieces.slice(at, at + size).join(""));
+        if (label) return { ...asked, label, words: [...pieces.slice(0, at), ...pieces.slice(at + size)] };
+      }
+    }
+    const family = pieces.find((piece) => families().some((one) => one.name === piece.toLowerCase()));
+    const others = pieces.filter((piece) => piece !== family);
+    const wrong = family ? undefined : others.find(isLikeCode);
+    return { ...asked, family: family?.toLowerCase() ?? "", wrong: wrong ?? "", words: others.filter((one) => one !== wrong) };
+  }
+
+  /** The page of a listed code, or of the listed code whose numbers an unlisted one has. */
+  function pageOf(label) {
+    const code = label.code in INDEX.codes ? label.code : label.family.codes.find((row) => {
+      const over = label.family.interfaces[row[1]];
+      return over === label.interface && row[0] in INDEX.codes;
+    })?.[0];
+    return code === undefined ? null : pages[INDEX.codes[code]];
+  }
+
+  /** Why a text is not an order code: of the beginning of one, the part that is wrong. */
+  function helpFor(text) {
+    const whole = messageFor(text);
+    for (const code of Object.keys(INDEX.codes)) {
+      const common = [...text.toUpperCase()].findIndex((one, place) => one !== code[place]);
+      if (common < 4 || text.includes("/")) continue;
+      const part = / has \S+ '.*?'; valid values: [^.]*/.exec(messageFor(text + code.slice(text.length)));
+      if (part) return `'${text}'${part[0]}`;
+    }
+    return whole;
+  }
+
+  function messageFor(text) {
+    try {
+      wheel.readLabel(text);
+      return "";
+    } catch (error) {
+      if (!(error instanceof wheel.UnknownCode)) throw error;
+      return error.message;
+    }
+  }
+
+  // ------------------------------------------------------------------------------------------------- words
+
+  /** How well a section answers the words; 0 if it lacks one of them, unless some are enough. */
+  function scoreOf(section, words, someAreEnough) {
+    const counts = countsOf(section.text);
+    let sum = 0;
+    for (const { word, titles } of words) {
+      const score = Math.max(
+        section.titleWords.has(word) ? 14 : 0,
+        titles.some((one) => [...one].some((title) => section.titleWords.has(title))) ? 9 : 0,
+        counts.has(word) ? 3 + Math.min(2, Math.log2(counts.get(word))) : 0,
+        titles.some((one) => [...one].some((title) => counts.has(title))) ? 1 : 0,
+        word.length > 2 && [...section.titleWords].some((title) => title.startsWith(word)) ? 5 : 0,
+        word.length > 3 && [...counts.keys()].some((one) => one.startsWith(word)) ? 1 : 0,
+      );
+      if (!score && !someAreEnough) return 0;
+      sum += score;
+    }
+    // A short title is about little else.
+    return sum && sum + 3 / section.titleWords.size;
+  }
+
+  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.6, masters: 0.4, project: 0.35 };
+
+  /** The sections that answer the words, best first; pages of other order codes are left out. */
+  function found(words, page, typed) {
+    if (!words.length) return [];
+    const searched = sections.filter((one) => one.page.kind !== "code" || one.page === page);
+    const phrase = words.length > 1 ? plain(typed) : "";
+    const bonus = (section) => (phrase && plain(`${section.title} ${INDEX.texts[section.text]}`).includes(phrase) ? 1.3 : 1);
+    const rank = (someAreEnough) => searched
+      .map((section) => ({ section, score: scoreOf(section, words, someAreEnough) * WEIGHTS[section.page.kind] }))
+      // The upper part of the page of an order code answers most questions at once.
+      .map((one) => (one.section.isInSight && one.section.page === page ? { ...one, score: 2 * one.score } : one))
+      .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
+      .filter((one) => one.score > 0).sort((one, other) => other.score - one.score);
+    const all = rank(false);
+    return all.length ? all : rank(true);
+  }
+
+  /** Names and addresses that are what was typed, or begin with it. */
+  function namesFor(text, context) {
+    const typed = plain(text).replace(/\./g, " ").trim();
+    if (typed.length < 2) return [];
+    const ranked = INDEX.things.flatMap(([name, what, page, anchor, family, priority]) => {
+      const own = plain(name);
+      const rank = own === typed ? 0 : typed.length > 2 && own.startsWith(`${typed} `) ? 2 : -1;
+      const away = context.family && family !== context.family ? 10 : 0;
+      const aside = context.over && pages[page].over && pages[page].over !== context.over ? 1 : 0;
+      return rank < 0 ? [] : [{ name, what, page: pages[page], anchor, family, rank: away + aside + rank + priority }];
+    }).sort((one, other) => one.rank - other.rank);
+    const seen = new Set();
+    return ranked.filter((one) => {
+      const key = `${one.page.path}#${one.anchor}`;
+      return !seen.has(key) && seen.add(key);
+    });
+  }
+
+  // --------------------------------------------------------------------------------------------- the page
+
+  function element(tag, attributes, ...children) {
+    const made = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+    made.append(...children.flat().filter((child) => child !== ""));
+    return made;
+  }
+
+  const link = (page, anchor, text) => element("a", { href: `${page.path}.html${anchor ? `#${anchor}` : ""}` }, text);
+
+  /** A part of a text around the first of the words, with the words marked. */
+  function snippet(place, words) {
+    const text = INDEX.texts[place];
+    const stems = new Set(words.flatMap((one) => [one.word, ...one.titles.flatMap((titles) => [...titles])]));
+    const hits = [...text.matchAll(/[\p{L}\p{N}_^.,-]+/gu)].filter((hit) => wordsOf(hit[0]).some((one) => stems.has(one)));
+    const exact = hits.find((hit) => wordsOf(hit[0]).some((one) => words.some(({ word }) => word === one)));
+    const at = Math.max(0, ((exact ?? hits[0])?.index ?? 0) - 60);
+    const from = at && text.indexOf(" ", at) + 1;
+    const to = Math.min(text.length, from + 200);
+    const made = element("p", { class: "snippet" }, from ? "… " : "");
+    let last = from;
+    for (const hit of hits.filter((one) => one.index >= from && one.index + one[0].length <= to)) {
+      made.append(text.slice(last, hit.index), element("mark", {}, hit[0]));
+      last = hit.index + hit[0].length;
+    }
+    made.append(text.slice(last, to), to < text.length ? " …" : "");
+    return made;
+  }
+
+  const hit = (page, anchor, title, from, below = "") => element("li", {},
+    link(page, anchor, title), from ? element("span", { class: "from" }, from) : "", below);
+
+  const sectionHit = ({ section }, words) => hit(section.page, section.anchor, section.title,
+    section.title === section.page.title ? "" : section.page.title, snippet(section.text, words));
+
+  const group = (title, items) => (items.length ? [element("h2", {}, title), element("ol", {}, items)] : []);
+
+  /** The hits of a label alone: its page, and the sections there. */
+  function labelHits(label, page) {
+    const spelled = label.code === page.title ? page.title : label.code;
+    const notes = [label.writtenAsIn && `The label is written as in ${label.writtenAsIn}.`,
+      label.unlisted.length && `Accepted, although not listed in the manual: ${label.unlisted.join(", ")}.`,
+      label.tail && `The label continues with ${label.tail}.`,
+      label.isSpecial && (label.family.special_codes ?? "A code that ends in /Sxxx may differ from the manual.")];
+    const text = notes.filter(Boolean).join(" ");
+    const own = sections.filter((one) => one.page === page && one.anchor);
+    const jumps = element("p", { class: "snippet" }, own.slice(0, 12).flatMap((one, place) => [
+      place ? " · " : "", link(page, one.anchor, one.title)]));
+    const title = `${label.family.title}, ${label.interface.title}`;
+    return [hit(page, "", spelled, title, text ? element("p", { class: "snippet" }, text) : ""), element("li", {}, jumps)];
+  }
+
+  /** The codes that begin like a wrong one, or else those that its help names. */
+  function codesLike(text, help) {
+    const start = squeezed(text);
+    const codes = Object.keys(INDEX.codes);
+    const beginning = codes.filter((code) => squeezed(code).startsWith(start));
+    return beginning.length ? beginning : codes.filter((code) => new RegExp(`${code.replace(/[/-]/g, "\\$&")}(?![\\w/])`).test(help));
+  }
+
+  /** The order code, interface and family that the search is about. */
+  function contextOf(asked, from) {
+    const page = asked.label ? pageOf(asked.label) : pages.find((one) => one.path === from) ?? null;
+    const family = asked.label?.family.name ?? (asked.family || page?.family) ?? "";
+    const own = page && (!family || page.family === family) ? page : null;
+    return { page: own?.kind === "code" ? own : null, family, over: asked.label?.interface.name ?? own?.over ?? "" };
+  }
+
+  function results(text, from) {
+    const asked = read(text);
+    const context = contextOf(asked, from);
+    const typed = asked.words.join(" ");
+    const words = [...new Set(wordsOf(typed))].map((word) => ({ word, titles: synonymsOf(word) }));
+    const made = [];
+    if (asked.wrong) {
+      const help = helpFor(asked.wrong);
+      const like = codesLike(asked.wrong, messageFor(asked.wrong));
+      const isBeginning = like.length && squeezed(like[0]).startsWith(squeezed(asked.wrong));
+      if (!isBeginning) made.push(element("p", { class: "help", role: "note" }, `${help}.`));
+      made.push(...group("Order codes", like.slice(0, 12).map((code) => hit(pages[INDEX.codes[code]], "", code, ""))));
+    }
+    if (asked.label && !words.length && context.page) {
+      made.push(...group(context.page.title, labelHits(asked.label, context.page)));
+    }
+    const names = typed ? namesFor(typed, context) : [];
+    const nameHits = names.slice(0, 6).map((one) => hit(one.page, one.anchor, one.name,
+      `${one.family.toUpperCase()} ${one.what}`));
+    const hits = found(words, context.page, typed);
+    const isOf = {
+      code: ({ page }) => page === context.page,
+      over: ({ page }) => page.family === context.family && page.over === context.over && page.over !== "",
+      family: ({ page }) => page.family === context.family && page.family !== "",
+      encoders: ({ page }) => page.family !== "" && page.kind !== "project",
+    };
+    const taken = new Set();
+    const take = (test, count) => hits.filter((one) => !taken.has(one) && test(one.section)).slice(0, count).map((one) => {
+      taken.add(one);
+      return sectionHit(one, words);
+    });
+    const title = families().find((one) => one.name === context.family)?.title ?? "";
+    if (context.page) made.push(...group(context.page.title, take(isOf.code, 8)));
+    // A plain word such as zero means the task rather than a field with this name.
+    const isPlain = words.some((one) => one.titles.length) && /^(?:field|part) of/.test(names[0]?.what ?? "");
+    const isOwn = names.length > 0 && !isPlain && (!context.family || names[0].family === context.family);
+    if (isOwn) made.push(...group("Names and addresses", nameHits));
+    if (asked.family && !words.length) {
+      const page = pages.find((one) => one.path === `generated/docs/${asked.family}`);
+      if (page) made.push(...group(page.title, [hit(page, "", page.title, "")]));
+    }
+    if (context.over) made.push(...group(`${title}, this interface`, take(isOf.over, 6)));
+    if (context.family) made.push(...group(title, take(isOf.family, 6)));
+    if (!isOwn && context.family) made.push(...group("Names and addresses", nameHits));
+    const best = (test) => hits.find((one) => !taken.has(one) && test(one.section))?.score ?? 0;
+    const isGeneral = (section) => !isOf.encoders(section);
+    const rest = [[context.family ? "Other encoders" : "Encoders", isOf.encoders, best(isOf.encoders)],
+      ["General", isGeneral, best(isGeneral)]];
+    if (!context.family && rest[1][2] > 1.4 * rest[0][2]) rest.reverse();
+    for (const [name, test] of rest) made.push(...group(name, take(test, 10)));
+    if (!isOwn && !context.family) made.push(...group("Names and addresses", nameHits));
+    return made;
+  }
+
+  function show() {
+    const given = new URLSearchParams(location.search);
+    const text = given.get("q") ?? "";
+    const box = document.getElementById("search-results");
+    const input = document.querySelector("header input[type=search]");
+    input.value = text;
+    if (!text.trim()) {
+      input.focus();
+      return;
+    }
+    const made = results(text, given.get("on") ?? "");
+    const nothing = element("p", {}, "Nothing found. Try another word, or start from the ",
+      link({ path: "generated/docs/README" }, "", "list of order codes"), ".");
+    box.replaceChildren(...(made.length ? made : [nothing]));
+    document.title = `${text} · Search · codewheel`;
+  }
+
+  show();
+})();

@@ -64,7 +64,8 @@ def register(device: Device, item: Register) -> Data:
         title=title(item),
         place=register_at(item),
         length=item.length,
-        about=[BY_NAME.sentence(one) for one in about],
+        # The script gives the limits in numbers of the order code.
+        about=[BY_NAME.sentence(one) for one in about if one.label != "Limits"],
         writable=item.writable,
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits(one, limits_of(device, item, one)) for one in meanings],
