@@ -78,7 +78,7 @@ static int32_t wait_us(void *context, uint32_t microseconds)
     return 0;
 }
 
-static const lika_transport transport = {
+static const cw_transport transport = {
     NULL, read_registers, write_registers, wait_us, NULL, 0U, 0U
 };
 
@@ -89,7 +89,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const lika_report_text *const text = lika_am36_report_text(left);
+        const cw_report_text *const text = lika_am36_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -97,19 +97,19 @@ static void print_reports(uint32_t reports)
     }
 }
 
-static lika_result show_frame(void)
+static cw_result show_frame(void)
 {
     lika_am36_single_cycle_data frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
-    const lika_result result = lika_am36_single_cycle_data_decode(&encoder, receive_word(), &frame);
-    if (result != LIKA_OK) {
+    cw_verdict verdict;
+    const cw_result result = lika_am36_single_cycle_data_decode(&encoder, receive_word(), &frame);
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "Single cycle data");
@@ -120,26 +120,26 @@ static lika_result show_frame(void)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_am36_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    if (verdict != LIKA_NOT_USABLE) {
+    if (verdict != CW_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_am36_biss_degrees(&encoder,
             (uint64_t)frame.position));
     }
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Set, save and activate a preset [6.5 p.29]. It changes the contents of the encoder. */
-static lika_result run_procedure(lika_failure *failure)
+static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 100000");
     return lika_am36_set_preset(&transport, &encoder, 100000U, failure);
 }
 
 /* Configuration 49h: a worked example [6.5] */
-static lika_result show_configuration(lika_failure *failure)
+static cw_result show_configuration(cw_failure *failure)
 {
     lika_am36_reg_configuration held;
-    const lika_result result = lika_am36_read_configuration(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_am36_read_configuration(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Configuration 49h",
@@ -152,92 +152,92 @@ static lika_result show_configuration(lika_failure *failure)
     printf("  enable_preset: %llu (%s)\n",
         (unsigned long long)held.enable_preset,
         "0 Enable, 1 Disable");
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Information per revolution 4Bh: a worked example [6.5 p.27] */
-static lika_result show_information_per_revolution(lika_failure *failure)
+static cw_result show_information_per_revolution(cw_failure *failure)
 {
     lika_am36_reg_information_per_revolution held;
-    const lika_result result =
+    const cw_result result =
         lika_am36_read_information_per_revolution(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Information per revolution 4Bh",
         LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS,
         LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH);
     printf("  steps: %llu\n", (unsigned long long)held.steps);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Number of revolutions 4Eh: a worked example [6.5 p.28] */
-static lika_result show_number_of_revolutions(lika_failure *failure)
+static cw_result show_number_of_revolutions(cw_failure *failure)
 {
     lika_am36_reg_number_of_revolutions held;
-    const lika_result result =
+    const cw_result result =
         lika_am36_read_number_of_revolutions(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Number of revolutions 4Eh",
         LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS,
         LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH);
     printf("  revolutions: %llu\n", (unsigned long long)held.revolutions);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Preset 50h: a worked example [6.5 p.29] */
-static lika_result show_preset(lika_failure *failure)
+static cw_result show_preset(cw_failure *failure)
 {
     lika_am36_reg_preset held;
-    const lika_result result = lika_am36_read_preset(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_am36_read_preset(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Preset 50h", LIKA_AM36_REG_PRESET_ADDRESS, LIKA_AM36_REG_PRESET_LENGTH);
     printf("  position: %llu\n", (unsigned long long)held.position);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* No. of bits used for singleturn resolution 56h: a worked example [6.5 p.31] */
-static lika_result show_singleturn_bits_used(lika_failure *failure)
+static cw_result show_singleturn_bits_used(cw_failure *failure)
 {
     uint8_t held;
-    const lika_result result =
+    const cw_result result =
         lika_am36_read_singleturn_bits_used(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     print_registers("No. of bits used for singleturn resolution 56h",
         LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS,
         LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH);
     printf("  value: %u\n", (unsigned)held);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* No. of bits used for multiturn resolution 57h: a worked example [6.5 p.31] */
-static lika_result show_multiturn_bits_used(lika_failure *failure)
+static cw_result show_multiturn_bits_used(cw_failure *failure)
 {
     uint8_t held;
-    const lika_result result =
+    const cw_result result =
         lika_am36_read_multiturn_bits_used(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     print_registers("No. of bits used for multiturn resolution 57h",
         LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS,
         LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH);
     printf("  value: %u\n", (unsigned)held);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Device ID 78h: a worked example [6.5 p.31] */
-static lika_result show_device_id(lika_failure *failure)
+static cw_result show_device_id(cw_failure *failure)
 {
     lika_am36_reg_device_id held;
-    const lika_result result = lika_am36_read_device_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_am36_read_device_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Device ID 78h",
@@ -247,62 +247,62 @@ static lika_result show_device_id(lika_failure *failure)
     printf("  interface_code: %.*s\n", (int)sizeof(held.interface_code), held.interface_code);
     printf("  enclosure: %.*s\n", (int)sizeof(held.enclosure), held.enclosure);
     printf("  software_version: %.*s\n", (int)sizeof(held.software_version), held.software_version);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Manufacturer ID 7Eh: a worked example [6.5 p.32] */
-static lika_result show_manufacturer_id(lika_failure *failure)
+static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_am36_reg_manufacturer_id held;
-    const lika_result result = lika_am36_read_manufacturer_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_am36_read_manufacturer_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
         LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS,
         LIKA_AM36_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 int main(void)
 {
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
-    lika_result result = show_frame();
-    if (result == LIKA_OK) {
+    cw_failure failure = { 0U, CW_STEP_READ, CW_STEP_READ, 0U, 0, false };
+    cw_result result = show_frame();
+    if (result == CW_OK) {
         result = run_procedure(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_configuration(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_information_per_revolution(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_number_of_revolutions(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_preset(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_singleturn_bits_used(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_multiturn_bits_used(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_device_id(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_manufacturer_id(&failure);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         printf("error %d\n", (int)result);
     }
     /* After a transport error, print the step of the procedure and your error number. */
-    if ((result == LIKA_FAULT_TRANSPORT) || (result == LIKA_FAULT_TIMEOUT)) {
+    if ((result == CW_FAULT_TRANSPORT) || (result == CW_FAULT_TIMEOUT)) {
         printf("step %lu, address %02X, error %ld%s\n", (unsigned long)failure.step,
             (unsigned)failure.address, (long)failure.error, failure.left_open ? ", left open" : "");
     }
-    return (result == LIKA_OK) ? 0 : 1;
+    return (result == CW_OK) ? 0 : 1;
 }

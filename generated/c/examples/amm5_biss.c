@@ -73,7 +73,7 @@ static int32_t wait_us(void *context, uint32_t microseconds)
     return 0;
 }
 
-static const lika_transport transport = {
+static const cw_transport transport = {
     NULL, read_registers, write_registers, wait_us, NULL, 0U, 0U
 };
 
@@ -84,7 +84,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const lika_report_text *const text = lika_amm5_report_text(left);
+        const cw_report_text *const text = lika_amm5_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -92,19 +92,19 @@ static void print_reports(uint32_t reports)
     }
 }
 
-static lika_result show_frame(void)
+static cw_result show_frame(void)
 {
     lika_amm5_single_cycle_data frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
-    const lika_result result = lika_amm5_single_cycle_data_decode(&encoder, receive_word(), &frame);
-    if (result != LIKA_OK) {
+    cw_verdict verdict;
+    const cw_result result = lika_amm5_single_cycle_data_decode(&encoder, receive_word(), &frame);
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "Single cycle data");
@@ -117,40 +117,40 @@ static lika_result show_frame(void)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_amm5_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    if (verdict != LIKA_NOT_USABLE) {
+    if (verdict != CW_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_amm5_degrees(&encoder, (uint64_t)frame.position));
     }
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Set, save and activate a preset [6.4 p.35]. It changes the contents of the encoder. */
-static lika_result run_procedure(lika_failure *failure)
+static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 1000003");
     return lika_amm5_set_preset(&transport, &encoder, 1000003U, failure);
 }
 
 /* Preset 11h: a worked example [6.4] */
-static lika_result show_preset(lika_failure *failure)
+static cw_result show_preset(cw_failure *failure)
 {
     lika_amm5_reg_preset held;
-    const lika_result result = lika_amm5_read_preset(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_amm5_read_preset(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Preset 11h", LIKA_AMM5_REG_PRESET_ADDRESS, LIKA_AMM5_REG_PRESET_LENGTH);
     printf("  multiturn: %llu\n", (unsigned long long)held.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)held.singleturn);
     printf("  position: %llu\n", (unsigned long long)held.position);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Serial number 44h: a worked example [6.4 p.38, it: 6.4 p.39] */
-static lika_result show_serial_number(lika_failure *failure)
+static cw_result show_serial_number(cw_failure *failure)
 {
     lika_amm5_reg_serial_number held;
-    const lika_result result = lika_amm5_read_serial_number(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_amm5_read_serial_number(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Serial number 44h",
@@ -160,47 +160,47 @@ static lika_result show_serial_number(lika_failure *failure)
     printf("  year: %llu\n", (unsigned long long)held.year);
     printf("  week: %llu\n", (unsigned long long)held.week);
     printf("  number: %llu\n", (unsigned long long)held.number);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Manufacturer ID 7Eh: a worked example [6.4 p.39, it: 6.4 p.40] */
-static lika_result show_manufacturer_id(lika_failure *failure)
+static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_amm5_reg_manufacturer_id held;
-    const lika_result result = lika_amm5_read_manufacturer_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_amm5_read_manufacturer_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
         LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS,
         LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 int main(void)
 {
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
-    lika_result result = show_frame();
-    if (result == LIKA_OK) {
+    cw_failure failure = { 0U, CW_STEP_READ, CW_STEP_READ, 0U, 0, false };
+    cw_result result = show_frame();
+    if (result == CW_OK) {
         result = run_procedure(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_preset(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_serial_number(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_manufacturer_id(&failure);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         printf("error %d\n", (int)result);
     }
     /* After a transport error, print the step of the procedure and your error number. */
-    if ((result == LIKA_FAULT_TRANSPORT) || (result == LIKA_FAULT_TIMEOUT)) {
+    if ((result == CW_FAULT_TRANSPORT) || (result == CW_FAULT_TIMEOUT)) {
         printf("step %lu, address %02X, error %ld%s\n", (unsigned long)failure.step,
             (unsigned)failure.address, (long)failure.error, failure.left_open ? ", left open" : "");
     }
-    return (result == LIKA_OK) ? 0 : 1;
+    return (result == CW_OK) ? 0 : 1;
 }

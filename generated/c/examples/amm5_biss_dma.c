@@ -11,8 +11,8 @@
 #include <stdio.h>
 
 #include "lika/amm5.h"
-#include "lika/receive.h"
-#include "lika/tracker.h"
+#include "codewheel/receive.h"
+#include "codewheel/tracker.h"
 
 /* The order code from the label, AMM5A23/65KSC1. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
@@ -20,8 +20,8 @@ static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
 /* One frame as SPI receives it: acknowledge, start bit, CDS, word and stop bit. */
 static uint8_t rx[LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES];
 
-/* Position of the axis. After a preset, call lika_tracker_restart(&axis, now_us). */
-static lika_tracker axis;
+/* Position of the axis. After a preset, call cw_tracker_restart(&axis, now_us). */
+static cw_tracker axis;
 
 /* Set this yourself: the highest speed of your machine in counts per second. */
 #define MAX_SPEED 100000000U
@@ -45,31 +45,31 @@ static void spi_dma_done(uint32_t now_us)
 {
     lika_amm5_single_cycle_data frame;
     uint64_t word;
-    if (lika_biss_receive(rx, sizeof(rx), LIKA_AMM5_A23_65KSC1_BISS_BITS, &word) == LIKA_OK
-        && lika_amm5_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
-        && lika_amm5_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
-        lika_tracker_add(&axis, frame.position, now_us);
+    if (cw_biss_receive(rx, sizeof(rx), LIKA_AMM5_A23_65KSC1_BISS_BITS, &word) == CW_OK
+        && lika_amm5_single_cycle_data_decode(&encoder, word, &frame) == CW_OK
+        && lika_amm5_single_cycle_data_verdict(&encoder, &frame) != CW_NOT_USABLE) {
+        cw_tracker_add(&axis, frame.position, now_us);
     }
 }
 
 int main(void)
 {
     uint32_t now_us = 0U;
-    const lika_tracker_config config = {
+    const cw_tracker_config config = {
         lika_amm5_modulus(&encoder), MAX_SPEED, BOOT_US, LOST_AFTER_US, LOST_AFTER_REFUSED
     };
-    lika_tracker_start(&axis, &config, now_us);
+    cw_tracker_start(&axis, &config, now_us);
     while (spi_receive(rx, sizeof(rx))) {
         spi_dma_done(now_us);
         printf("%lu us: ", (unsigned long)now_us);
         if (axis.lost != 0U) {
-            /* Stop the machine, determine its position again, then call lika_tracker_restart. */
+            /* Stop the machine, determine its position again, then call cw_tracker_restart. */
             printf("lost\n");
         } else if (axis.known == 0U) {
             printf("no position yet\n");
         } else {
             printf("%lld counts at %lu us, %lld counts/s\n", (long long)axis.position,
-                (unsigned long)axis.at_us, (long long)lika_tracker_speed(&axis));
+                (unsigned long)axis.at_us, (long long)cw_tracker_speed(&axis));
         }
         now_us += 100U;
     }

@@ -11,21 +11,21 @@
 #include <stdio.h>
 
 #include "lika/amm5.h"
-#include "lika/receive.h"
-#include "lika/runner.h"
+#include "codewheel/receive.h"
+#include "codewheel/runner.h"
 
 /* The order code from the label, AMM5A23/65KJP1. The compiler computes the place of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KJP1;
 
 /* Time between two requests. */
 #define POLL_US 1000U
-/* Assumed time until the encoder answers, plus the time of the bytes, ten bits each. */
+/* Assumed time until the encoder answers, plus the time of the request and the longest reply. */
 #define ANSWER_US 100U
-#define BYTES (1U + LIKA_RECEIVE_RS485_BYTES)
+#define BYTES (1U + 11U)
 #define REPLY_US (ANSWER_US + ((10000000U * BYTES) / LIKA_AMM5_RS485_BAUD))
 
 /* The current or last reply. */
-static lika_rs485_line line;
+static cw_rs485_line line;
 
 /* -- your clock and your serial port ----------------------------------------------------------- */
 
@@ -37,7 +37,7 @@ static uint32_t now_us;
  * docs_src/docs/api_guide/images/position_sense/Tamagawa_UART_output.PNG].
  */
 static const uint8_t sent[] = { 0x02U, 0x20U, 0xC7U, 0xD1U, 0x6AU, 0x5EU };
-static uint8_t wire[LIKA_RECEIVE_RS485_BYTES];
+static uint8_t wire[11];
 static size_t arrived;
 static size_t taken;
 
@@ -78,10 +78,10 @@ static bool serial_receive(uint8_t *byte)
 
 /* -- your application -------------------------------------------------------------------------- */
 
-static lika_runner runner;
+static cw_runner runner;
 static bool running; /* a procedure is in progress: do not poll */
 static bool asked; /* waiting for a reply */
-static lika_result refused; /* result of the decoder that rejected a reply, or OK */
+static cw_result refused; /* result of the decoder that rejected a reply, or OK */
 static uint32_t since_us; /* start of the pause before the next request */
 static uint32_t pause_us; /* its length */
 
@@ -90,7 +90,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const lika_report_text *const text = lika_amm5_report_text(left);
+        const cw_report_text *const text = lika_amm5_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -98,19 +98,19 @@ static void print_reports(uint32_t reports)
     }
 }
 
-static lika_result show_frame(const uint8_t *bytes, size_t length)
+static cw_result show_frame(const uint8_t *bytes, size_t length)
 {
     lika_amm5_singleturn_reply frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
-    const lika_result result = lika_amm5_singleturn_reply_decode(&encoder, bytes, length, &frame);
-    if (result != LIKA_OK) {
+    cw_verdict verdict;
+    const cw_result result = lika_amm5_singleturn_reply_decode(&encoder, bytes, length, &frame);
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "Singleturn reply");
@@ -122,7 +122,7 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_amm5_singleturn_reply_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 static bool ask(uint8_t request, size_t length)
@@ -131,9 +131,9 @@ static bool ask(uint8_t request, size_t length)
     while (serial_receive(&late)) {
         /* Discard bytes that arrived after the time-out. */
     }
-    refused = LIKA_OK;
+    refused = CW_OK;
     since_us = now_us;
-    asked = (lika_rs485_ask(&line, request, length, 0U, now_us, REPLY_US) == LIKA_OK)
+    asked = (cw_rs485_ask(&line, request, length, 0U, now_us, REPLY_US) == CW_OK)
         && serial_send(request);
     return asked;
 }
@@ -147,27 +147,27 @@ static void reply_came(void)
             runner.data[at] = line.bytes[at];
         }
         asked = false;
-        lika_runner_done(&runner, 0, now_us);
+        cw_runner_done(&runner, 0, now_us);
         return;
     }
     refused = show_frame(line.bytes, line.length);
-    asked = refused != LIKA_OK;
+    asked = refused != CW_OK;
     if (asked) {
-        lika_rs485_resume(&line); /* look for a later start. Without this, no time-out follows */
+        cw_rs485_resume(&line); /* look for a later start. Without this, no time-out follows */
     }
 }
 
 /* Return why there is no valid reply. */
 static const char *reason(void)
 {
-    const lika_result why = lika_rs485_reason(&line);
-    if (refused != LIKA_OK) {
+    const cw_result why = cw_rs485_reason(&line);
+    if (refused != CW_OK) {
         return "disturbed";
     }
-    if (why == LIKA_FAULT_HEAD_MISSING) {
+    if (why == CW_FAULT_HEAD_MISSING) {
         return "first byte of the reply missing: is the driver released too late?";
     }
-    return (why == LIKA_FAULT_LENGTH) ? "incomplete reply" : "no reply";
+    return (why == CW_FAULT_LENGTH) ? "incomplete reply" : "no reply";
 }
 
 /* Handle a missing reply. Leave the line idle, so that a late one is not mistaken for the next. */
@@ -178,31 +178,31 @@ static void reply_failed(void)
     since_us = now_us;
     pause_us = REPLY_US;
     if (running) {
-        lika_runner_done(&runner, -1, now_us);
+        cw_runner_done(&runner, -1, now_us);
     }
 }
 
 /* Continue the procedure. */
 static void go_on(void)
 {
-    switch (lika_runner_next(&runner, now_us)) {
-    case LIKA_TODO_SEND:
+    switch (cw_runner_next(&runner, now_us)) {
+    case CW_TODO_SEND:
         pause_us = 0U;
         if (!ask(runner.byte, runner.length)) {
-            lika_runner_done(&runner, -2, now_us);
+            cw_runner_done(&runner, -2, now_us);
         }
         break;
-    case LIKA_TODO_READ: /* not over RS-485 */
-    case LIKA_TODO_WRITE:
-        lika_runner_done(&runner, -3, now_us);
+    case CW_TODO_READ: /* not over RS-485 */
+    case CW_TODO_WRITE:
+        cw_runner_done(&runner, -3, now_us);
         break;
-    case LIKA_TODO_END:
+    case CW_TODO_END:
         running = false;
         printf("%lu us: %s\n", (unsigned long)now_us,
-            (runner.result == LIKA_OK) ? "done" : "failed: start it again");
+            (runner.result == CW_OK) ? "done" : "failed: start it again");
         break;
-    case LIKA_TODO_WAIT:
-    case LIKA_TODO_BUSY:
+    case CW_TODO_WAIT:
+    case CW_TODO_BUSY:
     default:
         break;
     }
@@ -213,11 +213,11 @@ static void loop(void)
 {
     uint8_t byte;
     while (asked && serial_receive(&byte)) {
-        if (lika_rs485_take(&line, byte)) {
+        if (cw_rs485_take(&line, byte)) {
             reply_came();
         }
     }
-    if (asked && lika_rs485_late(&line, now_us)) {
+    if (asked && cw_rs485_late(&line, now_us)) {
         reply_failed();
     }
     if (asked || ((now_us - since_us) < pause_us)) {
@@ -232,24 +232,24 @@ static void loop(void)
 }
 
 /* Reset all errors [7.4.2 p.45]. It changes the contents of the encoder. */
-static lika_result start(void)
+static cw_result start(void)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_amm5_reset_errors_steps(&count);
-    const lika_result result = lika_runner_start(&runner, steps, count, NULL, 0U, now_us);
+    const cw_step *const steps = lika_amm5_reset_errors_steps(&count);
+    const cw_result result = cw_runner_start(&runner, steps, count, NULL, 0U, now_us);
     printf("%s\n", "Reset all errors");
-    running = result == LIKA_OK;
+    running = result == CW_OK;
     return result;
 }
 
 int main(void)
 {
-    lika_result result = LIKA_OK;
+    cw_result result = CW_OK;
     for (now_us = 0U; (now_us < 5000U) || running; now_us += 10U) {
         if ((now_us >= 3500U) && !asked && (runner.count == 0U)) {
             result = start();
         }
         loop();
     }
-    return ((result == LIKA_OK) && (runner.result == LIKA_OK) && !running) ? 0 : 1;
+    return ((result == CW_OK) && (runner.result == CW_OK) && !running) ? 0 : 1;
 }

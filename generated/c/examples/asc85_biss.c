@@ -80,7 +80,7 @@ static int32_t wait_us(void *context, uint32_t microseconds)
     return 0;
 }
 
-static const lika_transport transport = {
+static const cw_transport transport = {
     NULL, read_registers, write_registers, wait_us, NULL, 0U, 0U
 };
 
@@ -91,7 +91,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const lika_report_text *const text = lika_asc85_report_text(left);
+        const cw_report_text *const text = lika_asc85_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -99,20 +99,20 @@ static void print_reports(uint32_t reports)
     }
 }
 
-static lika_result show_frame(void)
+static cw_result show_frame(void)
 {
     lika_asc85_single_cycle_data frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
-    const lika_result result =
+    cw_verdict verdict;
+    const cw_result result =
         lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, receive_word(), &frame);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "Single cycle data");
@@ -123,18 +123,18 @@ static lika_result show_frame(void)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_asc85_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    if (verdict != LIKA_NOT_USABLE) {
+    if (verdict != CW_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_asc85_degrees(&encoder, (uint64_t)frame.position));
     }
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Profile ID 42h: a worked example [6.4 p.23] */
-static lika_result show_profile_id(lika_failure *failure)
+static cw_result show_profile_id(cw_failure *failure)
 {
     lika_asc85_reg_profile_id held;
-    const lika_result result = lika_asc85_read_profile_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_asc85_read_profile_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Profile ID 42h",
@@ -142,30 +142,30 @@ static lika_result show_profile_id(lika_failure *failure)
         LIKA_ASC85_REG_PROFILE_ID_LENGTH);
     printf("  variant: %llu\n", (unsigned long long)held.variant);
     printf("  data_length: %llu\n", (unsigned long long)held.data_length);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Serial number 44h: a worked example [6.4 p.23] */
-static lika_result show_serial_number(lika_failure *failure)
+static cw_result show_serial_number(cw_failure *failure)
 {
     lika_asc85_reg_serial_number held;
-    const lika_result result = lika_asc85_read_serial_number(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_asc85_read_serial_number(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Serial number 44h",
         LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS,
         LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH);
     printf("  serial: %llu\n", (unsigned long long)held.serial);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Device ID 78h: a worked example [6.4 p.31] */
-static lika_result show_device_id(lika_failure *failure)
+static cw_result show_device_id(cw_failure *failure)
 {
     lika_asc85_reg_device_id held;
-    const lika_result result = lika_asc85_read_device_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_asc85_read_device_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Device ID 78h",
@@ -173,48 +173,47 @@ static lika_result show_device_id(lika_failure *failure)
         LIKA_ASC85_REG_DEVICE_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
     printf("  release: %.*s\n", (int)sizeof(held.release), held.release);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Manufacturer ID 7Eh: a worked example [6.4 p.32] */
-static lika_result show_manufacturer_id(lika_failure *failure)
+static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_asc85_reg_manufacturer_id held;
-    const lika_result result =
-        lika_asc85_read_manufacturer_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_asc85_read_manufacturer_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
         LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS,
         LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 int main(void)
 {
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
-    lika_result result = show_frame();
-    if (result == LIKA_OK) {
+    cw_failure failure = { 0U, CW_STEP_READ, CW_STEP_READ, 0U, 0, false };
+    cw_result result = show_frame();
+    if (result == CW_OK) {
         result = show_profile_id(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_serial_number(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_device_id(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_manufacturer_id(&failure);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         printf("error %d\n", (int)result);
     }
     /* After a transport error, print the step of the procedure and your error number. */
-    if ((result == LIKA_FAULT_TRANSPORT) || (result == LIKA_FAULT_TIMEOUT)) {
+    if ((result == CW_FAULT_TRANSPORT) || (result == CW_FAULT_TIMEOUT)) {
         printf("step %lu, address %02X, error %ld%s\n", (unsigned long)failure.step,
             (unsigned)failure.address, (long)failure.error, failure.left_open ? ", left open" : "");
     }
-    return (result == LIKA_OK) ? 0 : 1;
+    return (result == CW_OK) ? 0 : 1;
 }

@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 #include "lika/asc85.h"
-#include "lika/receive.h"
+#include "codewheel/receive.h"
 
 /* The order code from the label, ASC8525/GG1. The compiler computes the place of each bit. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_GG1;
@@ -32,44 +32,44 @@ static void spi_receive(uint8_t *buffer, size_t size)
     }
 }
 
-static lika_result receive_word(uint64_t *word)
+static cw_result receive_word(uint64_t *word)
 {
     uint8_t rx[LIKA_ASC85_25_GG1_SSI_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return lika_ssi_receive(rx, sizeof(rx), LIKA_ASC85_25_GG1_SSI_BITS, word);
+    return cw_ssi_receive(rx, sizeof(rx), LIKA_ASC85_25_GG1_SSI_BITS, word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
 
-static lika_result show_frame(void)
+static cw_result show_frame(void)
 {
     lika_asc85_ssi_word frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
+    cw_verdict verdict;
     lika_asc85_ssi_word again;
     uint64_t word = 0U;
-    lika_result result = receive_word(&word);
-    if (result == LIKA_OK) {
+    cw_result result = receive_word(&word);
+    if (result == CW_OK) {
         result = lika_asc85_ssi_word_decode(&encoder, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = receive_word(&word);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = lika_asc85_ssi_word_decode(&encoder, word, &again);
     }
-    if (result == LIKA_OK) {
-        result = lika_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
+    if (result == CW_OK) {
+        result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
             lika_asc85_modulus(&encoder), AT_MOST);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "SSI word");
@@ -77,17 +77,17 @@ static lika_result show_frame(void)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_asc85_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    if (verdict != LIKA_NOT_USABLE) {
+    if (verdict != CW_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_asc85_degrees(&encoder, (uint64_t)frame.position));
     }
-    return LIKA_OK;
+    return CW_OK;
 }
 
 int main(void)
 {
-    lika_result result = show_frame();
-    if (result != LIKA_OK) {
+    cw_result result = show_frame();
+    if (result != CW_OK) {
         printf("error %d\n", (int)result);
     }
-    return (result == LIKA_OK) ? 0 : 1;
+    return (result == CW_OK) ? 0 : 1;
 }

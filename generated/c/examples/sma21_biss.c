@@ -77,7 +77,7 @@ static int32_t wait_us(void *context, uint32_t microseconds)
     return 0;
 }
 
-static const lika_transport transport = {
+static const cw_transport transport = {
     NULL, read_registers, write_registers, wait_us, NULL, 0U, 0U
 };
 
@@ -88,7 +88,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const lika_report_text *const text = lika_sma21_report_text(left);
+        const cw_report_text *const text = lika_sma21_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -96,20 +96,19 @@ static void print_reports(uint32_t reports)
     }
 }
 
-static lika_result show_frame(void)
+static cw_result show_frame(void)
 {
     lika_sma21_single_cycle_data frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
-    const lika_result result =
-        lika_sma21_single_cycle_data_decode(&encoder, receive_word(), &frame);
-    if (result != LIKA_OK) {
+    cw_verdict verdict;
+    const cw_result result = lika_sma21_single_cycle_data_decode(&encoder, receive_word(), &frame);
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "Single cycle data");
@@ -120,59 +119,59 @@ static lika_result show_frame(void)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_sma21_single_cycle_data_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    if (verdict != LIKA_NOT_USABLE) {
+    if (verdict != CW_NOT_USABLE) {
         printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(&encoder,
             (int64_t)frame.position));
     }
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /*
  * Set, save and activate a preset [6.4 p.32, 6.6.2 p.35]. It changes the contents of the encoder.
  */
-static lika_result run_procedure(lika_failure *failure)
+static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 100000");
     return lika_sma21_set_preset(&transport, &encoder, 100000U, failure);
 }
 
 /* Profile ID 42h: a worked example [6.4 p.28] */
-static lika_result show_profile_id(lika_failure *failure)
+static cw_result show_profile_id(cw_failure *failure)
 {
     lika_sma21_reg_profile_id held;
-    const lika_result result = lika_sma21_read_profile_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_sma21_read_profile_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Profile ID 42h",
         LIKA_SMA21_REG_PROFILE_ID_ADDRESS,
         LIKA_SMA21_REG_PROFILE_ID_LENGTH);
     printf("  profile_id: %llu\n", (unsigned long long)held.profile_id);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Absolute resolution 4Dh: a worked example [6.4 p.31, 6.2] */
-static lika_result show_absolute_resolution(lika_failure *failure)
+static cw_result show_absolute_resolution(cw_failure *failure)
 {
     uint8_t held;
-    const lika_result result =
+    const cw_result result =
         lika_sma21_read_absolute_resolution(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Absolute resolution 4Dh",
         LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS,
         LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH);
     printf("  value: %u\n", (unsigned)held);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Configuration 49h: a worked example [6.4 p.30, 12 p.51] */
-static lika_result show_configuration(lika_failure *failure)
+static cw_result show_configuration(cw_failure *failure)
 {
     lika_sma21_reg_configuration held;
-    const lika_result result = lika_sma21_read_configuration(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_sma21_read_configuration(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Configuration 49h",
@@ -188,69 +187,68 @@ static lika_result show_configuration(lika_failure *failure)
     printf("  select_preset_offset: %llu (%s)\n",
         (unsigned long long)held.select_preset_offset,
         "0 Preset, 1 Offset");
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Preset / Offset 50h: a worked example [6.6.2 p.35] */
-static lika_result show_preset_offset(lika_failure *failure)
+static cw_result show_preset_offset(cw_failure *failure)
 {
     lika_sma21_reg_preset_offset held;
-    const lika_result result = lika_sma21_read_preset_offset(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_sma21_read_preset_offset(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Preset / Offset 50h",
         LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS,
         LIKA_SMA21_REG_PRESET_OFFSET_LENGTH);
     printf("  preset_offset: %llu\n", (unsigned long long)held.preset_offset);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* Manufacturer ID 7Eh: a worked example [6.4 p.34] */
-static lika_result show_manufacturer_id(lika_failure *failure)
+static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_sma21_reg_manufacturer_id held;
-    const lika_result result =
-        lika_sma21_read_manufacturer_id(&transport, &encoder, &held, failure);
-    if (result != LIKA_OK) {
+    const cw_result result = lika_sma21_read_manufacturer_id(&transport, &encoder, &held, failure);
+    if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
         LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS,
         LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 int main(void)
 {
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
-    lika_result result = show_frame();
-    if (result == LIKA_OK) {
+    cw_failure failure = { 0U, CW_STEP_READ, CW_STEP_READ, 0U, 0, false };
+    cw_result result = show_frame();
+    if (result == CW_OK) {
         result = run_procedure(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_profile_id(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_absolute_resolution(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_configuration(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_preset_offset(&failure);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = show_manufacturer_id(&failure);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         printf("error %d\n", (int)result);
     }
     /* After a transport error, print the step of the procedure and your error number. */
-    if ((result == LIKA_FAULT_TRANSPORT) || (result == LIKA_FAULT_TIMEOUT)) {
+    if ((result == CW_FAULT_TRANSPORT) || (result == CW_FAULT_TIMEOUT)) {
         printf("step %lu, address %02X, error %ld%s\n", (unsigned long)failure.step,
             (unsigned)failure.address, (long)failure.error, failure.left_open ? ", left open" : "");
     }
-    return (result == LIKA_OK) ? 0 : 1;
+    return (result == CW_OK) ? 0 : 1;
 }

@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 #include "lika/sma21.h"
-#include "lika/receive.h"
+#include "codewheel/receive.h"
 
 /* The order code from the label, SMA21-BG1-0001. The compiler computes the place of each bit. */
 static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
@@ -32,11 +32,11 @@ static void spi_receive(uint8_t *buffer, size_t size)
     }
 }
 
-static lika_result receive_word(uint64_t *word)
+static cw_result receive_word(uint64_t *word)
 {
     uint8_t rx[LIKA_SMA21_BG1_0001_SSI_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return lika_ssi_receive(rx, sizeof(rx), LIKA_SMA21_BG1_0001_SSI_BITS, word);
+    return cw_ssi_receive(rx, sizeof(rx), LIKA_SMA21_BG1_0001_SSI_BITS, word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
@@ -46,7 +46,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const lika_report_text *const text = lika_sma21_report_text(left);
+        const cw_report_text *const text = lika_sma21_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -54,35 +54,35 @@ static void print_reports(uint32_t reports)
     }
 }
 
-static lika_result show_frame(void)
+static cw_result show_frame(void)
 {
     lika_sma21_ssi_word frame;
-    /* Texts in the order of lika_verdict. */
+    /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame indicates whether the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };
-    lika_verdict verdict;
+    cw_verdict verdict;
     lika_sma21_ssi_word again;
     uint64_t word = 0U;
-    lika_result result = receive_word(&word);
-    if (result == LIKA_OK) {
+    cw_result result = receive_word(&word);
+    if (result == CW_OK) {
         result = lika_sma21_ssi_word_decode(&encoder, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = receive_word(&word);
     }
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = lika_sma21_ssi_word_decode(&encoder, word, &again);
     }
-    if (result == LIKA_OK) {
-        result = lika_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
+    if (result == CW_OK) {
+        result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
             lika_sma21_ssi_modulus(&encoder), AT_MOST);
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     printf("%s\n", "SSI word");
@@ -92,18 +92,18 @@ static lika_result show_frame(void)
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
     verdict = lika_sma21_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
-    if (verdict != LIKA_NOT_USABLE) {
+    if (verdict != CW_NOT_USABLE) {
         printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(&encoder,
             (int64_t)frame.position));
     }
-    return LIKA_OK;
+    return CW_OK;
 }
 
 int main(void)
 {
-    lika_result result = show_frame();
-    if (result != LIKA_OK) {
+    cw_result result = show_frame();
+    if (result != CW_OK) {
         printf("error %d\n", (int)result);
     }
-    return (result == LIKA_OK) ? 0 : 1;
+    return (result == CW_OK) ? 0 : 1;
 }

@@ -43,12 +43,12 @@ typedef struct written {
 } written;
 
 /* Return true if the steps write exactly these bytes, in this order. */
-static bool writes(const lika_step *steps, size_t count, const written *sound, size_t length)
+static bool writes(const cw_step *steps, size_t count, const written *sound, size_t length)
 {
     size_t at = 0U;
     size_t index;
     for (index = 0U; index < count; index++) {
-        if ((steps[index].kind != LIKA_STEP_WRITE) && (steps[index].kind != LIKA_STEP_CLOSE)) {
+        if ((steps[index].kind != CW_STEP_WRITE) && (steps[index].kind != CW_STEP_CLOSE)) {
             continue;
         }
         if ((at >= length) || (steps[index].address != sound[at].address)) {
@@ -71,7 +71,7 @@ static bool check_1(void)
     };
     lika_am36_reg_configuration out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_am36_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.enable_preset != LIKA_AM36_ENABLE_PRESET_ENABLE) {
@@ -83,7 +83,7 @@ static bool check_1(void)
     if (out.counting_direction != LIKA_AM36_COUNTING_DIRECTION_CCW) {
         return false;
     }
-    return (lika_am36_reg_configuration_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_am36_reg_configuration_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -96,7 +96,7 @@ static bool check_2(void)
     };
     lika_am36_reg_configuration out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_am36_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.enable_preset != LIKA_AM36_ENABLE_PRESET_ENABLE) {
@@ -108,7 +108,7 @@ static bool check_2(void)
     if (out.counting_direction != LIKA_AM36_COUNTING_DIRECTION_CW) {
         return false;
     }
-    return (lika_am36_reg_configuration_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_am36_reg_configuration_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -120,10 +120,10 @@ static bool check_3(void)
         { 0x48U, 0x01U }
     };
     static const lika_am36_variant variant = LIKA_AM36_AM3616_4096_I7;
-    lika_step steps[LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT];
+    cw_step steps[LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT];
     size_t count = 0U;
     return (lika_am36_set_configuration_steps(&variant, 96U,
-        steps, LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT, &count) == LIKA_OK) &&
+        steps, LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT, &count) == CW_OK) &&
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
@@ -137,14 +137,14 @@ static bool check_4(void)
     lika_am36_reg_information_per_revolution out;
     uint8_t again[sizeof(bytes)];
     if (lika_am36_reg_information_per_revolution_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+        &out) != CW_OK) {
         return false;
     }
     if (out.steps != 1048576U) {
         return false;
     }
     return (lika_am36_reg_information_per_revolution_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -157,15 +157,14 @@ static bool check_5(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 65536U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -178,15 +177,14 @@ static bool check_6(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 1U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -199,15 +197,14 @@ static bool check_7(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 2U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -220,15 +217,14 @@ static bool check_8(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 2000U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -241,15 +237,14 @@ static bool check_9(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 2048U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -262,15 +257,14 @@ static bool check_10(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 4096U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -283,15 +277,14 @@ static bool check_11(void)
     };
     lika_am36_reg_number_of_revolutions out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes),
-        &out) != LIKA_OK) {
+    if (lika_am36_reg_number_of_revolutions_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.revolutions != 65535U) {
         return false;
     }
     return (lika_am36_reg_number_of_revolutions_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+        sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -304,13 +297,13 @@ static bool check_12(void)
     };
     lika_am36_reg_preset out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_preset_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_am36_reg_preset_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.position != 100000U) {
         return false;
     }
-    return (lika_am36_reg_preset_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_am36_reg_preset_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -323,13 +316,13 @@ static bool check_13(void)
     };
     lika_am36_reg_preset out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_preset_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_am36_reg_preset_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.position != UINT64_C(68719476735)) {
         return false;
     }
-    return (lika_am36_reg_preset_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_am36_reg_preset_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -346,10 +339,10 @@ static bool check_14(void)
         { 0x48U, 0x02U }
     };
     static const lika_am36_variant variant = LIKA_AM36_AM3616_4096_I7;
-    lika_step steps[LIKA_AM36_SET_PRESET_STEPS_COUNT];
+    cw_step steps[LIKA_AM36_SET_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_am36_set_preset_steps(&variant, 100000U, steps, LIKA_AM36_SET_PRESET_STEPS_COUNT,
-        &count) == LIKA_OK) &&
+        &count) == CW_OK) &&
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
@@ -366,10 +359,10 @@ static bool check_15(void)
         { 0x48U, 0x01U }
     };
     static const lika_am36_variant variant = LIKA_AM36_AM3616_4096_I7;
-    lika_step steps[LIKA_AM36_STORE_PRESET_STEPS_COUNT];
+    cw_step steps[LIKA_AM36_STORE_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_am36_store_preset_steps(&variant, 100000U,
-        steps, LIKA_AM36_STORE_PRESET_STEPS_COUNT, &count) == LIKA_OK) &&
+        steps, LIKA_AM36_STORE_PRESET_STEPS_COUNT, &count) == CW_OK) &&
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
@@ -382,7 +375,7 @@ static bool check_16(void)
     };
     lika_am36_reg_device_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_device_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_am36_reg_device_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (!is_text(out.model, sizeof(out.model), "AM")) {
@@ -397,7 +390,7 @@ static bool check_16(void)
     if (!is_text(out.software_version, sizeof(out.software_version), "1")) {
         return false;
     }
-    return (lika_am36_reg_device_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_am36_reg_device_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -410,14 +403,13 @@ static bool check_17(void)
     };
     lika_am36_reg_manufacturer_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_am36_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_am36_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (!is_text(out.name, sizeof(out.name), "Li")) {
         return false;
     }
-    return (lika_am36_reg_manufacturer_id_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+    return (lika_am36_reg_manufacturer_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 

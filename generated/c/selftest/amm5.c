@@ -43,12 +43,12 @@ typedef struct written {
 } written;
 
 /* Return true if the steps write exactly these bytes, in this order. */
-static bool writes(const lika_step *steps, size_t count, const written *sound, size_t length)
+static bool writes(const cw_step *steps, size_t count, const written *sound, size_t length)
 {
     size_t at = 0U;
     size_t index;
     for (index = 0U; index < count; index++) {
-        if ((steps[index].kind != LIKA_STEP_WRITE) && (steps[index].kind != LIKA_STEP_CLOSE)) {
+        if ((steps[index].kind != CW_STEP_WRITE) && (steps[index].kind != CW_STEP_CLOSE)) {
             continue;
         }
         if ((at >= length) || (steps[index].address != sound[at].address)) {
@@ -71,7 +71,7 @@ static bool check_1(void)
     };
     lika_amm5_reg_preset out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_reg_preset_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_amm5_reg_preset_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.position != 1000003U) {
@@ -83,7 +83,7 @@ static bool check_1(void)
     if (out.singleturn != 1000003U) {
         return false;
     }
-    return (lika_amm5_reg_preset_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_amm5_reg_preset_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -104,10 +104,10 @@ static bool check_2(void)
         { 0x77U, 0x02U }
     };
     static const lika_amm5_variant variant = LIKA_AMM5_A21_65KSC1;
-    lika_step steps[LIKA_AMM5_SET_PRESET_STEPS_COUNT];
+    cw_step steps[LIKA_AMM5_SET_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_amm5_set_preset_steps(&variant, 1000003U, steps, LIKA_AMM5_SET_PRESET_STEPS_COUNT,
-        &count) == LIKA_OK) &&
+        &count) == CW_OK) &&
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
@@ -120,7 +120,7 @@ static bool check_3(void)
     };
     lika_amm5_reg_serial_number out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_reg_serial_number_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_amm5_reg_serial_number_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.serial != 183003630U) {
@@ -135,7 +135,7 @@ static bool check_3(void)
     if (out.number != 3630U) {
         return false;
     }
-    return (lika_amm5_reg_serial_number_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_amm5_reg_serial_number_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -148,14 +148,13 @@ static bool check_4(void)
     };
     lika_amm5_reg_manufacturer_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_amm5_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (!is_text(out.name, sizeof(out.name), "Li")) {
         return false;
     }
-    return (lika_amm5_reg_manufacturer_id_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+    return (lika_amm5_reg_manufacturer_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -168,13 +167,13 @@ static bool check_5(void)
     };
     lika_amm5_data_request out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_data_request_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_amm5_data_request_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.data_id != LIKA_AMM5_DATA_ID_SINGLETURN) {
         return false;
     }
-    return (lika_amm5_data_request_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_amm5_data_request_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -196,7 +195,7 @@ static bool check_7(void)
     };
     lika_amm5_singleturn_reply out;
     return lika_amm5_singleturn_reply_decode(&variant, bytes, sizeof(bytes),
-        &out) == LIKA_FAULT_LENGTH;
+        &out) == CW_FAULT_LENGTH;
 }
 
 /* 8: crc example as frame [7.6] */
@@ -208,7 +207,7 @@ static bool check_8(void)
     };
     lika_amm5_multiturn_reply out;
     return lika_amm5_multiturn_reply_decode(&variant, bytes, sizeof(bytes),
-        &out) == LIKA_FAULT_LENGTH;
+        &out) == CW_FAULT_LENGTH;
 }
 
 /* 9: crc example as frame [7.6] */
@@ -220,7 +219,7 @@ static bool check_9(void)
     };
     lika_amm5_encoder_id_reply out;
     return lika_amm5_encoder_id_reply_decode(&variant, bytes, sizeof(bytes),
-        &out) == LIKA_FAULT_LENGTH;
+        &out) == CW_FAULT_LENGTH;
 }
 
 /* 10: crc example as frame [7.6] */
@@ -231,8 +230,7 @@ static bool check_10(void)
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
     lika_amm5_complete_reply out;
-    return lika_amm5_complete_reply_decode(&variant, bytes, sizeof(bytes),
-        &out) == LIKA_FAULT_LENGTH;
+    return lika_amm5_complete_reply_decode(&variant, bytes, sizeof(bytes), &out) == CW_FAULT_LENGTH;
 }
 
 /* 11: crc example as frame [7.6] */
@@ -244,7 +242,7 @@ static bool check_11(void)
     };
     lika_amm5_eeprom_write_reply out;
     return lika_amm5_eeprom_write_reply_decode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_PRINTED, bytes,
-        sizeof(bytes), &out) == LIKA_FAULT_LENGTH;
+        sizeof(bytes), &out) == CW_FAULT_LENGTH;
 }
 
 /* 12: crc example as frame [7.6] */
@@ -256,7 +254,7 @@ static bool check_12(void)
     };
     lika_amm5_eeprom_read_reply out;
     return lika_amm5_eeprom_read_reply_decode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_PRINTED, bytes,
-        sizeof(bytes), &out) == LIKA_FAULT_LENGTH;
+        sizeof(bytes), &out) == CW_FAULT_LENGTH;
 }
 
 /*
@@ -271,7 +269,7 @@ static bool check_13(void)
     };
     lika_amm5_singleturn_reply out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_singleturn_reply_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_amm5_singleturn_reply_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.data_id != LIKA_AMM5_DATA_ID_SINGLETURN) {
@@ -286,7 +284,7 @@ static bool check_13(void)
     if (out.singleturn != 7000519U) {
         return false;
     }
-    return (lika_amm5_singleturn_reply_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_amm5_singleturn_reply_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -299,7 +297,7 @@ static bool check_14(void)
     };
     lika_amm5_complete_reply out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_complete_reply_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_amm5_complete_reply_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.singleturn != 42405U) {
@@ -317,7 +315,7 @@ static bool check_14(void)
     if (out.busy != false) {
         return false;
     }
-    return (lika_amm5_complete_reply_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_amm5_complete_reply_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -358,7 +356,7 @@ static bool check_18(void)
     lika_amm5_eeprom_write_request out;
     uint8_t again[sizeof(bytes)];
     if (lika_amm5_eeprom_write_request_decode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT, bytes,
-        sizeof(bytes), &out) != LIKA_OK) {
+        sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.address != 127U) {
@@ -368,7 +366,7 @@ static bool check_18(void)
         return false;
     }
     return (lika_amm5_eeprom_write_request_encode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT,
-        &out, again, sizeof(again)) == LIKA_OK) &&
+        &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -382,7 +380,7 @@ static bool check_19(void)
     lika_amm5_eeprom_write_request out;
     uint8_t again[sizeof(bytes)];
     if (lika_amm5_eeprom_write_request_decode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT, bytes,
-        sizeof(bytes), &out) != LIKA_OK) {
+        sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.address != 1U) {
@@ -392,7 +390,7 @@ static bool check_19(void)
         return false;
     }
     return (lika_amm5_eeprom_write_request_encode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT,
-        &out, again, sizeof(again)) == LIKA_OK) &&
+        &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -406,14 +404,14 @@ static bool check_20(void)
     lika_amm5_eeprom_read_request out;
     uint8_t again[sizeof(bytes)];
     if (lika_amm5_eeprom_read_request_decode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT, bytes,
-        sizeof(bytes), &out) != LIKA_OK) {
+        sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.address != 1U) {
         return false;
     }
     return (lika_amm5_eeprom_read_request_encode(&variant, LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT,
-        &out, again, sizeof(again)) == LIKA_OK) &&
+        &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 

@@ -45,7 +45,7 @@ static bool check_1(void)
     };
     lika_asc85_reg_profile_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_asc85_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_asc85_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.variant != 40U) {
@@ -54,7 +54,7 @@ static bool check_1(void)
     if (out.data_length != 26U) {
         return false;
     }
-    return (lika_asc85_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_asc85_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -67,13 +67,13 @@ static bool check_2(void)
     };
     lika_asc85_reg_serial_number out;
     uint8_t again[sizeof(bytes)];
-    if (lika_asc85_reg_serial_number_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_asc85_reg_serial_number_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.serial != 171256846U) {
         return false;
     }
-    return (lika_asc85_reg_serial_number_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_asc85_reg_serial_number_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -86,7 +86,7 @@ static bool check_3(void)
     };
     lika_asc85_reg_device_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_asc85_reg_device_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_asc85_reg_device_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (!is_text(out.name, sizeof(out.name), "AS85")) {
@@ -95,7 +95,7 @@ static bool check_3(void)
     if (!is_text(out.release, sizeof(out.release), "01")) {
         return false;
     }
-    return (lika_asc85_reg_device_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_asc85_reg_device_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -108,14 +108,13 @@ static bool check_4(void)
     };
     lika_asc85_reg_manufacturer_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_asc85_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_asc85_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (!is_text(out.name, sizeof(out.name), "Li")) {
         return false;
     }
-    return (lika_asc85_reg_manufacturer_id_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+    return (lika_asc85_reg_manufacturer_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 

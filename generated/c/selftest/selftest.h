@@ -21,8 +21,8 @@ uint32_t lika_amm5_selftest(void);
 uint32_t lika_asc85_selftest(void);
 uint32_t lika_sma21_selftest(void);
 
-/** Check register access over BiSS, and the other shared headers. */
-uint32_t lika_shared_selftest(void);
+/** Check the runtime, which all families share. */
+uint32_t cw_selftest(void);
 
 /**
  * Run all these functions in this order. Return 0 if all checks pass, else 1000 times the position

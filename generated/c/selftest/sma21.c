@@ -43,12 +43,12 @@ typedef struct written {
 } written;
 
 /* Return true if the steps write exactly these bytes, in this order. */
-static bool writes(const lika_step *steps, size_t count, const written *sound, size_t length)
+static bool writes(const cw_step *steps, size_t count, const written *sound, size_t length)
 {
     size_t at = 0U;
     size_t index;
     for (index = 0U; index < count; index++) {
-        if ((steps[index].kind != LIKA_STEP_WRITE) && (steps[index].kind != LIKA_STEP_CLOSE)) {
+        if ((steps[index].kind != CW_STEP_WRITE) && (steps[index].kind != CW_STEP_CLOSE)) {
             continue;
         }
         if ((at >= length) || (steps[index].address != sound[at].address)) {
@@ -99,13 +99,13 @@ static bool check_5(void)
     };
     lika_sma21_reg_profile_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.profile_id != 10260U) {
         return false;
     }
-    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -118,13 +118,13 @@ static bool check_6(void)
     };
     lika_sma21_reg_profile_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.profile_id != 10262U) {
         return false;
     }
-    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -137,13 +137,13 @@ static bool check_7(void)
     };
     lika_sma21_reg_profile_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.profile_id != 10263U) {
         return false;
     }
-    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -156,13 +156,13 @@ static bool check_8(void)
     };
     lika_sma21_reg_profile_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.profile_id != 10264U) {
         return false;
     }
-    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -175,13 +175,13 @@ static bool check_9(void)
     };
     lika_sma21_reg_profile_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_profile_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.profile_id != 10265U) {
         return false;
     }
-    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_profile_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -194,7 +194,7 @@ static bool check_10(void)
     };
     lika_sma21_reg_configuration out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.select_preset_offset != LIKA_SMA21_SELECT_PRESET_OFFSET_PRESET) {
@@ -209,7 +209,7 @@ static bool check_10(void)
     if (out.counting_direction != LIKA_SMA21_COUNTING_DIRECTION_STANDARD) {
         return false;
     }
-    return (lika_sma21_reg_configuration_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_configuration_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -222,7 +222,7 @@ static bool check_11(void)
     };
     lika_sma21_reg_configuration out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_configuration_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.select_preset_offset != LIKA_SMA21_SELECT_PRESET_OFFSET_PRESET) {
@@ -237,7 +237,7 @@ static bool check_11(void)
     if (out.counting_direction != LIKA_SMA21_COUNTING_DIRECTION_INVERTED) {
         return false;
     }
-    return (lika_sma21_reg_configuration_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_configuration_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -249,10 +249,10 @@ static bool check_12(void)
         { 0x48U, 0x01U }
     };
     static const lika_sma21_variant variant = LIKA_SMA21_SC1_0050;
-    lika_step steps[LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT];
+    cw_step steps[LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT];
     size_t count = 0U;
     return (lika_sma21_set_configuration_steps(&variant, 96U,
-        steps, LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT, &count) == LIKA_OK) &&
+        steps, LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT, &count) == CW_OK) &&
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
@@ -265,13 +265,13 @@ static bool check_13(void)
     };
     lika_sma21_reg_preset_offset out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_preset_offset_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_preset_offset_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.preset_offset != 100000U) {
         return false;
     }
-    return (lika_sma21_reg_preset_offset_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_preset_offset_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -286,10 +286,10 @@ static bool check_14(void)
         { 0x48U, 0x02U }
     };
     static const lika_sma21_variant variant = LIKA_SMA21_SC1_0050;
-    lika_step steps[LIKA_SMA21_SET_PRESET_STEPS_COUNT];
+    cw_step steps[LIKA_SMA21_SET_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_sma21_set_preset_steps(&variant, 100000U, steps, LIKA_SMA21_SET_PRESET_STEPS_COUNT,
-        &count) == LIKA_OK) &&
+        &count) == CW_OK) &&
         writes(steps, count, sound, sizeof(sound) / sizeof(sound[0]));
 }
 
@@ -302,14 +302,13 @@ static bool check_15(void)
     };
     lika_sma21_reg_manufacturer_id out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_reg_manufacturer_id_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (!is_text(out.name, sizeof(out.name), "Li")) {
         return false;
     }
-    return (lika_sma21_reg_manufacturer_id_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_reg_manufacturer_id_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -322,13 +321,13 @@ static bool check_16(void)
     };
     lika_sma21_data_request out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_data_request_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_data_request_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.data_id != LIKA_SMA21_DATA_ID_POSITION) {
         return false;
     }
-    return (lika_sma21_data_request_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_data_request_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -341,13 +340,13 @@ static bool check_17(void)
     };
     lika_sma21_data_request out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_data_request_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_data_request_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.data_id != LIKA_SMA21_DATA_ID_WIDE_POSITION) {
         return false;
     }
-    return (lika_sma21_data_request_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_data_request_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -360,7 +359,7 @@ static bool check_18(void)
     };
     lika_sma21_position_reply out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_position_reply_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_position_reply_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.data_id != LIKA_SMA21_DATA_ID_POSITION) {
@@ -399,7 +398,7 @@ static bool check_18(void)
     if (out.overspeed != false) {
         return false;
     }
-    return (lika_sma21_position_reply_encode(&variant, &out, again, sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_position_reply_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -421,7 +420,7 @@ static bool check_20(void)
     };
     lika_sma21_wide_position_reply out;
     uint8_t again[sizeof(bytes)];
-    if (lika_sma21_wide_position_reply_decode(&variant, bytes, sizeof(bytes), &out) != LIKA_OK) {
+    if (lika_sma21_wide_position_reply_decode(&variant, bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.status_alarm != false) {
@@ -433,8 +432,7 @@ static bool check_20(void)
     if (out.position != UINT64_C(160037864666)) {
         return false;
     }
-    return (lika_sma21_wide_position_reply_encode(&variant, &out, again,
-        sizeof(again)) == LIKA_OK) &&
+    return (lika_sma21_wide_position_reply_encode(&variant, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -453,7 +451,7 @@ static bool check_22(void)
     static const lika_sma21_variant variant = LIKA_SMA21_SC1_0010;
     lika_sma21_single_cycle_data out;
     uint64_t again = 0U;
-    if (lika_sma21_single_cycle_data_decode(&variant, UINT64_C(0x2EFCADC), &out) != LIKA_OK) {
+    if (lika_sma21_single_cycle_data_decode(&variant, UINT64_C(0x2EFCADC), &out) != CW_OK) {
         return false;
     }
     if (out.position != 192458U) {
@@ -465,7 +463,7 @@ static bool check_22(void)
     if (out.warning != false) {
         return false;
     }
-    return (lika_sma21_single_cycle_data_encode(&variant, &out, &again) == LIKA_OK) &&
+    return (lika_sma21_single_cycle_data_encode(&variant, &out, &again) == CW_OK) &&
         (again == UINT64_C(0x2EFCADC));
 }
 
@@ -475,7 +473,7 @@ static bool check_23(void)
     static const lika_sma21_variant variant = LIKA_SMA21_SC1_0010;
     lika_sma21_single_cycle_data out;
     uint64_t again = 0U;
-    if (lika_sma21_single_cycle_data_decode(&variant, UINT64_C(0x123454B), &out) != LIKA_OK) {
+    if (lika_sma21_single_cycle_data_decode(&variant, UINT64_C(0x123454B), &out) != CW_OK) {
         return false;
     }
     if (out.position != 74565U) {
@@ -487,7 +485,7 @@ static bool check_23(void)
     if (out.warning != false) {
         return false;
     }
-    return (lika_sma21_single_cycle_data_encode(&variant, &out, &again) == LIKA_OK) &&
+    return (lika_sma21_single_cycle_data_encode(&variant, &out, &again) == CW_OK) &&
         (again == UINT64_C(0x123454B));
 }
 

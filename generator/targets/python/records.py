@@ -15,11 +15,13 @@ from types import MappingProxyType
 from ...model import cite
 from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
-from ...render import our_templates
+from ..runtime import our_runtime
 from .literals import Call, Hex, Literal, Member
 
 #: Sources with classes of records and enumerations.
-_SOURCES = tuple(our_templates("python") / f"_{name}.py.jinja" for name in ("facts", "order_codes", "reports"))
+_SOURCES = tuple(
+    our_runtime("python") / "codewheel_runtime" / f"{name}.py" for name in ("facts", "order_codes", "reports")
+)
 #: Records whose required members are printed without their names.
 _POSITIONAL = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
@@ -61,11 +63,7 @@ def records() -> Records:
 
 
 def _classes(source: str) -> Iterator[ast.ClassDef]:
-    lines = source.splitlines()
-    # The comment and the header of a template are not Python.
-    while lines and not lines[0].startswith('"'):
-        del lines[0]
-    yield from (item for item in ast.parse("\n".join(lines)).body if isinstance(item, ast.ClassDef))
+    yield from (item for item in ast.parse(source).body if isinstance(item, ast.ClassDef))
 
 
 def _members(item: ast.ClassDef) -> Iterator[RecordMember]:

@@ -10,13 +10,12 @@
  * To read a position:
  *   static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
  *   lika_am36_single_cycle_data frame;
- *   if (lika_am36_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_am36_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
+ *   if (lika_am36_single_cycle_data_decode(&encoder, word, &frame) == CW_OK
+ *       && lika_am36_single_cycle_data_verdict(&encoder, &frame) != CW_NOT_USABLE) {
  *       ... frame.position ...
  *   }
- * The word comes from your BiSS or SSI master, or from SPI and DMA through lika/receive.h.
+ * The word comes from your BiSS or SSI master, or from SPI and DMA through codewheel/receive.h.
  *
- * Version 0.1.0 of these headers.
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
  *
@@ -56,11 +55,23 @@
 #ifndef LIKA_AM36_H
 #define LIKA_AM36_H
 
-#include "encoder.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
-#error "lika/am36.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
+#include "codewheel/bits.h"
+#include "codewheel/encoder.h"
+#include "codewheel/result.h"
+#include "codewheel/transport.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
+#error "lika/am36.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
+
+/**
+ * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
+ */
+#define LIKA_AM36_VERSION "0.1.0"
 
 #ifdef __cplusplus
 extern "C" {
@@ -189,7 +200,7 @@ static inline uint32_t lika_am36_biss_gray(const lika_am36_variant *variant)
 /** An order code. */
 typedef struct lika_am36_order_code {
     const char *text; /**< as printed, without the rest of the label */
-    lika_interface connection; /**< its interface */
+    cw_interface connection; /**< its interface */
     lika_am36_variant variant; /**< its variant */
 } lika_am36_order_code;
 
@@ -197,18 +208,18 @@ typedef struct lika_am36_order_code {
 static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
 {
     static const lika_am36_order_code codes[] = {
-        { "AM3616/4096-I7", LIKA_INTERFACE_BISS, LIKA_AM36_AM3616_4096_I7 },
-        { "AM3616/4096-BG", LIKA_INTERFACE_SSI, LIKA_AM36_AM3616_4096_BG },
-        { "AM3616/4096-GG", LIKA_INTERFACE_SSI, LIKA_AM36_AM3616_4096_GG },
-        { "AM3619/4096-I7", LIKA_INTERFACE_BISS, LIKA_AM36_AM3619_4096_I7 },
-        { "AM3619/4096-BG", LIKA_INTERFACE_SSI, LIKA_AM36_AM3619_4096_BG },
-        { "AM3619/4096-GG", LIKA_INTERFACE_SSI, LIKA_AM36_AM3619_4096_GG },
-        { "AMC3616/4096-I7", LIKA_INTERFACE_BISS, LIKA_AM36_AMC3616_4096_I7 },
-        { "AMC3616/4096-BG", LIKA_INTERFACE_SSI, LIKA_AM36_AMC3616_4096_BG },
-        { "AMC3616/4096-GG", LIKA_INTERFACE_SSI, LIKA_AM36_AMC3616_4096_GG },
-        { "AMC3619/4096-I7", LIKA_INTERFACE_BISS, LIKA_AM36_AMC3619_4096_I7 },
-        { "AMC3619/4096-BG", LIKA_INTERFACE_SSI, LIKA_AM36_AMC3619_4096_BG },
-        { "AMC3619/4096-GG", LIKA_INTERFACE_SSI, LIKA_AM36_AMC3619_4096_GG }
+        { "AM3616/4096-I7", CW_INTERFACE_BISS, LIKA_AM36_AM3616_4096_I7 },
+        { "AM3616/4096-BG", CW_INTERFACE_SSI, LIKA_AM36_AM3616_4096_BG },
+        { "AM3616/4096-GG", CW_INTERFACE_SSI, LIKA_AM36_AM3616_4096_GG },
+        { "AM3619/4096-I7", CW_INTERFACE_BISS, LIKA_AM36_AM3619_4096_I7 },
+        { "AM3619/4096-BG", CW_INTERFACE_SSI, LIKA_AM36_AM3619_4096_BG },
+        { "AM3619/4096-GG", CW_INTERFACE_SSI, LIKA_AM36_AM3619_4096_GG },
+        { "AMC3616/4096-I7", CW_INTERFACE_BISS, LIKA_AM36_AMC3616_4096_I7 },
+        { "AMC3616/4096-BG", CW_INTERFACE_SSI, LIKA_AM36_AMC3616_4096_BG },
+        { "AMC3616/4096-GG", CW_INTERFACE_SSI, LIKA_AM36_AMC3616_4096_GG },
+        { "AMC3619/4096-I7", CW_INTERFACE_BISS, LIKA_AM36_AMC3619_4096_I7 },
+        { "AMC3619/4096-BG", CW_INTERFACE_SSI, LIKA_AM36_AMC3619_4096_BG },
+        { "AMC3619/4096-GG", CW_INTERFACE_SSI, LIKA_AM36_AMC3619_4096_GG }
     };
     *count = sizeof(codes) / sizeof(codes[0]);
     return codes;
@@ -232,7 +243,7 @@ static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
 static inline const lika_am36_order_code *lika_am36_find_order_code(
     const char *label, uint32_t *unlisted)
 {
-    static const lika_open_code patterns[] = {
+    static const cw_open_code patterns[] = {
         { "AM3616/4096-17", 0U, LIKA_AM36_UNLISTED_OUTPUT },
         { "AM3616/#~~~~-I7", 0U, LIKA_AM36_UNLISTED_TURNS },
         { "AM3619/4096-17", 3U, LIKA_AM36_UNLISTED_OUTPUT },
@@ -303,7 +314,7 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
     const lika_am36_order_code *found = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
-        const size_t length = lika_label_match(label, codes[index].text);
+        const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
             found = &codes[index];
@@ -313,7 +324,7 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
         return found;
     }
     for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
-        const size_t length = lika_label_match(label, patterns[index].pattern);
+        const size_t length = cw_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
             found = &codes[patterns[index].code];
@@ -430,9 +441,9 @@ typedef enum lika_am36_report {
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
  */
-static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
+static inline const cw_report_text *lika_am36_report_text(uint32_t reports)
 {
-    static const lika_report_text texts[] = {
+    static const cw_report_text texts[] = {
         {
             "error",
             "Error, nE",
@@ -489,7 +500,7 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_AM36_AM3616_4096_BG_SSI_BITS 28U
 #define LIKA_AM36_AM3616_4096_BG_SSI_RX_BYTES 4U
@@ -567,18 +578,18 @@ static inline uint32_t lika_am36_ssi_word_bits(const lika_am36_variant *variant)
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_ssi_word_set_position(
+CW_NODISCARD
+static inline cw_result lika_am36_ssi_word_set_position(
     const lika_am36_variant *variant, uint32_t position, lika_am36_ssi_word *out)
 {
-    if (position > lika_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
     out->multiturn =
-        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
-    return LIKA_OK;
+        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    return CW_OK;
 }
 
 /**
@@ -589,21 +600,21 @@ static inline lika_result lika_am36_ssi_word_set_position(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_ssi_word_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_ssi_word_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_ssi_word *out)
 {
-    if (lika_above(word, lika_am36_ssi_word_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_am36_ssi_word_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
-    const uint64_t plain = (variant->ssi_gray != 0U) ? lika_from_gray(word, 0U,
-        (uint32_t)variant->multiturn_bits + variant->singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)lika_above(plain, variant->singleturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(plain, 0U, variant->singleturn_bits);
+    const uint64_t plain = (variant->ssi_gray != 0U) ?
+        cw_from_gray(word, 0U, (uint32_t)variant->multiturn_bits + variant->singleturn_bits) : word;
+    const uint16_t multiturn = (uint16_t)cw_above(plain, variant->singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(plain, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = (uint32_t)plain;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -614,27 +625,27 @@ static inline lika_result lika_am36_ssi_word_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_ssi_word_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_ssi_word_encode(
     const lika_am36_variant *variant, const lika_am36_ssi_word *in, uint64_t *out)
 {
-    if (in->multiturn > lika_mask(variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
-    if (in->singleturn > lika_mask(variant->singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
     if (in->position != (((uint32_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->multiturn << variant->singleturn_bits) |
         (uint64_t)in->singleturn;
     word = (variant->ssi_gray != 0U) ?
-        lika_to_gray(word, 0U, (uint32_t)variant->multiturn_bits + variant->singleturn_bits) : word;
+        cw_to_gray(word, 0U, (uint32_t)variant->multiturn_bits + variant->singleturn_bits) : word;
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -642,15 +653,15 @@ static inline lika_result lika_am36_ssi_word_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return LIKA_UNKNOWN
+ * @return CW_UNKNOWN
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_am36_ssi_word_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_am36_ssi_word_verdict(
     const lika_am36_variant *variant, const lika_am36_ssi_word *frame)
 {
     (void)variant;
     (void)frame;
-    return LIKA_UNKNOWN;
+    return CW_UNKNOWN;
 }
 
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
@@ -700,7 +711,7 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * The number of bits is the factory default, since registers can change it. The number of bytes is
  * enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
@@ -717,9 +728,9 @@ static inline lika_verdict lika_am36_ssi_word_verdict(
 #define LIKA_AM36_AMC3619_4096_I7_BISS_RX_BYTES 12U
 
 /**
- * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
- * last clock of the same frame, with factory defaults 44 clock periods after its CDS: 4.4 us at 10
- * MHz and 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed
+ * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
+ * the last clock of the same frame, with factory defaults 44 clock periods after its CDS: 4.4 us at
+ * 10 MHz and 220 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed
  * before the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for
  * the whole time-out (follows the clock, at most 10 us).
  */
@@ -807,19 +818,19 @@ static inline uint32_t lika_am36_single_cycle_data_crc(uint64_t word)
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_single_cycle_data_set_position(
+CW_NODISCARD
+static inline cw_result lika_am36_single_cycle_data_set_position(
     const lika_am36_variant *variant, uint64_t position, lika_am36_single_cycle_data *out)
 {
-    if (position > lika_mask((uint32_t)variant->used_singleturn_bits +
+    if (position > cw_mask((uint32_t)variant->used_singleturn_bits +
         variant->used_multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)lika_field(position, 0U, variant->used_singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant->used_singleturn_bits);
     out->multiturn =
-        (uint16_t)lika_field(position, variant->used_singleturn_bits, variant->used_multiturn_bits);
-    return LIKA_OK;
+        (uint16_t)cw_field(position, variant->used_singleturn_bits, variant->used_multiturn_bits);
+    return CW_OK;
 }
 
 /**
@@ -830,25 +841,25 @@ static inline lika_result lika_am36_single_cycle_data_set_position(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_single_cycle_data_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_single_cycle_data_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_single_cycle_data *out)
 {
-    if (lika_above(word, lika_am36_single_cycle_data_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_am36_single_cycle_data_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
     if (lika_am36_single_cycle_data_crc(word) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
-    const uint64_t plain = (lika_am36_biss_gray(variant) != 0U) ? lika_from_gray(word, 8U,
+    const uint64_t plain = (lika_am36_biss_gray(variant) != 0U) ? cw_from_gray(word, 8U,
         (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)lika_above(plain, 8U + variant->used_singleturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(plain, 8U, variant->used_singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(plain, 8U + variant->used_singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(plain, 8U, variant->used_singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = plain >> 8U;
     out->unused = (uint8_t)((((uint32_t)plain >> 6U) & 0x03U) ^ 0x03U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -859,33 +870,33 @@ static inline lika_result lika_am36_single_cycle_data_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_single_cycle_data_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_single_cycle_data_encode(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in, uint64_t *out)
 {
-    if (in->multiturn > lika_mask(variant->used_multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->used_multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
-    if (in->singleturn > lika_mask(variant->used_singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->used_singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
     if (in->position != (((uint64_t)in->multiturn << variant->used_singleturn_bits) |
         in->singleturn)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0xFCU) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->multiturn << (8U + variant->used_singleturn_bits)) |
         ((uint64_t)in->singleturn << 8U) |
         ((uint64_t)(in->unused ^ 0x03U) << 6U);
-    word = (lika_am36_biss_gray(variant) != 0U) ? lika_to_gray(word, 8U,
+    word = (lika_am36_biss_gray(variant) != 0U) ? cw_to_gray(word, 8U,
         (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
     word |= lika_am36_single_cycle_data_crc(word);
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -907,17 +918,17 @@ static inline bool lika_am36_single_cycle_data_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_UNKNOWN
+ * @return the verdict of the most severe active report, otherwise CW_UNKNOWN
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_am36_single_cycle_data_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_am36_single_cycle_data_verdict(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *frame)
 {
     (void)variant;
     if ((frame->unused & 0x02U) != 0U) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
-    return LIKA_UNKNOWN;
+    return CW_UNKNOWN;
 }
 
 /**
@@ -959,7 +970,7 @@ static inline uint64_t lika_am36_ssi_modulus(const lika_am36_variant *variant)
 static inline int64_t lika_am36_ssi_position_difference(
     const lika_am36_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_am36_ssi_modulus(variant));
+    return cw_difference(now, before, lika_am36_ssi_modulus(variant));
 }
 
 /** Convert a position received over SSI to revolutions. */
@@ -1002,7 +1013,7 @@ static inline uint64_t lika_am36_biss_modulus(const lika_am36_variant *variant)
 static inline int64_t lika_am36_biss_position_difference(
     const lika_am36_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_am36_biss_modulus(variant));
+    return cw_difference(now, before, lika_am36_biss_modulus(variant));
 }
 
 /** Convert a position received over BiSS C-mode to revolutions. */
@@ -1044,7 +1055,7 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  */
 #define LIKA_AM36_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_AM36_REG_PROFILE_ID_LENGTH 2U /**< bytes, 42h to 43h */
-#define LIKA_AM36_REG_PROFILE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_PROFILE_ID_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_PROFILE_ID_DEFAULT 0x0000U /**< factory default */
 
 /** Values of the register profile ID. */
@@ -1065,18 +1076,18 @@ typedef struct lika_am36_reg_profile_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_profile_id_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_profile_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_profile_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_PROFILE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint16_t profile = (uint16_t)((uint32_t)bytes[1] | ((uint32_t)bytes[0] << 8U));
     out->profile = profile;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1088,18 +1099,18 @@ static inline lika_result lika_am36_reg_profile_id_decode(
  * @param length  number of bytes, LIKA_AM36_REG_PROFILE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_profile_id_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_profile_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_PROFILE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)(in->profile >> 8U);
     bytes[1] = (uint8_t)in->profile;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** value of profile stated by the manual */
@@ -1128,15 +1139,15 @@ static inline bool lika_am36_reg_profile_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_profile_id(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_profile_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_profile_id(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_PROFILE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_profile_id_decode(variant, bytes, sizeof(bytes), out);
@@ -1152,7 +1163,7 @@ static inline lika_result lika_am36_read_profile_id(
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
-#define LIKA_AM36_REG_SERIAL_NUMBER_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_SERIAL_NUMBER_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_SERIAL_NUMBER_YEAR_SHIFT 24U
 #define LIKA_AM36_REG_SERIAL_NUMBER_YEAR_MASK 0xFF000000U
 #define LIKA_AM36_REG_SERIAL_NUMBER_WEEK_SHIFT 16U
@@ -1176,14 +1187,14 @@ typedef struct lika_am36_reg_serial_number {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_serial_number_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_serial_number_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_serial_number *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t year = bytes[0];
     const uint8_t week = bytes[1];
@@ -1191,7 +1202,7 @@ static inline lika_result lika_am36_reg_serial_number_decode(
     out->year = year;
     out->week = week;
     out->number = number;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1203,20 +1214,20 @@ static inline lika_result lika_am36_reg_serial_number_decode(
  * @param length  number of bytes, LIKA_AM36_REG_SERIAL_NUMBER_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_serial_number_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_serial_number_encode(
     const lika_am36_variant *variant, const lika_am36_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = in->year;
     bytes[1] = in->week;
     bytes[2] = (uint8_t)(in->number >> 8U);
     bytes[3] = (uint8_t)in->number;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1228,16 +1239,15 @@ static inline lika_result lika_am36_reg_serial_number_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_serial_number(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_serial_number *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_serial_number(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_SERIAL_NUMBER_LENGTH];
-    lika_result result;
-    result =
-        lika_read(transport, LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
@@ -1256,7 +1266,7 @@ static inline lika_result lika_am36_read_serial_number(
  */
 #define LIKA_AM36_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_AM36_REG_COMMAND_LENGTH 1U /**< byte */
-#define LIKA_AM36_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
+#define LIKA_AM36_REG_COMMAND_ACCESS CW_ACCESS_WRITE_ONLY
 #define LIKA_AM36_REG_COMMAND_DEFAULT 0x00U /**< factory default */
 #define LIKA_AM36_REG_COMMAND_WAIT_AT_LEAST_MS 30U
 
@@ -1290,24 +1300,24 @@ typedef enum lika_am36_command {
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_write_command(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_command value, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_write_command(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_command value, cw_failure *failure)
 {
-    lika_result result;
+    cw_result result;
     (void)variant;
     if ((value != LIKA_AM36_COMMAND_NORMAL_OPERATIONAL_STATE) &&
         (value != LIKA_AM36_COMMAND_SAVE_PARAMETERS) &&
         (value != LIKA_AM36_COMMAND_SAVE_AND_ACTIVATE_PRESET) &&
         (value != LIKA_AM36_COMMAND_RESTORE_DEFAULTS)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    result = lika_write_byte(transport, LIKA_AM36_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
-    if (result != LIKA_OK) {
+    result = cw_write_byte(transport, LIKA_AM36_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    if (result != CW_OK) {
         return result;
     }
-    return lika_wait(transport, 30000U, failure);
+    return cw_wait(transport, 30000U, failure);
 }
 
 /**
@@ -1329,7 +1339,7 @@ static inline lika_result lika_am36_write_command(
  */
 #define LIKA_AM36_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_AM36_REG_CONFIGURATION_LENGTH 1U /**< byte */
-#define LIKA_AM36_REG_CONFIGURATION_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_AM36_REG_CONFIGURATION_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_AM36_REG_CONFIGURATION_DEFAULT 0x20U /**< factory default */
 
 /**
@@ -1384,26 +1394,26 @@ typedef struct lika_am36_reg_configuration {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_configuration_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_configuration_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_configuration *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_CONFIGURATION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t counting_direction = (uint8_t)((bytes[0] >> 6U) & 0x01U);
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
     const uint8_t enable_preset = (uint8_t)((bytes[0] >> 2U) & 0x01U);
     /* zero above counting direction, zero below output code, zero below enable preset */
     if ((bytes[0] & 0x9BU) != 0x00U) {
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     out->counting_direction = (lika_am36_counting_direction)counting_direction;
     out->output_code = (lika_am36_output_code)output_code;
     out->enable_preset = (lika_am36_enable_preset)enable_preset;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1415,27 +1425,27 @@ static inline lika_result lika_am36_reg_configuration_decode(
  * @param length  number of bytes, LIKA_AM36_REG_CONFIGURATION_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_configuration_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_configuration_encode(
     const lika_am36_variant *variant, const lika_am36_reg_configuration *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_CONFIGURATION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((uint32_t)in->counting_direction > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((uint32_t)in->output_code > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((uint32_t)in->enable_preset > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(((uint32_t)in->counting_direction << 6U) |
         ((uint32_t)in->output_code << 5U) | ((uint32_t)in->enable_preset << 2U));
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1447,16 +1457,15 @@ static inline lika_result lika_am36_reg_configuration_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_configuration(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_configuration *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_configuration(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_configuration *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_CONFIGURATION_LENGTH];
-    lika_result result;
-    result =
-        lika_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_configuration_decode(variant, bytes, sizeof(bytes), out);
@@ -1473,19 +1482,18 @@ static inline lika_result lika_am36_read_configuration(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_write_configuration(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    const lika_am36_reg_configuration *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_write_configuration(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_configuration *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_CONFIGURATION_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_am36_reg_configuration_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes),
-        failure);
+    return cw_write(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
 }
 
 /**
@@ -1508,7 +1516,7 @@ static inline lika_result lika_am36_write_configuration(
  */
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS 0x4BU
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH 3U /**< bytes, 4Bh to 4Dh */
-#define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_DEFAULT 0x100000U /**< factory default */
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MIN 1U
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MAX 1048576U
@@ -1527,19 +1535,19 @@ typedef struct lika_am36_reg_information_per_revolution {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_information_per_revolution_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_information_per_revolution_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_information_per_revolution *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint32_t steps = (uint32_t)bytes[2] | ((uint32_t)bytes[1] << 8U) |
         ((uint32_t)bytes[0] << 16U);
     out->steps = steps;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1551,28 +1559,28 @@ static inline lika_result lika_am36_reg_information_per_revolution_decode(
  * @param length  number of bytes, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_information_per_revolution_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_information_per_revolution_encode(
     const lika_am36_variant *variant, const lika_am36_reg_information_per_revolution *in,
     uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->steps == 0U) || ((in->steps & (in->steps - 1U)) != 0U)) { /* powers of two only */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if (in->steps > 0xFFFFFFU) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if (in->steps > LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MAX) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(in->steps >> 16U);
     bytes[1] = (uint8_t)(in->steps >> 8U);
     bytes[2] = (uint8_t)in->steps;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1584,16 +1592,16 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_information_per_revolution(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_information_per_revolution *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_information_per_revolution(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_information_per_revolution *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS, bytes,
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS, bytes,
         sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_information_per_revolution_decode(variant, bytes, sizeof(bytes), out);
@@ -1610,18 +1618,18 @@ static inline lika_result lika_am36_read_information_per_revolution(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_write_information_per_revolution(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    const lika_am36_reg_information_per_revolution *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_write_information_per_revolution(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_information_per_revolution *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_am36_reg_information_per_revolution_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS, bytes,
+    return cw_write(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS, bytes,
         sizeof(bytes), failure);
 }
 
@@ -1644,7 +1652,7 @@ static inline lika_result lika_am36_write_information_per_revolution(
  */
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS 0x4EU
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH 2U /**< bytes, 4Eh to 4Fh */
-#define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_DEFAULT 0x0000U /**< factory default */
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_MIN 1U
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_MAX 65536U
@@ -1667,18 +1675,18 @@ typedef struct lika_am36_reg_number_of_revolutions {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_number_of_revolutions_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_number_of_revolutions_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_number_of_revolutions *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint16_t revolutions = (uint16_t)((uint32_t)bytes[1] | ((uint32_t)bytes[0] << 8U));
     out->revolutions = (uint32_t)((revolutions == 0U) ? 65536U : revolutions);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1690,21 +1698,21 @@ static inline lika_result lika_am36_reg_number_of_revolutions_decode(
  * @param length  number of bytes, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_number_of_revolutions_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_number_of_revolutions_encode(
     const lika_am36_variant *variant, const lika_am36_reg_number_of_revolutions *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->revolutions == 0U) || ((in->revolutions > 0xFFFFU) && (in->revolutions != 65536U))) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(((in->revolutions == 65536U) ? 0U : in->revolutions) >> 8U);
     bytes[1] = (uint8_t)((in->revolutions == 65536U) ? 0U : in->revolutions);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1716,16 +1724,16 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_number_of_revolutions(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_number_of_revolutions *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_number_of_revolutions(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_number_of_revolutions *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, bytes, sizeof(bytes),
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, bytes, sizeof(bytes),
         failure);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_number_of_revolutions_decode(variant, bytes, sizeof(bytes), out);
@@ -1742,18 +1750,18 @@ static inline lika_result lika_am36_read_number_of_revolutions(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_write_number_of_revolutions(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    const lika_am36_reg_number_of_revolutions *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_write_number_of_revolutions(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_number_of_revolutions *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_am36_reg_number_of_revolutions_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, bytes, sizeof(bytes),
+    return cw_write(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, bytes, sizeof(bytes),
         failure);
 }
 
@@ -1778,7 +1786,7 @@ static inline lika_result lika_am36_write_number_of_revolutions(
  */
 #define LIKA_AM36_REG_PRESET_ADDRESS 0x50U
 #define LIKA_AM36_REG_PRESET_LENGTH 5U /**< bytes, 50h to 54h */
-#define LIKA_AM36_REG_PRESET_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_AM36_REG_PRESET_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_AM36_REG_PRESET_DEFAULT UINT64_C(0x0000000000) /**< factory default */
 #define LIKA_AM36_REG_PRESET_MIN 0U
 #define LIKA_AM36_REG_PRESET_POSITION_SHIFT 0U
@@ -1805,23 +1813,23 @@ typedef struct lika_am36_reg_preset {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_preset_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_preset_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_preset *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_PRESET_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t position = (uint64_t)bytes[4] | ((uint64_t)bytes[3] << 8U) |
         ((uint64_t)bytes[2] << 16U) | ((uint64_t)bytes[1] << 24U) |
         ((uint64_t)(bytes[0] & 0x0FU) << 32U);
     if ((bytes[0] & 0xF0U) != 0x00U) { /* zero above position */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     out->position = position;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1833,25 +1841,25 @@ static inline lika_result lika_am36_reg_preset_decode(
  * @param length  number of bytes, LIKA_AM36_REG_PRESET_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_preset_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_preset_encode(
     const lika_am36_variant *variant, const lika_am36_reg_preset *in, uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_REG_PRESET_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (in->position > UINT64_C(0xFFFFFFFFF)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if (in->position > lika_am36_reg_preset_max(variant)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)((in->position >> 32U) & 0x0FU);
     bytes[1] = (uint8_t)(in->position >> 24U);
     bytes[2] = (uint8_t)(in->position >> 16U);
     bytes[3] = (uint8_t)(in->position >> 8U);
     bytes[4] = (uint8_t)in->position;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1863,15 +1871,15 @@ static inline lika_result lika_am36_reg_preset_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_preset(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_preset *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_preset(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_preset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_PRESET_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_preset_decode(variant, bytes, sizeof(bytes), out);
@@ -1886,18 +1894,18 @@ static inline lika_result lika_am36_read_preset(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_write_preset(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    const lika_am36_reg_preset *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_write_preset(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_preset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_PRESET_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_am36_reg_preset_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_AM36_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+    return cw_write(transport, LIKA_AM36_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
 }
 
 /**
@@ -1909,7 +1917,7 @@ static inline lika_result lika_am36_write_preset(
  */
 #define LIKA_AM36_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_AM36_REG_DEVICE_TYPE_LENGTH 1U /**< byte */
-#define LIKA_AM36_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_DEVICE_TYPE_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_DEVICE_TYPE_DEFAULT 0x02U /**< factory default */
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /**< value stated by the manual */
 
@@ -1922,20 +1930,20 @@ static inline lika_result lika_am36_write_preset(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_device_type(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_device_type(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result = lika_read(transport, LIKA_AM36_REG_DEVICE_TYPE_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_AM36_REG_DEVICE_TYPE_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1948,7 +1956,7 @@ static inline lika_result lika_am36_read_device_type(
  */
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS 0x56U
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH 1U /**< byte */
-#define LIKA_AM36_REG_SINGLETURN_BITS_USED_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_SINGLETURN_BITS_USED_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /**< factory default */
 
 /**
@@ -1960,20 +1968,20 @@ static inline lika_result lika_am36_read_device_type(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_singleturn_bits_used(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_singleturn_bits_used(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result = lika_read(transport, LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1986,7 +1994,7 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
  */
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS 0x57U
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH 1U /**< byte */
-#define LIKA_AM36_REG_MULTITURN_BITS_USED_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_MULTITURN_BITS_USED_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /**< factory default */
 
 /**
@@ -1998,20 +2006,20 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_multiturn_bits_used(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_multiturn_bits_used(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result = lika_read(transport, LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2029,7 +2037,7 @@ static inline lika_result lika_am36_read_multiturn_bits_used(
  */
 #define LIKA_AM36_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_AM36_REG_DEVICE_ID_LENGTH 6U /**< bytes, 78h to 7Dh */
-#define LIKA_AM36_REG_DEVICE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_DEVICE_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register device ID. */
 typedef struct lika_am36_reg_device_id {
@@ -2060,14 +2068,14 @@ typedef struct lika_am36_reg_device_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_device_id_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_device_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     out->model[0] = (char)bytes[0];
     out->model[1] = (char)bytes[1];
@@ -2075,7 +2083,7 @@ static inline lika_result lika_am36_reg_device_id_decode(
     out->interface_code[1] = (char)bytes[3];
     out->enclosure[0] = (char)bytes[4];
     out->software_version[0] = (char)bytes[5];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2087,14 +2095,14 @@ static inline lika_result lika_am36_reg_device_id_decode(
  * @param length  number of bytes, LIKA_AM36_REG_DEVICE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_device_id_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_device_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->model[0];
     bytes[1] = (uint8_t)in->model[1];
@@ -2102,7 +2110,7 @@ static inline lika_result lika_am36_reg_device_id_encode(
     bytes[3] = (uint8_t)in->interface_code[1];
     bytes[4] = (uint8_t)in->enclosure[0];
     bytes[5] = (uint8_t)in->software_version[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_AM36_REG_DEVICE_ID_MODEL_EXPECTED "AM" /**< value of model stated by the manual */
@@ -2138,15 +2146,15 @@ static inline bool lika_am36_reg_device_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_device_id(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_device_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_device_id(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_DEVICE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
@@ -2161,7 +2169,7 @@ static inline lika_result lika_am36_read_device_id(
  */
 #define LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_AM36_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
-#define LIKA_AM36_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AM36_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register manufacturer ID. */
 typedef struct lika_am36_reg_manufacturer_id {
@@ -2181,18 +2189,18 @@ typedef struct lika_am36_reg_manufacturer_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_manufacturer_id_decode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_manufacturer_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_manufacturer_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     out->name[0] = (char)bytes[0];
     out->name[1] = (char)bytes[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2204,18 +2212,18 @@ static inline lika_result lika_am36_reg_manufacturer_id_decode(
  * @param length  number of bytes, LIKA_AM36_REG_MANUFACTURER_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_reg_manufacturer_id_encode(
+CW_NODISCARD
+static inline cw_result lika_am36_reg_manufacturer_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
@@ -2244,16 +2252,16 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_manufacturer_id(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_reg_manufacturer_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_manufacturer_id(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_REG_MANUFACTURER_ID_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_am36_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
@@ -2276,19 +2284,19 @@ static inline lika_result lika_am36_read_manufacturer_id(
  * @param length  number of bytes, LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH
  * @return OK, RANGE if the encoder cannot hold such a value, or LENGTH if length is wrong
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_take_singleturn_bits_used(
+CW_NODISCARD
+static inline cw_result lika_am36_take_singleturn_bits_used(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t used_singleturn_bits = bytes[0];
     if (used_singleturn_bits > 20U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     variant->used_singleturn_bits = used_singleturn_bits;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2300,19 +2308,19 @@ static inline lika_result lika_am36_take_singleturn_bits_used(
  * @param length  number of bytes, LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH
  * @return OK, RANGE if the encoder cannot hold such a value, or LENGTH if length is wrong
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_take_multiturn_bits_used(
+CW_NODISCARD
+static inline cw_result lika_am36_take_multiturn_bits_used(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t used_multiturn_bits = bytes[0];
     if (used_multiturn_bits > 16U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     variant->used_multiturn_bits = used_multiturn_bits;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2323,19 +2331,19 @@ static inline lika_result lika_am36_take_multiturn_bits_used(
  * @param length  number of bytes, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH
  * @return OK, or LENGTH if length is wrong
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_take_number_of_revolutions(
+CW_NODISCARD
+static inline cw_result lika_am36_take_number_of_revolutions(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint16_t used_revolutions_raw = (uint16_t)((uint32_t)bytes[1] |
         ((uint32_t)bytes[0] << 8U));
     const uint32_t used_revolutions = (uint32_t)((used_revolutions_raw == 0U) ?
         65536U : used_revolutions_raw);
     variant->used_revolutions = used_revolutions;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2346,20 +2354,20 @@ static inline lika_result lika_am36_take_number_of_revolutions(
  * @param length  number of bytes, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH
  * @return OK, RANGE if the encoder cannot hold such a value, or LENGTH if length is wrong
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_take_information_per_revolution(
+CW_NODISCARD
+static inline cw_result lika_am36_take_information_per_revolution(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint32_t used_information = (uint32_t)bytes[2] | ((uint32_t)bytes[1] << 8U) |
         ((uint32_t)bytes[0] << 16U);
     if ((used_information < 1U) || (used_information > 1048576U)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     variant->used_information = used_information;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2370,16 +2378,16 @@ static inline lika_result lika_am36_take_information_per_revolution(
  * @param length  number of bytes, LIKA_AM36_REG_CONFIGURATION_LENGTH
  * @return OK, or LENGTH if length is wrong
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_take_configuration(
+CW_NODISCARD
+static inline cw_result lika_am36_take_configuration(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_REG_CONFIGURATION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
     variant->output_code = output_code;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2392,10 +2400,10 @@ static inline lika_result lika_am36_take_configuration(
  * @param failure  details of the failure, or NULL. Its step is the index of a function above
  * @return OK, or the error of the first access or function that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_state(
-    const lika_transport *transport, lika_am36_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_state(
+    const cw_transport *transport, lika_am36_variant *variant,
+    cw_failure *failure)
 {
     uint8_t singleturn_bits_used[LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH];
     uint8_t multiturn_bits_used[LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH];
@@ -2403,58 +2411,58 @@ static inline lika_result lika_am36_read_state(
     uint8_t information_per_revolution[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
     uint8_t configuration[LIKA_AM36_REG_CONFIGURATION_LENGTH];
     lika_am36_variant taken = *variant;
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS, singleturn_bits_used,
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS, singleturn_bits_used,
         sizeof(singleturn_bits_used), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 0U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 0U, failure);
     }
     result = lika_am36_take_singleturn_bits_used(&taken, singleturn_bits_used,
         sizeof(singleturn_bits_used));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    result = lika_read(transport, LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS, multiturn_bits_used,
+    result = cw_read(transport, LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS, multiturn_bits_used,
         sizeof(multiturn_bits_used), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 1U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 1U, failure);
     }
     result = lika_am36_take_multiturn_bits_used(&taken, multiturn_bits_used,
         sizeof(multiturn_bits_used));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    result = lika_read(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS,
-        number_of_revolutions, sizeof(number_of_revolutions), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 2U, failure);
+    result = cw_read(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, number_of_revolutions,
+        sizeof(number_of_revolutions), failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 2U, failure);
     }
     result = lika_am36_take_number_of_revolutions(&taken, number_of_revolutions,
         sizeof(number_of_revolutions));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    result = lika_read(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS,
+    result = cw_read(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS,
         information_per_revolution, sizeof(information_per_revolution), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 3U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 3U, failure);
     }
     result = lika_am36_take_information_per_revolution(&taken, information_per_revolution,
         sizeof(information_per_revolution));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    result = lika_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, configuration,
+    result = cw_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, configuration,
         sizeof(configuration), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 4U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 4U, failure);
     }
     result = lika_am36_take_configuration(&taken, configuration, sizeof(configuration));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     *variant = taken;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* -- identification ---------------------------------------------------------------------------- */
@@ -2475,34 +2483,34 @@ typedef struct lika_am36_identity {
  * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_read_identity(
-    const lika_transport *transport, lika_am36_identity *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_read_identity(
+    const cw_transport *transport, lika_am36_identity *out, cw_failure *failure)
 {
     lika_am36_identity found;
-    lika_result result;
-    result = lika_read(transport, LIKA_AM36_REG_PROFILE_ID_ADDRESS, found.profile_id,
+    cw_result result;
+    result = cw_read(transport, LIKA_AM36_REG_PROFILE_ID_ADDRESS, found.profile_id,
         sizeof(found.profile_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 0U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 0U, failure);
     }
-    result = lika_read(transport, LIKA_AM36_REG_DEVICE_TYPE_ADDRESS, found.device_type,
+    result = cw_read(transport, LIKA_AM36_REG_DEVICE_TYPE_ADDRESS, found.device_type,
         sizeof(found.device_type), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 1U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 1U, failure);
     }
-    result = lika_read(transport, LIKA_AM36_REG_DEVICE_ID_ADDRESS, found.device_id,
+    result = cw_read(transport, LIKA_AM36_REG_DEVICE_ID_ADDRESS, found.device_id,
         sizeof(found.device_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 2U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 2U, failure);
     }
-    result = lika_read(transport, LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+    result = cw_read(transport, LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
         sizeof(found.manufacturer_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 3U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 3U, failure);
     }
     *out = found;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** Return true if an encoder with this order code can have these contents. */
@@ -2513,18 +2521,18 @@ static inline bool lika_am36_could_be(
     lika_am36_reg_device_id device_id;
     lika_am36_reg_manufacturer_id manufacturer_id;
     if ((lika_am36_reg_profile_id_decode(variant, read->profile_id, sizeof(read->profile_id),
-        &profile_id) != LIKA_OK) || !lika_am36_reg_profile_id_is_expected(variant, &profile_id)) {
+        &profile_id) != CW_OK) || !lika_am36_reg_profile_id_is_expected(variant, &profile_id)) {
         return false;
     }
     if (read->device_type[0] != LIKA_AM36_REG_DEVICE_TYPE_EXPECTED) {
         return false;
     }
     if ((lika_am36_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
-        &device_id) != LIKA_OK) || !lika_am36_reg_device_id_is_expected(variant, &device_id)) {
+        &device_id) != CW_OK) || !lika_am36_reg_device_id_is_expected(variant, &device_id)) {
         return false;
     }
     if ((lika_am36_reg_manufacturer_id_decode(variant, read->manufacturer_id,
-        sizeof(read->manufacturer_id), &manufacturer_id) != LIKA_OK) ||
+        sizeof(read->manufacturer_id), &manufacturer_id) != CW_OK) ||
         !lika_am36_reg_manufacturer_id_is_expected(variant, &manufacturer_id)) {
         return false;
     }
@@ -2546,7 +2554,7 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
     while (*next < count) {
         const lika_am36_order_code *const code = &codes[*next];
         (*next)++;
-        if ((code->connection == LIKA_INTERFACE_BISS) && lika_am36_could_be(&code->variant, read)) {
+        if ((code->connection == CW_INTERFACE_BISS) && lika_am36_could_be(&code->variant, read)) {
             return code;
         }
     }
@@ -2573,29 +2581,29 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_set_configuration_steps(
+CW_NODISCARD
+static inline cw_result lika_am36_set_configuration_steps(
     const lika_am36_variant *variant,
     uint8_t configuration,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     if (capacity < LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t configuration_configuration_sent[] = { configuration };
     lika_am36_reg_configuration configuration_configuration_held;
     /* bits that the register lacks */
     if (lika_am36_reg_configuration_decode(variant, configuration_configuration_sent,
-        sizeof(configuration_configuration_sent), &configuration_configuration_held) != LIKA_OK) {
-        return LIKA_FAULT_RANGE;
+        sizeof(configuration_configuration_sent), &configuration_configuration_held) != CW_OK) {
+        return CW_FAULT_RANGE;
     }
-    steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* takes effect immediately */
+    steps[0] = cw_step_write(0x49U, 0xFFU, configuration); /* takes effect immediately */
     /* Configuration: read back, which the manual does not require */
-    steps[1] = lika_step_verify(0x49U, 0xFFU, configuration);
-    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save it */
-    steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[1] = cw_step_verify(0x49U, 0xFFU, configuration);
+    steps[2] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save it */
+    steps[3] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2611,21 +2619,21 @@ static inline lika_result lika_am36_set_configuration_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_set_configuration(
-    const lika_transport *transport, const lika_am36_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_am36_set_configuration(
+    const cw_transport *transport, const lika_am36_variant *variant,
     uint8_t configuration,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT];
+    cw_result result;
     result = lika_am36_set_configuration_steps(variant, configuration,
         steps, LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT, &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -2647,42 +2655,42 @@ static inline lika_result lika_am36_set_configuration(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_set_preset_steps(
+CW_NODISCARD
+static inline cw_result lika_am36_set_preset_steps(
     const lika_am36_variant *variant,
     uint64_t position,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_reg_preset position_register;
     uint8_t position_bytes[LIKA_AM36_REG_PRESET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     if (capacity < LIKA_AM36_SET_PRESET_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     position_register.position = position;
     result = lika_am36_reg_preset_encode(variant, &position_register, position_bytes,
         sizeof(position_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
+    steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
     /* write the five Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
     /* Enable preset of Configuration: read back, which the manual does not require */
-    steps[6] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    steps[6] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[7U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+        steps[7U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[12] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
-    steps[13] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[12] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
+    steps[13] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_PRESET_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2695,21 +2703,21 @@ static inline lika_result lika_am36_set_preset_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_set_preset(
-    const lika_transport *transport, const lika_am36_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_am36_set_preset(
+    const cw_transport *transport, const lika_am36_variant *variant,
     uint64_t position,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_AM36_SET_PRESET_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_AM36_SET_PRESET_STEPS_COUNT];
+    cw_result result;
     result = lika_am36_set_preset_steps(variant, position, steps, LIKA_AM36_SET_PRESET_STEPS_COUNT,
         &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -2730,42 +2738,42 @@ static inline lika_result lika_am36_set_preset(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_store_preset_steps(
+CW_NODISCARD
+static inline cw_result lika_am36_store_preset_steps(
     const lika_am36_variant *variant,
     uint64_t position,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_reg_preset position_register;
     uint8_t position_bytes[LIKA_AM36_REG_PRESET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     if (capacity < LIKA_AM36_STORE_PRESET_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     position_register.position = position;
     result = lika_am36_reg_preset_encode(variant, &position_register, position_bytes,
         sizeof(position_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
+    steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
     /* write the five Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
     /* Enable preset of Configuration: read back, which the manual does not require */
-    steps[6] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    steps[6] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[7U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+        steps[7U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[12] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save the preset */
-    steps[13] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[12] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save the preset */
+    steps[13] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_STORE_PRESET_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2778,21 +2786,21 @@ static inline lika_result lika_am36_store_preset_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_store_preset(
-    const lika_transport *transport, const lika_am36_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_am36_store_preset(
+    const cw_transport *transport, const lika_am36_variant *variant,
     uint64_t position,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_AM36_STORE_PRESET_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_AM36_STORE_PRESET_STEPS_COUNT];
+    cw_result result;
     result = lika_am36_store_preset_steps(variant, position,
         steps, LIKA_AM36_STORE_PRESET_STEPS_COUNT, &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -2802,11 +2810,11 @@ static inline lika_result lika_am36_store_preset(
 #define LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT 2U
 
 /** Return the steps of lika_am36_save_parameters(), and store their number in count. */
-static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
+static inline const cw_step *lika_am36_save_parameters_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT;
     return steps;
@@ -2820,15 +2828,15 @@ static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_save_parameters(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_save_parameters(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_am36_save_parameters_steps(&count);
+    const cw_step *const steps = lika_am36_save_parameters_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -2840,11 +2848,11 @@ static inline lika_result lika_am36_save_parameters(
 #define LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT 2U
 
 /** Return the steps of lika_am36_activate_preset(), and store their number in count. */
-static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
+static inline const cw_step *lika_am36_activate_preset_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x02U, 1U, 0U }, /* Command: save_and_activate_preset */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x02U, 1U, 0U }, /* Command: save_and_activate_preset */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT;
     return steps;
@@ -2859,15 +2867,15 @@ static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_activate_preset(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_activate_preset(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_am36_activate_preset_steps(&count);
+    const cw_step *const steps = lika_am36_activate_preset_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -2883,11 +2891,11 @@ static inline lika_result lika_am36_activate_preset(
 #define LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
 /** Return the steps of lika_am36_restore_defaults(), and store their number in count. */
-static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
+static inline const cw_step *lika_am36_restore_defaults_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT;
     return steps;
@@ -2902,15 +2910,15 @@ static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_restore_defaults(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_restore_defaults(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_am36_restore_defaults_steps(&count);
+    const cw_step *const steps = lika_am36_restore_defaults_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -2939,13 +2947,13 @@ static inline lika_result lika_am36_restore_defaults(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_set_resolution_steps(
+CW_NODISCARD
+static inline cw_result lika_am36_set_resolution_steps(
     const lika_am36_variant *variant,
     uint32_t information_per_revolution,
     uint32_t number_of_revolutions,
     uint64_t position,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_reg_information_per_revolution information_per_revolution_register;
     uint8_t information_per_revolution_bytes[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
@@ -2954,87 +2962,86 @@ static inline lika_result lika_am36_set_resolution_steps(
     lika_am36_reg_preset position_register;
     uint8_t position_bytes[LIKA_AM36_REG_PRESET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     lika_am36_variant written = *variant; /* as it will be after the earlier steps */
     if (capacity < LIKA_AM36_SET_RESOLUTION_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     information_per_revolution_register.steps = information_per_revolution;
     result = lika_am36_reg_information_per_revolution_encode(&written,
         &information_per_revolution_register, information_per_revolution_bytes,
         sizeof(information_per_revolution_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     result = lika_am36_take_information_per_revolution(&written, information_per_revolution_bytes,
         sizeof(information_per_revolution_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     number_of_revolutions_register.revolutions = number_of_revolutions;
     result = lika_am36_reg_number_of_revolutions_encode(&written, &number_of_revolutions_register,
         number_of_revolutions_bytes, sizeof(number_of_revolutions_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     result = lika_am36_take_number_of_revolutions(&written, number_of_revolutions_bytes,
         sizeof(number_of_revolutions_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     position_register.position = position;
     result = lika_am36_reg_preset_encode(&written, &position_register, position_bytes,
         sizeof(position_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     /* clears the preset */
     for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
-        steps[index] = lika_step_write(address, 0xFFU, information_per_revolution_bytes[index]);
+        steps[index] = cw_step_write(address, 0xFFU, information_per_revolution_bytes[index]);
     }
     /* clears the preset */
     for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
-        steps[3U + index] = lika_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
+        steps[3U + index] = cw_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
     /* Information per revolution: read back, which the manual does not require */
     for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
-        steps[5U + index] =
-            lika_step_verify(address, 0xFFU, information_per_revolution_bytes[index]);
+        steps[5U + index] = cw_step_verify(address, 0xFFU, information_per_revolution_bytes[index]);
     }
     /* Number of revolutions: read back, which the manual does not require */
     for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
-        steps[8U + index] = lika_step_verify(address, 0xFFU, number_of_revolutions_bytes[index]);
+        steps[8U + index] = cw_step_verify(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
     /* save the resolution first, separately from the preset */
-    steps[10] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[11] = lika_step_wait(30000U); /* EEPROM writing time */
-    steps[12] = lika_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
+    steps[10] = cw_step_write(0x48U, 0xFFU, 0x01U);
+    steps[11] = cw_step_wait(30000U); /* EEPROM writing time */
+    steps[12] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
     /* write the preset again, since it was set to zero */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[13U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[13U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
     /* Enable preset of Configuration: read back, which the manual does not require */
-    steps[18] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    steps[18] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
-        steps[19U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+        steps[19U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[24] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
-    steps[25] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[24] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
+    steps[25] = cw_step_wait(30000U); /* EEPROM writing time */
     /* No. of bits used for singleturn resolution: singleturn bits of all following frames */
-    steps[26] = lika_step_read(0x56U);
+    steps[26] = cw_step_read(0x56U);
     /* No. of bits used for multiturn resolution: multiturn bits of all following frames */
-    steps[27] = lika_step_read(0x57U);
+    steps[27] = cw_step_read(0x57U);
     *count = LIKA_AM36_SET_RESOLUTION_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3065,30 +3072,30 @@ typedef struct lika_am36_set_resolution_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_set_resolution(
-    const lika_transport *transport, const lika_am36_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_am36_set_resolution(
+    const cw_transport *transport, const lika_am36_variant *variant,
     uint32_t information_per_revolution,
     uint32_t number_of_revolutions,
     uint64_t position,
-    lika_am36_set_resolution_read *out, lika_failure *failure)
+    lika_am36_set_resolution_read *out, cw_failure *failure)
 {
     uint8_t bytes[2];
     size_t count = 0U;
-    lika_step steps[LIKA_AM36_SET_RESOLUTION_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_AM36_SET_RESOLUTION_STEPS_COUNT];
+    cw_result result;
     result = lika_am36_set_resolution_steps(variant, information_per_revolution,
         number_of_revolutions, position, steps, LIKA_AM36_SET_RESOLUTION_STEPS_COUNT, &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->singleturn_bits_used[0] = bytes[0];
     out->multiturn_bits_used[0] = bytes[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3099,30 +3106,29 @@ static inline lika_result lika_am36_set_resolution(
 #define LIKA_AM36_IDENTIFY_STEPS_COUNT 17U
 
 /** Return the steps of lika_am36_identify(), and store their number in count. */
-static inline const lika_step *lika_am36_identify_steps(size_t *count)
+static inline const cw_step *lika_am36_identify_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AM36_IDENTIFY_STEPS_COUNT] = {
-        /* Manufacturer ID: Li means Lika Electronic */
-        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
+    static const cw_step steps[LIKA_AM36_IDENTIFY_STEPS_COUNT] = {
+        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: Li means Lika Electronic */
+        { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
         /* Device ID: AM, I7 and 2 mean AM36 or AMC36 with BiSS. The software version follows */
-        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
-        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x55U, 0xFFU, 0U, 1U, 0U }, /* Device type: 02 means multiturn encoder */
-        { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
+        { CW_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x55U, 0xFFU, 0U, 1U, 0U }, /* Device type: 02 means multiturn encoder */
+        { CW_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
+        { CW_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U },
         /* No. of bits used for singleturn resolution: singleturn bits of the frame */
-        { LIKA_STEP_READ, 0x56U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x56U, 0xFFU, 0U, 1U, 0U },
         /* No. of bits used for multiturn resolution: multiturn bits of the frame */
-        { LIKA_STEP_READ, 0x57U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x57U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_AM36_IDENTIFY_STEPS_COUNT;
     return steps;
@@ -3153,18 +3159,18 @@ typedef struct lika_am36_identify_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_am36_identify(
-    const lika_transport *transport, const lika_am36_variant *variant,
-    lika_am36_identify_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_am36_identify(
+    const cw_transport *transport, const lika_am36_variant *variant,
+    lika_am36_identify_read *out, cw_failure *failure)
 {
     uint8_t bytes[17];
     size_t count = 0U;
-    const lika_step *const steps = lika_am36_identify_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_am36_identify_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->manufacturer_id[0] = bytes[0];
@@ -3184,7 +3190,7 @@ static inline lika_result lika_am36_identify(
     out->serial_number[3] = bytes[14];
     out->singleturn_bits_used[0] = bytes[15];
     out->multiturn_bits_used[0] = bytes[16];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* -- hardware inputs --------------------------------------------------------------------------- */

@@ -10,13 +10,12 @@
  * To read a position:
  *   static const lika_amm5_variant encoder = LIKA_AMM5_A17_1SC1;
  *   lika_amm5_single_cycle_data frame;
- *   if (lika_amm5_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_amm5_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
+ *   if (lika_amm5_single_cycle_data_decode(&encoder, word, &frame) == CW_OK
+ *       && lika_amm5_single_cycle_data_verdict(&encoder, &frame) != CW_NOT_USABLE) {
  *       ... frame.position ...
  *   }
- * The word comes from your BiSS or SSI master, or from SPI and DMA through lika/receive.h.
+ * The word comes from your BiSS or SSI master, or from SPI and DMA through codewheel/receive.h.
  *
- * Version 0.1.0 of these headers.
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
@@ -58,11 +57,23 @@
 #ifndef LIKA_AMM5_H
 #define LIKA_AMM5_H
 
-#include "encoder.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
-#error "lika/amm5.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
+#include "codewheel/bits.h"
+#include "codewheel/encoder.h"
+#include "codewheel/result.h"
+#include "codewheel/transport.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
+#error "lika/amm5.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
+
+/**
+ * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
+ */
+#define LIKA_AMM5_VERSION "0.1.0"
 
 #ifdef __cplusplus
 extern "C" {
@@ -165,7 +176,7 @@ static inline uint32_t lika_amm5_revolutions(const lika_amm5_variant *variant)
 /** An order code. */
 typedef struct lika_amm5_order_code {
     const char *text; /**< as printed, without the rest of the label */
-    lika_interface connection; /**< its interface */
+    cw_interface connection; /**< its interface */
     lika_amm5_variant variant; /**< its variant */
 } lika_amm5_order_code;
 
@@ -173,42 +184,42 @@ typedef struct lika_amm5_order_code {
 static inline const lika_amm5_order_code *lika_amm5_order_codes(size_t *count)
 {
     static const lika_amm5_order_code codes[] = {
-        { "AMM5A17/1BG1", LIKA_INTERFACE_SSI, LIKA_AMM5_A17_1BG1 },
-        { "AMM5A17/1SC1", LIKA_INTERFACE_BISS, LIKA_AMM5_A17_1SC1 },
-        { "AMM5A17/1JP1", LIKA_INTERFACE_RS485, LIKA_AMM5_A17_1JP1 },
-        { "AMM5A17/65KBG1", LIKA_INTERFACE_SSI, LIKA_AMM5_A17_65KBG1 },
-        { "AMM5A17/65KSC1", LIKA_INTERFACE_BISS, LIKA_AMM5_A17_65KSC1 },
-        { "AMM5A17/65KJP1", LIKA_INTERFACE_RS485, LIKA_AMM5_A17_65KJP1 },
-        { "AMM5A21/1BG1", LIKA_INTERFACE_SSI, LIKA_AMM5_A21_1BG1 },
-        { "AMM5A21/1SC1", LIKA_INTERFACE_BISS, LIKA_AMM5_A21_1SC1 },
-        { "AMM5A21/1JP1", LIKA_INTERFACE_RS485, LIKA_AMM5_A21_1JP1 },
-        { "AMM5A21/65KBG1", LIKA_INTERFACE_SSI, LIKA_AMM5_A21_65KBG1 },
-        { "AMM5A21/65KSC1", LIKA_INTERFACE_BISS, LIKA_AMM5_A21_65KSC1 },
-        { "AMM5A21/65KJP1", LIKA_INTERFACE_RS485, LIKA_AMM5_A21_65KJP1 },
-        { "AMM5A23/1BG1", LIKA_INTERFACE_SSI, LIKA_AMM5_A23_1BG1 },
-        { "AMM5A23/1SC1", LIKA_INTERFACE_BISS, LIKA_AMM5_A23_1SC1 },
-        { "AMM5A23/1JP1", LIKA_INTERFACE_RS485, LIKA_AMM5_A23_1JP1 },
-        { "AMM5A23/65KBG1", LIKA_INTERFACE_SSI, LIKA_AMM5_A23_65KBG1 },
-        { "AMM5A23/65KSC1", LIKA_INTERFACE_BISS, LIKA_AMM5_A23_65KSC1 },
-        { "AMM5A23/65KJP1", LIKA_INTERFACE_RS485, LIKA_AMM5_A23_65KJP1 },
-        { "AMM5B17/1BG1", LIKA_INTERFACE_SSI, LIKA_AMM5_B17_1BG1 },
-        { "AMM5B17/1SC1", LIKA_INTERFACE_BISS, LIKA_AMM5_B17_1SC1 },
-        { "AMM5B17/1JP1", LIKA_INTERFACE_RS485, LIKA_AMM5_B17_1JP1 },
-        { "AMM5B17/65KBG1", LIKA_INTERFACE_SSI, LIKA_AMM5_B17_65KBG1 },
-        { "AMM5B17/65KSC1", LIKA_INTERFACE_BISS, LIKA_AMM5_B17_65KSC1 },
-        { "AMM5B17/65KJP1", LIKA_INTERFACE_RS485, LIKA_AMM5_B17_65KJP1 },
-        { "AMM5B21/1BG1", LIKA_INTERFACE_SSI, LIKA_AMM5_B21_1BG1 },
-        { "AMM5B21/1SC1", LIKA_INTERFACE_BISS, LIKA_AMM5_B21_1SC1 },
-        { "AMM5B21/1JP1", LIKA_INTERFACE_RS485, LIKA_AMM5_B21_1JP1 },
-        { "AMM5B21/65KBG1", LIKA_INTERFACE_SSI, LIKA_AMM5_B21_65KBG1 },
-        { "AMM5B21/65KSC1", LIKA_INTERFACE_BISS, LIKA_AMM5_B21_65KSC1 },
-        { "AMM5B21/65KJP1", LIKA_INTERFACE_RS485, LIKA_AMM5_B21_65KJP1 },
-        { "AMM5B23/1BG1", LIKA_INTERFACE_SSI, LIKA_AMM5_B23_1BG1 },
-        { "AMM5B23/1SC1", LIKA_INTERFACE_BISS, LIKA_AMM5_B23_1SC1 },
-        { "AMM5B23/1JP1", LIKA_INTERFACE_RS485, LIKA_AMM5_B23_1JP1 },
-        { "AMM5B23/65KBG1", LIKA_INTERFACE_SSI, LIKA_AMM5_B23_65KBG1 },
-        { "AMM5B23/65KSC1", LIKA_INTERFACE_BISS, LIKA_AMM5_B23_65KSC1 },
-        { "AMM5B23/65KJP1", LIKA_INTERFACE_RS485, LIKA_AMM5_B23_65KJP1 }
+        { "AMM5A17/1BG1", CW_INTERFACE_SSI, LIKA_AMM5_A17_1BG1 },
+        { "AMM5A17/1SC1", CW_INTERFACE_BISS, LIKA_AMM5_A17_1SC1 },
+        { "AMM5A17/1JP1", CW_INTERFACE_RS485, LIKA_AMM5_A17_1JP1 },
+        { "AMM5A17/65KBG1", CW_INTERFACE_SSI, LIKA_AMM5_A17_65KBG1 },
+        { "AMM5A17/65KSC1", CW_INTERFACE_BISS, LIKA_AMM5_A17_65KSC1 },
+        { "AMM5A17/65KJP1", CW_INTERFACE_RS485, LIKA_AMM5_A17_65KJP1 },
+        { "AMM5A21/1BG1", CW_INTERFACE_SSI, LIKA_AMM5_A21_1BG1 },
+        { "AMM5A21/1SC1", CW_INTERFACE_BISS, LIKA_AMM5_A21_1SC1 },
+        { "AMM5A21/1JP1", CW_INTERFACE_RS485, LIKA_AMM5_A21_1JP1 },
+        { "AMM5A21/65KBG1", CW_INTERFACE_SSI, LIKA_AMM5_A21_65KBG1 },
+        { "AMM5A21/65KSC1", CW_INTERFACE_BISS, LIKA_AMM5_A21_65KSC1 },
+        { "AMM5A21/65KJP1", CW_INTERFACE_RS485, LIKA_AMM5_A21_65KJP1 },
+        { "AMM5A23/1BG1", CW_INTERFACE_SSI, LIKA_AMM5_A23_1BG1 },
+        { "AMM5A23/1SC1", CW_INTERFACE_BISS, LIKA_AMM5_A23_1SC1 },
+        { "AMM5A23/1JP1", CW_INTERFACE_RS485, LIKA_AMM5_A23_1JP1 },
+        { "AMM5A23/65KBG1", CW_INTERFACE_SSI, LIKA_AMM5_A23_65KBG1 },
+        { "AMM5A23/65KSC1", CW_INTERFACE_BISS, LIKA_AMM5_A23_65KSC1 },
+        { "AMM5A23/65KJP1", CW_INTERFACE_RS485, LIKA_AMM5_A23_65KJP1 },
+        { "AMM5B17/1BG1", CW_INTERFACE_SSI, LIKA_AMM5_B17_1BG1 },
+        { "AMM5B17/1SC1", CW_INTERFACE_BISS, LIKA_AMM5_B17_1SC1 },
+        { "AMM5B17/1JP1", CW_INTERFACE_RS485, LIKA_AMM5_B17_1JP1 },
+        { "AMM5B17/65KBG1", CW_INTERFACE_SSI, LIKA_AMM5_B17_65KBG1 },
+        { "AMM5B17/65KSC1", CW_INTERFACE_BISS, LIKA_AMM5_B17_65KSC1 },
+        { "AMM5B17/65KJP1", CW_INTERFACE_RS485, LIKA_AMM5_B17_65KJP1 },
+        { "AMM5B21/1BG1", CW_INTERFACE_SSI, LIKA_AMM5_B21_1BG1 },
+        { "AMM5B21/1SC1", CW_INTERFACE_BISS, LIKA_AMM5_B21_1SC1 },
+        { "AMM5B21/1JP1", CW_INTERFACE_RS485, LIKA_AMM5_B21_1JP1 },
+        { "AMM5B21/65KBG1", CW_INTERFACE_SSI, LIKA_AMM5_B21_65KBG1 },
+        { "AMM5B21/65KSC1", CW_INTERFACE_BISS, LIKA_AMM5_B21_65KSC1 },
+        { "AMM5B21/65KJP1", CW_INTERFACE_RS485, LIKA_AMM5_B21_65KJP1 },
+        { "AMM5B23/1BG1", CW_INTERFACE_SSI, LIKA_AMM5_B23_1BG1 },
+        { "AMM5B23/1SC1", CW_INTERFACE_BISS, LIKA_AMM5_B23_1SC1 },
+        { "AMM5B23/1JP1", CW_INTERFACE_RS485, LIKA_AMM5_B23_1JP1 },
+        { "AMM5B23/65KBG1", CW_INTERFACE_SSI, LIKA_AMM5_B23_65KBG1 },
+        { "AMM5B23/65KSC1", CW_INTERFACE_BISS, LIKA_AMM5_B23_65KSC1 },
+        { "AMM5B23/65KJP1", CW_INTERFACE_RS485, LIKA_AMM5_B23_65KJP1 }
     };
     *count = sizeof(codes) / sizeof(codes[0]);
     return codes;
@@ -231,7 +242,7 @@ static inline const lika_amm5_order_code *lika_amm5_find_order_code(
     const lika_amm5_order_code *found = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
-        const size_t length = lika_label_match(label, codes[index].text);
+        const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
             found = &codes[index];
@@ -419,9 +430,9 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
  */
-static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
+static inline const cw_report_text *lika_amm5_report_text(uint32_t reports)
 {
-    static const lika_report_text texts[] = {
+    static const cw_report_text texts[] = {
         {
             "error",
             "Error, nE",
@@ -601,7 +612,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /**
- * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_AMM5_A17_1BG1_SSI_BITS 17U
 #define LIKA_AMM5_A17_1BG1_SSI_RX_BYTES 3U
@@ -685,18 +696,18 @@ static inline uint32_t lika_amm5_ssi_word_bits(const lika_amm5_variant *variant)
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_ssi_word_set_position(
+CW_NODISCARD
+static inline cw_result lika_amm5_ssi_word_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_ssi_word *out)
 {
-    if (position > lika_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
     out->multiturn =
-        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
-    return LIKA_OK;
+        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    return CW_OK;
 }
 
 /**
@@ -707,19 +718,19 @@ static inline lika_result lika_amm5_ssi_word_set_position(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_ssi_word_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_ssi_word_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_ssi_word *out)
 {
-    if (lika_above(word, lika_amm5_ssi_word_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_amm5_ssi_word_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
-    const uint16_t multiturn = (uint16_t)lika_above(word, variant->singleturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(word, 0U, variant->singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, variant->singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -730,25 +741,25 @@ static inline lika_result lika_amm5_ssi_word_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_ssi_word_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_ssi_word_encode(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *in, uint64_t *out)
 {
-    if (in->multiturn > lika_mask(variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
-    if (in->singleturn > lika_mask(variant->singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
     if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     const uint64_t word =
         ((uint64_t)in->multiturn << variant->singleturn_bits) |
         (uint64_t)in->singleturn;
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -756,15 +767,15 @@ static inline lika_result lika_amm5_ssi_word_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return LIKA_UNKNOWN
+ * @return CW_UNKNOWN
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_amm5_ssi_word_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_amm5_ssi_word_verdict(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *frame)
 {
     (void)variant;
     (void)frame;
-    return LIKA_UNKNOWN;
+    return CW_UNKNOWN;
 }
 
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
@@ -808,7 +819,7 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(
 #define LIKA_AMM5_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -839,9 +850,9 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(
 #define LIKA_AMM5_B23_65KSC1_BISS_RX_BYTES 12U
 
 /**
- * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
- * last clock of the same frame, at least 25 clock periods after its CDS: 2.5 us at 10 MHz and 500
- * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
+ * the last clock of the same frame, at least 25 clock periods after its CDS: 2.5 us at 10 MHz and
+ * 500 us at 50 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before the next
  * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
  * time-out (1.5 clock periods).
  */
@@ -945,18 +956,18 @@ static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_single_cycle_data_set_position(
+CW_NODISCARD
+static inline cw_result lika_amm5_single_cycle_data_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_single_cycle_data *out)
 {
-    if (position > lika_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
     out->multiturn =
-        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
-    return LIKA_OK;
+        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    return CW_OK;
 }
 
 /**
@@ -967,24 +978,24 @@ static inline lika_result lika_amm5_single_cycle_data_set_position(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_single_cycle_data_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_single_cycle_data_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_single_cycle_data *out)
 {
-    if (lika_above(word, lika_amm5_single_cycle_data_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_amm5_single_cycle_data_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
     if (lika_amm5_single_cycle_data_crc(word) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
-    const uint16_t multiturn = (uint16_t)lika_above(word, 8U + variant->singleturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(word, 8U, variant->singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, 8U + variant->singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 8U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->error = (((uint32_t)word & 0x80U) == 0U);
     out->warning = (((uint32_t)word & 0x40U) == 0U);
     out->position = word >> 8U;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -995,19 +1006,19 @@ static inline lika_result lika_amm5_single_cycle_data_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_single_cycle_data_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_single_cycle_data_encode(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *in, uint64_t *out)
 {
-    if (in->multiturn > lika_mask(variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
-    if (in->singleturn > lika_mask(variant->singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
     if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->multiturn << (8U + variant->singleturn_bits)) |
@@ -1016,7 +1027,7 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word |= lika_amm5_single_cycle_data_crc(word);
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1024,19 +1035,19 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_amm5_single_cycle_data_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_amm5_single_cycle_data_verdict(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *frame)
 {
     if (frame->error || ((variant->multiturn_bits != 0U) && frame->warning)) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if ((variant->multiturn_bits == 0U) && frame->warning) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1188,22 +1199,22 @@ typedef struct lika_amm5_data_request {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_data_request_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_data_request_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_data_request *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_DATA_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data ID */
-        return LIKA_FAULT_CONSTANT;
+    if (parity != cw_parity(data_id)) { /* even parity of data ID */
+        return CW_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_SINGLETURN) &&
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) &&
@@ -1212,10 +1223,10 @@ static inline lika_result lika_amm5_data_request_decode(
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->data_id = (lika_amm5_data_id)data_id;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1227,14 +1238,14 @@ static inline lika_result lika_amm5_data_request_decode(
  * @param length  number of bytes, LIKA_AMM5_DATA_REQUEST_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_data_request_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_data_request_encode(
     const lika_amm5_variant *variant, const lika_amm5_data_request *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_DATA_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->data_id != LIKA_AMM5_DATA_ID_SINGLETURN) &&
         (in->data_id != LIKA_AMM5_DATA_ID_MULTITURN) &&
@@ -1243,11 +1254,11 @@ static inline lika_result lika_amm5_data_request_encode(
         (in->data_id != LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
         (in->data_id != LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
         (in->data_id != LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(0x02U | ((uint32_t)in->data_id << 3U) |
-        (lika_parity((uint32_t)in->data_id) << 7U));
-    return LIKA_OK;
+        (cw_parity((uint32_t)in->data_id) << 7U));
+    return CW_OK;
 }
 
 /**
@@ -1286,14 +1297,14 @@ typedef struct lika_amm5_eeprom_write_request {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_write_request_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_write_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_write_request *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t word =
         (uint64_t)bytes[0] |
@@ -1301,26 +1312,26 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
         ((uint64_t)bytes[2] << 16U) |
         ((uint64_t)bytes[3] << 24U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
     const uint8_t address =
-        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+        (uint8_t)cw_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
     const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
     if ((word & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0x00U) { /* mem busy */
-        return LIKA_FAULT_CONSTANT;
+    if (cw_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0x00U) { /* mem busy */
+        return CW_FAULT_CONSTANT;
     }
     /* data ID of another frame, or its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     out->address = address;
     out->data = data;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1333,17 +1344,17 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
  * @param length  number of bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_write_request_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_write_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_write_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (in->address > 0x7FU) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         0x02U |
@@ -1355,7 +1366,7 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
     bytes[2] = (uint8_t)(word >> 16U);
     bytes[3] = (uint8_t)(word >> 24U);
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1392,38 +1403,38 @@ typedef struct lika_amm5_eeprom_read_request {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_read_request_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_read_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_read_request *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t word =
         (uint64_t)bytes[0] |
         ((uint64_t)bytes[1] << 8U) |
         ((uint64_t)bytes[2] << 16U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
     const uint8_t address =
-        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+        (uint8_t)cw_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
     if ((word & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0x00U) { /* mem busy */
-        return LIKA_FAULT_CONSTANT;
+    if (cw_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0x00U) { /* mem busy */
+        return CW_FAULT_CONSTANT;
     }
     /* data ID of another frame, or its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     out->address = address;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1436,17 +1447,17 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
  * @param length  number of bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_read_request_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_read_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_read_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (in->address > 0x7FU) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         0x02U |
@@ -1457,7 +1468,7 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
     bytes[1] = (uint8_t)(word >> 8U);
     bytes[2] = (uint8_t)(word >> 16U);
     bytes[2] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1520,35 +1531,35 @@ typedef struct lika_amm5_singleturn_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_singleturn_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_singleturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_singleturn_reply *out)
 {
     if (length != LIKA_AMM5_SINGLETURN_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
+    if (singleturn > cw_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+        return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data ID */
-        return LIKA_FAULT_CONSTANT;
+    if (parity != cw_parity(data_id)) { /* even parity of data ID */
+        return CW_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_SINGLETURN) &&
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
         (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->data_id = (lika_amm5_data_id)data_id;
     const uint8_t flags = bytes[1];
@@ -1556,7 +1567,7 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->singleturn = singleturn;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1568,35 +1579,35 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
  * @param length  number of bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_singleturn_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_singleturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_AMM5_SINGLETURN_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->data_id != LIKA_AMM5_DATA_ID_SINGLETURN) &&
         (in->data_id != LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
         (in->data_id != LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
         (in->data_id != LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    if (in->singleturn > lika_mask(variant->singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(0x02U | ((uint32_t)in->data_id << 3U) |
-        (lika_parity((uint32_t)in->data_id) << 7U));
+        (cw_parity((uint32_t)in->data_id) << 7U));
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->singleturn;
     bytes[3] = (uint8_t)(in->singleturn >> 8U);
     bytes[4] = (uint8_t)(in->singleturn >> 16U);
     bytes[5] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1618,20 +1629,20 @@ static inline bool lika_amm5_singleturn_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_amm5_singleturn_reply_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_amm5_singleturn_reply_verdict(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *frame)
 {
     (void)variant;
     if (frame->status_st_error || frame->status_other_error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->unused != 0U) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1706,38 +1717,38 @@ typedef struct lika_amm5_multiturn_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_multiturn_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_multiturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_multiturn_reply *out)
 {
     if (length != LIKA_AMM5_MULTITURN_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U));
-    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
+    if (multiturn > cw_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+        return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[4] != 0x00U) { /* above multiturn */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x8AU) { /* data ID of another frame, or its even parity is wrong */
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->unused = (uint8_t)(flags & 0xCFU);
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->multiturn = multiturn;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1749,19 +1760,19 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
  * @param length  number of bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_multiturn_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_multiturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_AMM5_MULTITURN_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
-    if (in->multiturn > lika_mask(variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = 0x8AU;
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
@@ -1770,7 +1781,7 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
     bytes[3] = (uint8_t)(in->multiturn >> 8U);
     bytes[4] = 0x00U;
     bytes[5] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1792,20 +1803,20 @@ static inline bool lika_amm5_multiturn_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_amm5_multiturn_reply_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_amm5_multiturn_reply_verdict(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *frame)
 {
     (void)variant;
     if (frame->status_st_error || frame->status_other_error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->unused != 0U) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1881,33 +1892,33 @@ typedef struct lika_amm5_encoder_id_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_encoder_id_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_encoder_id_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_encoder_id_reply *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint8_t encoder_id = bytes[2];
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x92U) { /* data ID of another frame, or its even parity is wrong */
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->unused = (uint8_t)(flags & 0xCFU);
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->encoder_id = encoder_id;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1919,24 +1930,24 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
  * @param length  number of bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_encoder_id_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_encoder_id_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = 0x92U;
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
     bytes[2] = in->encoder_id;
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** value of encoder_id stated by the manual */
@@ -2080,18 +2091,18 @@ typedef struct lika_amm5_complete_reply {
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_complete_reply_set_position(
+CW_NODISCARD
+static inline cw_result lika_amm5_complete_reply_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_complete_reply *out)
 {
-    if (position > lika_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
     out->multiturn =
-        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
-    return LIKA_OK;
+        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    return CW_OK;
 }
 
 /**
@@ -2103,16 +2114,16 @@ static inline lika_result lika_amm5_complete_reply_set_position(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_complete_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_complete_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_complete_reply *out)
 {
     if (length != LIKA_AMM5_COMPLETE_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
@@ -2120,20 +2131,20 @@ static inline lika_result lika_amm5_complete_reply_decode(
         ((uint32_t)bytes[4] << 16U);
     const uint8_t encoder_id = bytes[5];
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
-    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
+    if (singleturn > cw_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+        return CW_FAULT_CONSTANT;
     }
-    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
+    if (multiturn > cw_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+        return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[8] != 0x00U) { /* above multiturn */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x1AU) { /* data ID of another frame, or its even parity is wrong */
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     uint8_t flags = bytes[1];
     uint32_t unused = flags;
@@ -2151,7 +2162,7 @@ static inline lika_result lika_amm5_complete_reply_decode(
     out->mt_error = ((flags & 0x40U) != 0U);
     out->battery_alarm = ((flags & 0x80U) != 0U);
     out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2163,26 +2174,26 @@ static inline lika_result lika_amm5_complete_reply_decode(
  * @param length  number of bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_complete_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_complete_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_AMM5_COMPLETE_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
-    if (in->singleturn > lika_mask(variant->singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
-    if (in->multiturn > lika_mask(variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
     if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0xE630U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = 0x1AU;
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
@@ -2198,7 +2209,7 @@ static inline lika_result lika_amm5_complete_reply_encode(
         (in->st_error ? 0x04U : 0x00U) | (in->ps_error ? 0x20U : 0x00U) |
         (in->mt_error ? 0x40U : 0x00U) | (in->battery_alarm ? 0x80U : 0x00U));
     bytes[10] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** value of encoder_id stated by the manual */
@@ -2223,22 +2234,22 @@ static inline bool lika_amm5_complete_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_amm5_complete_reply_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_amm5_complete_reply_verdict(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *frame)
 {
     if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm &&
         !frame->mt_error) || frame->busy || frame->st_error || frame->ps_error ||
         ((variant->multiturn_bits != 0U) && frame->mt_error)) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (((variant->multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
         (frame->unused != 0U)) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -2310,14 +2321,14 @@ typedef struct lika_amm5_eeprom_write_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_write_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_write_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_write_reply *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t word =
         (uint64_t)bytes[0] |
@@ -2325,24 +2336,24 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
         ((uint64_t)bytes[2] << 16U) |
         ((uint64_t)bytes[3] << 24U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
     const uint8_t address =
-        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+        (uint8_t)cw_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
     const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
     if ((word & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     /* data ID of another frame, or its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     out->address = address;
-    out->mem_busy = (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0U);
+    out->mem_busy = (cw_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0U);
     out->data = data;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2355,17 +2366,17 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
  * @param length  number of bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_write_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_write_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_write_reply *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (in->address > 0x7FU) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         0x02U |
@@ -2378,7 +2389,7 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
     bytes[2] = (uint8_t)(word >> 16U);
     bytes[3] = (uint8_t)(word >> 24U);
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2436,14 +2447,14 @@ typedef struct lika_amm5_eeprom_read_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_read_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_read_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_read_reply *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t word =
         (uint64_t)bytes[0] |
@@ -2451,24 +2462,24 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
         ((uint64_t)bytes[2] << 16U) |
         ((uint64_t)bytes[3] << 24U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
     const uint8_t address =
-        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+        (uint8_t)cw_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
     const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
     if ((word & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     /* data ID of another frame, or its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     out->address = address;
-    out->mem_busy = (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0U);
+    out->mem_busy = (cw_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0U);
     out->data = data;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2481,17 +2492,17 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
  * @param length  number of bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_eeprom_read_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_eeprom_read_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_read_reply *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (in->address > 0x7FU) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         0x02U |
@@ -2505,7 +2516,7 @@ static inline lika_result lika_amm5_eeprom_read_reply_encode(
     bytes[2] = (uint8_t)(word >> 16U);
     bytes[3] = (uint8_t)(word >> 24U);
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2569,8 +2580,8 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
  * @param frame  the frame
  * @return OK, or RANGE if there is none
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_rs485_request_for(
+CW_NODISCARD
+static inline cw_result lika_amm5_rs485_request_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
     switch (data_id) {
@@ -2582,15 +2593,15 @@ static inline lika_result lika_amm5_rs485_request_for(
     case LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN:
     case LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS:
         *frame = LIKA_AMM5_RS485_FRAME_DATA_REQUEST;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_EEPROM_WRITE:
         *frame = LIKA_AMM5_RS485_FRAME_EEPROM_WRITE_REQUEST;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_EEPROM_READ:
         *frame = LIKA_AMM5_RS485_FRAME_EEPROM_READ_REQUEST;
-        return LIKA_OK;
+        return CW_OK;
     default:
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
 }
 
@@ -2602,12 +2613,12 @@ static inline lika_result lika_amm5_rs485_request_for(
  * @param frame  the frame
  * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_rs485_request_frame(
+CW_NODISCARD
+static inline cw_result lika_amm5_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
     if (length < 1U) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     return lika_amm5_rs485_request_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
@@ -2619,8 +2630,8 @@ static inline lika_result lika_amm5_rs485_request_frame(
  * @param frame  the frame
  * @return OK, or RANGE if there is none
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_rs485_reply_for(
+CW_NODISCARD
+static inline cw_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
     switch (data_id) {
@@ -2629,24 +2640,24 @@ static inline lika_result lika_amm5_rs485_reply_for(
     case LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN:
     case LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS:
         *frame = LIKA_AMM5_RS485_FRAME_SINGLETURN_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_MULTITURN:
         *frame = LIKA_AMM5_RS485_FRAME_MULTITURN_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_ENCODER_ID:
         *frame = LIKA_AMM5_RS485_FRAME_ENCODER_ID_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_ALL_DATA:
         *frame = LIKA_AMM5_RS485_FRAME_COMPLETE_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_EEPROM_WRITE:
         *frame = LIKA_AMM5_RS485_FRAME_EEPROM_WRITE_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_AMM5_DATA_ID_EEPROM_READ:
         *frame = LIKA_AMM5_RS485_FRAME_EEPROM_READ_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     default:
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
 }
 
@@ -2658,12 +2669,12 @@ static inline lika_result lika_amm5_rs485_reply_for(
  * @param frame  the frame
  * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_rs485_reply_frame(
+CW_NODISCARD
+static inline cw_result lika_amm5_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
     if (length < 1U) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     return lika_amm5_rs485_reply_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
@@ -2691,7 +2702,7 @@ static inline uint64_t lika_amm5_modulus(const lika_amm5_variant *variant)
 static inline int64_t lika_amm5_position_difference(
     const lika_amm5_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_amm5_modulus(variant));
+    return cw_difference(now, before, lika_amm5_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
@@ -2741,7 +2752,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  */
 #define LIKA_AMM5_REG_PRESET_ADDRESS 0x11U
 #define LIKA_AMM5_REG_PRESET_LENGTH 7U /**< bytes, 11h to 17h */
-#define LIKA_AMM5_REG_PRESET_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_AMM5_REG_PRESET_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_AMM5_REG_PRESET_DEFAULT UINT64_C(0x00000000000000) /**< factory default */
 #define LIKA_AMM5_REG_PRESET_MIN 0U
 
@@ -2753,7 +2764,7 @@ static inline uint32_t lika_amm5_reg_preset_multiturn_shift(const lika_amm5_vari
 
 static inline uint64_t lika_amm5_reg_preset_multiturn_mask(const lika_amm5_variant *variant)
 {
-    return lika_mask(variant->multiturn_bits) << (49U - variant->multiturn_bits);
+    return cw_mask(variant->multiturn_bits) << (49U - variant->multiturn_bits);
 }
 
 /** singleturn: from bit 33 - singleturn_bits up. */
@@ -2764,13 +2775,13 @@ static inline uint32_t lika_amm5_reg_preset_singleturn_shift(const lika_amm5_var
 
 static inline uint64_t lika_amm5_reg_preset_singleturn_mask(const lika_amm5_variant *variant)
 {
-    return lika_mask(variant->singleturn_bits) << (33U - variant->singleturn_bits);
+    return cw_mask(variant->singleturn_bits) << (33U - variant->singleturn_bits);
 }
 
 /** Return the greatest position: 2^position_bits - 1. */
 static inline uint64_t lika_amm5_reg_preset_max(const lika_amm5_variant *variant)
 {
-    return lika_mask(lika_amm5_position_bits(variant));
+    return cw_mask(lika_amm5_position_bits(variant));
 }
 
 /** Values of the register preset. */
@@ -2789,18 +2800,18 @@ typedef struct lika_amm5_reg_preset {
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_preset_set_position(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_preset_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_reg_preset *out)
 {
-    if (position > lika_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
     out->multiturn =
-        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
-    return LIKA_OK;
+        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    return CW_OK;
 }
 
 /**
@@ -2812,13 +2823,13 @@ static inline lika_result lika_amm5_reg_preset_set_position(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_preset_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_preset_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_preset *out)
 {
     if (length != LIKA_AMM5_REG_PRESET_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t word =
         (uint64_t)bytes[0] |
@@ -2829,22 +2840,22 @@ static inline lika_result lika_amm5_reg_preset_decode(
         ((uint64_t)bytes[5] << 40U) |
         ((uint64_t)bytes[6] << 48U);
     const uint16_t multiturn =
-        (uint16_t)lika_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
+        (uint16_t)cw_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
     const uint32_t singleturn =
-        (uint32_t)lika_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
+        (uint32_t)cw_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
     if (((word >> 49U) & 0x7FU) != 0x00U) { /* zero above multiturn */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (lika_field(word, 33U, 16U - variant->multiturn_bits) != 0x00U) { /* zero below multiturn */
-        return LIKA_FAULT_CONSTANT;
+    if (cw_field(word, 33U, 16U - variant->multiturn_bits) != 0x00U) { /* zero below multiturn */
+        return CW_FAULT_CONSTANT;
     }
-    if (lika_field(word, 0U, 33U - variant->singleturn_bits) != 0x00U) { /* zero below singleturn */
-        return LIKA_FAULT_CONSTANT;
+    if (cw_field(word, 0U, 33U - variant->singleturn_bits) != 0x00U) { /* zero below singleturn */
+        return CW_FAULT_CONSTANT;
     }
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2856,22 +2867,22 @@ static inline lika_result lika_amm5_reg_preset_decode(
  * @param length  number of bytes, LIKA_AMM5_REG_PRESET_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_preset_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_preset_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_preset *in, uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AMM5_REG_PRESET_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
-    if (in->multiturn > lika_mask(variant->multiturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+        return CW_FAULT_RANGE;
     }
-    if (in->singleturn > lika_mask(variant->singleturn_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+        return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
     if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     const uint64_t word =
         ((uint64_t)in->multiturn << (49U - variant->multiturn_bits)) |
@@ -2883,7 +2894,7 @@ static inline lika_result lika_amm5_reg_preset_encode(
     bytes[4] = (uint8_t)(word >> 32U);
     bytes[5] = (uint8_t)(word >> 40U);
     bytes[6] = (uint8_t)(word >> 48U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2895,15 +2906,15 @@ static inline lika_result lika_amm5_reg_preset_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_read_preset(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_amm5_reg_preset *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_read_preset(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_preset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_REG_PRESET_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AMM5_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AMM5_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_amm5_reg_preset_decode(variant, bytes, sizeof(bytes), out);
@@ -2918,18 +2929,18 @@ static inline lika_result lika_amm5_read_preset(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_write_preset(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    const lika_amm5_reg_preset *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_write_preset(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    const lika_amm5_reg_preset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_REG_PRESET_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_amm5_reg_preset_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_AMM5_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+    return cw_write(transport, LIKA_AMM5_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
 }
 
 /**
@@ -2941,7 +2952,7 @@ static inline lika_result lika_amm5_write_preset(
  */
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ADDRESS 0x40U
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_LENGTH 1U /**< byte */
-#define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ACCESS LIKA_ACCESS_WRITE_ONLY
+#define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ACCESS CW_ACCESS_WRITE_ONLY
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_DEFAULT 0x00U /**< factory default */
 
 /** Values of Preset setting enable. */
@@ -2960,17 +2971,17 @@ typedef enum lika_amm5_preset_setting_enable {
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_write_preset_setting_enable(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_amm5_preset_setting_enable value, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_write_preset_setting_enable(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_preset_setting_enable value, cw_failure *failure)
 {
     (void)variant;
     if ((value != LIKA_AMM5_PRESET_SETTING_ENABLE_DISABLE) &&
         (value != LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    return lika_write_byte(transport, LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ADDRESS, (uint8_t)value,
+    return cw_write_byte(transport, LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ADDRESS, (uint8_t)value,
         failure);
 }
 
@@ -2985,7 +2996,7 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
-#define LIKA_AMM5_REG_SERIAL_NUMBER_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AMM5_REG_SERIAL_NUMBER_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register serial number. */
 typedef struct lika_amm5_reg_serial_number {
@@ -3007,19 +3018,19 @@ typedef struct lika_amm5_reg_serial_number {
  * @param out  the struct with these members, unchanged on error
  * @return OK, or RANGE if the value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_serial_number_set_serial(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_serial_number_set_serial(
     const lika_amm5_variant *variant, uint32_t serial, lika_amm5_reg_serial_number *out)
 {
     (void)variant;
     if (serial > 999999999U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->serial = serial;
     out->year = (uint8_t)(serial / 10000000U);
     out->week = (uint8_t)((serial / 100000U) % 100U);
     out->number = (uint32_t)(serial % 100000U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3031,25 +3042,25 @@ static inline lika_result lika_amm5_reg_serial_number_set_serial(
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_serial_number_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_serial_number_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_serial_number *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint32_t serial = (uint32_t)bytes[3] | ((uint32_t)bytes[2] << 8U) |
         ((uint32_t)bytes[1] << 16U) | ((uint32_t)bytes[0] << 24U);
     if (serial > 999999999U) { /* 9 digits */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->serial = serial;
     out->year = (uint8_t)(serial / 10000000U);
     out->week = (uint8_t)((serial / 100000U) % 100U);
     out->number = (uint32_t)(serial % 100000U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3061,34 +3072,34 @@ static inline lika_result lika_amm5_reg_serial_number_decode(
  * @param length  number of bytes, LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_serial_number_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_serial_number_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (in->year > 99U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if (in->week > 99U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if (in->number > 99999U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     /* the number and its digits disagree */
     if (in->serial != (((uint32_t)in->year * 10000000U) + ((uint32_t)in->week * 100000U) +
         in->number)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(in->serial >> 24U);
     bytes[1] = (uint8_t)(in->serial >> 16U);
     bytes[2] = (uint8_t)(in->serial >> 8U);
     bytes[3] = (uint8_t)in->serial;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3100,16 +3111,15 @@ static inline lika_result lika_amm5_reg_serial_number_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_read_serial_number(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_amm5_reg_serial_number *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_read_serial_number(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH];
-    lika_result result;
-    result =
-        lika_read(transport, LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_amm5_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
@@ -3125,7 +3135,7 @@ static inline lika_result lika_amm5_read_serial_number(
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /**< byte */
-#define LIKA_AMM5_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
+#define LIKA_AMM5_REG_COMMAND_ACCESS CW_ACCESS_WRITE_ONLY
 #define LIKA_AMM5_REG_COMMAND_DEFAULT 0x00U /**< factory default */
 #define LIKA_AMM5_REG_COMMAND_WAIT_AT_LEAST_MS 30U
 
@@ -3146,22 +3156,22 @@ typedef enum lika_amm5_command {
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_write_command(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_amm5_command value, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_write_command(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_command value, cw_failure *failure)
 {
-    lika_result result;
+    cw_result result;
     (void)variant;
     if ((value != LIKA_AMM5_COMMAND_SAVE_PARAMETERS) &&
         (value != LIKA_AMM5_COMMAND_ACTIVATE_PRESET)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    result = lika_write_byte(transport, LIKA_AMM5_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
-    if (result != LIKA_OK) {
+    result = cw_write_byte(transport, LIKA_AMM5_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    if (result != CW_OK) {
         return result;
     }
-    return lika_wait(transport, 30000U, failure);
+    return cw_wait(transport, 30000U, failure);
 }
 
 /**
@@ -3175,7 +3185,7 @@ static inline lika_result lika_amm5_write_command(
  */
 #define LIKA_AMM5_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_AMM5_REG_DEVICE_ID_LENGTH 6U /**< bytes, 78h to 7Dh */
-#define LIKA_AMM5_REG_DEVICE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AMM5_REG_DEVICE_ID_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AMM5_REG_DEVICE_ID_RELEASE_SHIFT 0U
 #define LIKA_AMM5_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
@@ -3198,14 +3208,14 @@ typedef struct lika_amm5_reg_device_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_device_id_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_device_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint16_t release = (uint16_t)((uint32_t)bytes[5] | ((uint32_t)bytes[4] << 8U));
     out->name[0] = (char)bytes[0];
@@ -3213,7 +3223,7 @@ static inline lika_result lika_amm5_reg_device_id_decode(
     out->name[2] = (char)bytes[2];
     out->name[3] = (char)bytes[3];
     out->release = release;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3225,14 +3235,14 @@ static inline lika_result lika_amm5_reg_device_id_decode(
  * @param length  number of bytes, LIKA_AMM5_REG_DEVICE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_device_id_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_device_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
@@ -3240,7 +3250,7 @@ static inline lika_result lika_amm5_reg_device_id_encode(
     bytes[3] = (uint8_t)in->name[3];
     bytes[4] = (uint8_t)(in->release >> 8U);
     bytes[5] = (uint8_t)in->release;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED "AMM5" /**< value of name stated by the manual */
@@ -3271,15 +3281,15 @@ static inline bool lika_amm5_reg_device_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_read_device_id(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_amm5_reg_device_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_read_device_id(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_REG_DEVICE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_AMM5_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_AMM5_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_amm5_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
@@ -3294,7 +3304,7 @@ static inline lika_result lika_amm5_read_device_id(
  */
 #define LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
-#define LIKA_AMM5_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_AMM5_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register manufacturer ID. */
 typedef struct lika_amm5_reg_manufacturer_id {
@@ -3314,18 +3324,18 @@ typedef struct lika_amm5_reg_manufacturer_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_manufacturer_id_decode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_manufacturer_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_manufacturer_id *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     out->name[0] = (char)bytes[0];
     out->name[1] = (char)bytes[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3337,18 +3347,18 @@ static inline lika_result lika_amm5_reg_manufacturer_id_decode(
  * @param length  number of bytes, LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reg_manufacturer_id_encode(
+CW_NODISCARD
+static inline cw_result lika_amm5_reg_manufacturer_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
@@ -3377,16 +3387,16 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_read_manufacturer_id(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_amm5_reg_manufacturer_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_read_manufacturer_id(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_amm5_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
@@ -3408,24 +3418,24 @@ typedef struct lika_amm5_identity {
  * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_read_identity(
-    const lika_transport *transport, lika_amm5_identity *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_read_identity(
+    const cw_transport *transport, lika_amm5_identity *out, cw_failure *failure)
 {
     lika_amm5_identity found;
-    lika_result result;
-    result = lika_read(transport, LIKA_AMM5_REG_DEVICE_ID_ADDRESS, found.device_id,
+    cw_result result;
+    result = cw_read(transport, LIKA_AMM5_REG_DEVICE_ID_ADDRESS, found.device_id,
         sizeof(found.device_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 0U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 0U, failure);
     }
-    result = lika_read(transport, LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+    result = cw_read(transport, LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
         sizeof(found.manufacturer_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 1U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 1U, failure);
     }
     *out = found;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** Return true if an encoder with this order code can have these contents. */
@@ -3435,11 +3445,11 @@ static inline bool lika_amm5_could_be(
     lika_amm5_reg_device_id device_id;
     lika_amm5_reg_manufacturer_id manufacturer_id;
     if ((lika_amm5_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
-        &device_id) != LIKA_OK) || !lika_amm5_reg_device_id_is_expected(variant, &device_id)) {
+        &device_id) != CW_OK) || !lika_amm5_reg_device_id_is_expected(variant, &device_id)) {
         return false;
     }
     if ((lika_amm5_reg_manufacturer_id_decode(variant, read->manufacturer_id,
-        sizeof(read->manufacturer_id), &manufacturer_id) != LIKA_OK) ||
+        sizeof(read->manufacturer_id), &manufacturer_id) != CW_OK) ||
         !lika_amm5_reg_manufacturer_id_is_expected(variant, &manufacturer_id)) {
         return false;
     }
@@ -3461,7 +3471,7 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
     while (*next < count) {
         const lika_amm5_order_code *const code = &codes[*next];
         (*next)++;
-        if ((code->connection == LIKA_INTERFACE_BISS) && lika_amm5_could_be(&code->variant, read)) {
+        if ((code->connection == CW_INTERFACE_BISS) && lika_amm5_could_be(&code->variant, read)) {
             return code;
         }
     }
@@ -3489,46 +3499,46 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_set_preset_steps(
+CW_NODISCARD
+static inline cw_result lika_amm5_set_preset_steps(
     const lika_amm5_variant *variant,
     uint64_t position,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_amm5_reg_preset position_register;
     uint8_t position_bytes[LIKA_AMM5_REG_PRESET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     if (capacity < LIKA_AMM5_SET_PRESET_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     result = lika_amm5_reg_preset_set_position(variant, position, &position_register);
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = lika_amm5_reg_preset_encode(variant, &position_register, position_bytes,
             sizeof(position_bytes));
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
+    steps[0] = cw_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
     /* write the seven Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
-        steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
-        steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+        steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
     /* close the Preset registers before saving, also done if an earlier step fails */
-    steps[15] = lika_step_close(0x40U, 0xFFU, 0x00U);
-    steps[16] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
-    steps[17] = lika_step_wait(30000U); /* EEPROM writing time */
-    steps[18] = lika_step_write(0x77U, 0xFFU, 0x02U); /* activate the preset */
-    steps[19] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[15] = cw_step_close(0x40U, 0xFFU, 0x00U);
+    steps[16] = cw_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[17] = cw_step_wait(30000U); /* EEPROM writing time */
+    steps[18] = cw_step_write(0x77U, 0xFFU, 0x02U); /* activate the preset */
+    steps[19] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_SET_PRESET_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3541,21 +3551,21 @@ static inline lika_result lika_amm5_set_preset_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_set_preset(
-    const lika_transport *transport, const lika_amm5_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_amm5_set_preset(
+    const cw_transport *transport, const lika_amm5_variant *variant,
     uint64_t position,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_AMM5_SET_PRESET_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_AMM5_SET_PRESET_STEPS_COUNT];
+    cw_result result;
     result = lika_amm5_set_preset_steps(variant, position, steps, LIKA_AMM5_SET_PRESET_STEPS_COUNT,
         &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3575,44 +3585,44 @@ static inline lika_result lika_amm5_set_preset(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_store_preset_steps(
+CW_NODISCARD
+static inline cw_result lika_amm5_store_preset_steps(
     const lika_amm5_variant *variant,
     uint64_t position,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_amm5_reg_preset position_register;
     uint8_t position_bytes[LIKA_AMM5_REG_PRESET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     if (capacity < LIKA_AMM5_STORE_PRESET_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     result = lika_amm5_reg_preset_set_position(variant, position, &position_register);
-    if (result == LIKA_OK) {
+    if (result == CW_OK) {
         result = lika_amm5_reg_preset_encode(variant, &position_register, position_bytes,
             sizeof(position_bytes));
     }
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
+    steps[0] = cw_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
     /* write the seven Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
-        steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
-        steps[8U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+        steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
     /* close the Preset registers before saving, also done if an earlier step fails */
-    steps[15] = lika_step_close(0x40U, 0xFFU, 0x00U);
-    steps[16] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
-    steps[17] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[15] = cw_step_close(0x40U, 0xFFU, 0x00U);
+    steps[16] = cw_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[17] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_STORE_PRESET_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3625,21 +3635,21 @@ static inline lika_result lika_amm5_store_preset_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_store_preset(
-    const lika_transport *transport, const lika_amm5_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_amm5_store_preset(
+    const cw_transport *transport, const lika_amm5_variant *variant,
     uint64_t position,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_AMM5_STORE_PRESET_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_AMM5_STORE_PRESET_STEPS_COUNT];
+    cw_result result;
     result = lika_amm5_store_preset_steps(variant, position,
         steps, LIKA_AMM5_STORE_PRESET_STEPS_COUNT, &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3650,11 +3660,11 @@ static inline lika_result lika_amm5_store_preset(
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
 /** Return the steps of lika_amm5_save_parameters(), and store their number in count. */
-static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
+static inline const cw_step *lika_amm5_save_parameters_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x77U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x77U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT;
     return steps;
@@ -3668,15 +3678,15 @@ static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_save_parameters(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_save_parameters(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_amm5_save_parameters_steps(&count);
+    const cw_step *const steps = lika_amm5_save_parameters_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3688,11 +3698,11 @@ static inline lika_result lika_amm5_save_parameters(
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 
 /** Return the steps of lika_amm5_activate_preset(), and store their number in count. */
-static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
+static inline const cw_step *lika_amm5_activate_preset_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x77U, 0xFFU, 0x02U, 1U, 0U }, /* Command: activate_preset */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x77U, 0xFFU, 0x02U, 1U, 0U }, /* Command: activate_preset */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT;
     return steps;
@@ -3706,15 +3716,15 @@ static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_activate_preset(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_activate_preset(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_amm5_activate_preset_steps(&count);
+    const cw_step *const steps = lika_amm5_activate_preset_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3733,13 +3743,13 @@ static inline lika_result lika_amm5_activate_preset(
 /**
  * Return the steps of lika_amm5_reset_singleturn_and_multiturn(), and store their number in count.
  */
-static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(size_t *count)
+static inline const cw_step *lika_amm5_reset_singleturn_and_multiturn_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
         /* reset_singleturn_and_multiturn; in succession, with no other request in between */
-        { LIKA_STEP_SEND, 6U, 0xFFU, 0xC2U, 10U, 40U },
+        { CW_STEP_SEND, 6U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes at most 18 ms, including the write to the EEPROM */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
     };
     *count = LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT;
     return steps;
@@ -3753,15 +3763,15 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_reset_singleturn_and_multiturn(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_amm5_reset_singleturn_and_multiturn_steps(&count);
+    const cw_step *const steps = lika_amm5_reset_singleturn_and_multiturn_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3777,12 +3787,12 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
 /** Return the steps of lika_amm5_reset_multiturn_and_errors(), and store their number in count. */
-static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *count)
+static inline const cw_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
         /* reset_multiturn_and_errors; in succession, with no other request in between */
-        { LIKA_STEP_SEND, 6U, 0xFFU, 0x62U, 10U, 40U },
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for at most 2 ms */
+        { CW_STEP_SEND, 6U, 0xFFU, 0x62U, 10U, 40U },
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for at most 2 ms */
     };
     *count = LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT;
     return steps;
@@ -3796,15 +3806,15 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reset_multiturn_and_errors(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_reset_multiturn_and_errors(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_amm5_reset_multiturn_and_errors_steps(&count);
+    const cw_step *const steps = lika_amm5_reset_multiturn_and_errors_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3820,12 +3830,12 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
 /** Return the steps of lika_amm5_reset_errors(), and store their number in count. */
-static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
+static inline const cw_step *lika_amm5_reset_errors_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
         /* reset_errors; in succession, with no other request in between */
-        { LIKA_STEP_SEND, 6U, 0xFFU, 0xBAU, 10U, 40U },
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for at most 2 ms */
+        { CW_STEP_SEND, 6U, 0xFFU, 0xBAU, 10U, 40U },
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for at most 2 ms */
     };
     *count = LIKA_AMM5_RESET_ERRORS_STEPS_COUNT;
     return steps;
@@ -3839,15 +3849,15 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_amm5_reset_errors(
-    const lika_transport *transport, const lika_amm5_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_amm5_reset_errors(
+    const cw_transport *transport, const lika_amm5_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_amm5_reset_errors_steps(&count);
+    const cw_step *const steps = lika_amm5_reset_errors_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /* -- alarms ------------------------------------------------------------------------------------ */
@@ -4149,7 +4159,8 @@ static inline lika_result lika_amm5_reset_errors(
  *   Why: The register has seven bytes, 11h to 17h. Five bytes written from 11h on would leave 16h
  *   and 17h, most of the multiturn part, unchanged.
  * Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
- *   Printed: Ten times in succession, at transmission intervals of 40 us or more.
+ *   Printed: The request is sent ten times in succession, at transmission intervals of 40 us or
+ *   more.
  *   Used: No other request is sent in between. After each request, at least 40 us pass before the
  *   next one begins.
  *   Why: The manual does not say whether an interval is the gap between two requests or the time

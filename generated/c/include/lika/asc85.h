@@ -11,13 +11,12 @@
  *   static const lika_asc85_variant encoder = LIKA_ASC85_20_SC1;
  *   const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;  your choice
  *   lika_asc85_single_cycle_data frame;
- *   if (lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, word, &frame) == LIKA_OK
- *       && lika_asc85_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
+ *   if (lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, word, &frame) == CW_OK
+ *       && lika_asc85_single_cycle_data_verdict(&encoder, &frame) != CW_NOT_USABLE) {
  *       ... frame.position ...
  *   }
- * The word comes from your BiSS or SSI master, or from SPI and DMA through lika/receive.h.
+ * The word comes from your BiSS or SSI master, or from SPI and DMA through codewheel/receive.h.
  *
- * Version 0.1.0 of these headers.
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * Its sections and pages are cited in brackets.
  * Other documents, cited by the word before the colon:
@@ -50,11 +49,23 @@
 #ifndef LIKA_ASC85_H
 #define LIKA_ASC85_H
 
-#include "encoder.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
-#error "lika/asc85.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
+#include "codewheel/bits.h"
+#include "codewheel/encoder.h"
+#include "codewheel/result.h"
+#include "codewheel/transport.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
+#error "lika/asc85.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
+
+/**
+ * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
+ */
+#define LIKA_ASC85_VERSION "0.1.0"
 
 #ifdef __cplusplus
 extern "C" {
@@ -136,7 +147,7 @@ typedef struct lika_asc85_variant {
 /** An order code. */
 typedef struct lika_asc85_order_code {
     const char *text; /**< as printed, without the rest of the label */
-    lika_interface connection; /**< its interface */
+    cw_interface connection; /**< its interface */
     lika_asc85_variant variant; /**< its variant */
 } lika_asc85_order_code;
 
@@ -144,42 +155,42 @@ typedef struct lika_asc85_order_code {
 static inline const lika_asc85_order_code *lika_asc85_order_codes(size_t *count)
 {
     static const lika_asc85_order_code codes[] = {
-        { "ASC8520/BG1", LIKA_INTERFACE_SSI, LIKA_ASC85_20_BG1 },
-        { "ASC8520/BG2", LIKA_INTERFACE_SSI, LIKA_ASC85_20_BG2 },
-        { "ASC8520/GG1", LIKA_INTERFACE_SSI, LIKA_ASC85_20_GG1 },
-        { "ASC8520/GG2", LIKA_INTERFACE_SSI, LIKA_ASC85_20_GG2 },
-        { "ASC8520/SC1", LIKA_INTERFACE_BISS, LIKA_ASC85_20_SC1 },
-        { "ASC8520/SC2", LIKA_INTERFACE_BISS, LIKA_ASC85_20_SC2 },
-        { "ASC8521/BG1", LIKA_INTERFACE_SSI, LIKA_ASC85_21_BG1 },
-        { "ASC8521/BG2", LIKA_INTERFACE_SSI, LIKA_ASC85_21_BG2 },
-        { "ASC8521/GG1", LIKA_INTERFACE_SSI, LIKA_ASC85_21_GG1 },
-        { "ASC8521/GG2", LIKA_INTERFACE_SSI, LIKA_ASC85_21_GG2 },
-        { "ASC8521/SC1", LIKA_INTERFACE_BISS, LIKA_ASC85_21_SC1 },
-        { "ASC8521/SC2", LIKA_INTERFACE_BISS, LIKA_ASC85_21_SC2 },
-        { "ASC8522/BG1", LIKA_INTERFACE_SSI, LIKA_ASC85_22_BG1 },
-        { "ASC8522/BG2", LIKA_INTERFACE_SSI, LIKA_ASC85_22_BG2 },
-        { "ASC8522/GG1", LIKA_INTERFACE_SSI, LIKA_ASC85_22_GG1 },
-        { "ASC8522/GG2", LIKA_INTERFACE_SSI, LIKA_ASC85_22_GG2 },
-        { "ASC8522/SC1", LIKA_INTERFACE_BISS, LIKA_ASC85_22_SC1 },
-        { "ASC8522/SC2", LIKA_INTERFACE_BISS, LIKA_ASC85_22_SC2 },
-        { "ASC8523/BG1", LIKA_INTERFACE_SSI, LIKA_ASC85_23_BG1 },
-        { "ASC8523/BG2", LIKA_INTERFACE_SSI, LIKA_ASC85_23_BG2 },
-        { "ASC8523/GG1", LIKA_INTERFACE_SSI, LIKA_ASC85_23_GG1 },
-        { "ASC8523/GG2", LIKA_INTERFACE_SSI, LIKA_ASC85_23_GG2 },
-        { "ASC8523/SC1", LIKA_INTERFACE_BISS, LIKA_ASC85_23_SC1 },
-        { "ASC8523/SC2", LIKA_INTERFACE_BISS, LIKA_ASC85_23_SC2 },
-        { "ASC8524/BG1", LIKA_INTERFACE_SSI, LIKA_ASC85_24_BG1 },
-        { "ASC8524/BG2", LIKA_INTERFACE_SSI, LIKA_ASC85_24_BG2 },
-        { "ASC8524/GG1", LIKA_INTERFACE_SSI, LIKA_ASC85_24_GG1 },
-        { "ASC8524/GG2", LIKA_INTERFACE_SSI, LIKA_ASC85_24_GG2 },
-        { "ASC8524/SC1", LIKA_INTERFACE_BISS, LIKA_ASC85_24_SC1 },
-        { "ASC8524/SC2", LIKA_INTERFACE_BISS, LIKA_ASC85_24_SC2 },
-        { "ASC8525/BG1", LIKA_INTERFACE_SSI, LIKA_ASC85_25_BG1 },
-        { "ASC8525/BG2", LIKA_INTERFACE_SSI, LIKA_ASC85_25_BG2 },
-        { "ASC8525/GG1", LIKA_INTERFACE_SSI, LIKA_ASC85_25_GG1 },
-        { "ASC8525/GG2", LIKA_INTERFACE_SSI, LIKA_ASC85_25_GG2 },
-        { "ASC8525/SC1", LIKA_INTERFACE_BISS, LIKA_ASC85_25_SC1 },
-        { "ASC8525/SC2", LIKA_INTERFACE_BISS, LIKA_ASC85_25_SC2 }
+        { "ASC8520/BG1", CW_INTERFACE_SSI, LIKA_ASC85_20_BG1 },
+        { "ASC8520/BG2", CW_INTERFACE_SSI, LIKA_ASC85_20_BG2 },
+        { "ASC8520/GG1", CW_INTERFACE_SSI, LIKA_ASC85_20_GG1 },
+        { "ASC8520/GG2", CW_INTERFACE_SSI, LIKA_ASC85_20_GG2 },
+        { "ASC8520/SC1", CW_INTERFACE_BISS, LIKA_ASC85_20_SC1 },
+        { "ASC8520/SC2", CW_INTERFACE_BISS, LIKA_ASC85_20_SC2 },
+        { "ASC8521/BG1", CW_INTERFACE_SSI, LIKA_ASC85_21_BG1 },
+        { "ASC8521/BG2", CW_INTERFACE_SSI, LIKA_ASC85_21_BG2 },
+        { "ASC8521/GG1", CW_INTERFACE_SSI, LIKA_ASC85_21_GG1 },
+        { "ASC8521/GG2", CW_INTERFACE_SSI, LIKA_ASC85_21_GG2 },
+        { "ASC8521/SC1", CW_INTERFACE_BISS, LIKA_ASC85_21_SC1 },
+        { "ASC8521/SC2", CW_INTERFACE_BISS, LIKA_ASC85_21_SC2 },
+        { "ASC8522/BG1", CW_INTERFACE_SSI, LIKA_ASC85_22_BG1 },
+        { "ASC8522/BG2", CW_INTERFACE_SSI, LIKA_ASC85_22_BG2 },
+        { "ASC8522/GG1", CW_INTERFACE_SSI, LIKA_ASC85_22_GG1 },
+        { "ASC8522/GG2", CW_INTERFACE_SSI, LIKA_ASC85_22_GG2 },
+        { "ASC8522/SC1", CW_INTERFACE_BISS, LIKA_ASC85_22_SC1 },
+        { "ASC8522/SC2", CW_INTERFACE_BISS, LIKA_ASC85_22_SC2 },
+        { "ASC8523/BG1", CW_INTERFACE_SSI, LIKA_ASC85_23_BG1 },
+        { "ASC8523/BG2", CW_INTERFACE_SSI, LIKA_ASC85_23_BG2 },
+        { "ASC8523/GG1", CW_INTERFACE_SSI, LIKA_ASC85_23_GG1 },
+        { "ASC8523/GG2", CW_INTERFACE_SSI, LIKA_ASC85_23_GG2 },
+        { "ASC8523/SC1", CW_INTERFACE_BISS, LIKA_ASC85_23_SC1 },
+        { "ASC8523/SC2", CW_INTERFACE_BISS, LIKA_ASC85_23_SC2 },
+        { "ASC8524/BG1", CW_INTERFACE_SSI, LIKA_ASC85_24_BG1 },
+        { "ASC8524/BG2", CW_INTERFACE_SSI, LIKA_ASC85_24_BG2 },
+        { "ASC8524/GG1", CW_INTERFACE_SSI, LIKA_ASC85_24_GG1 },
+        { "ASC8524/GG2", CW_INTERFACE_SSI, LIKA_ASC85_24_GG2 },
+        { "ASC8524/SC1", CW_INTERFACE_BISS, LIKA_ASC85_24_SC1 },
+        { "ASC8524/SC2", CW_INTERFACE_BISS, LIKA_ASC85_24_SC2 },
+        { "ASC8525/BG1", CW_INTERFACE_SSI, LIKA_ASC85_25_BG1 },
+        { "ASC8525/BG2", CW_INTERFACE_SSI, LIKA_ASC85_25_BG2 },
+        { "ASC8525/GG1", CW_INTERFACE_SSI, LIKA_ASC85_25_GG1 },
+        { "ASC8525/GG2", CW_INTERFACE_SSI, LIKA_ASC85_25_GG2 },
+        { "ASC8525/SC1", CW_INTERFACE_BISS, LIKA_ASC85_25_SC1 },
+        { "ASC8525/SC2", CW_INTERFACE_BISS, LIKA_ASC85_25_SC2 }
     };
     *count = sizeof(codes) / sizeof(codes[0]);
     return codes;
@@ -200,7 +211,7 @@ static inline const lika_asc85_order_code *lika_asc85_order_codes(size_t *count)
 static inline const lika_asc85_order_code *lika_asc85_find_order_code(
     const char *label, uint32_t *unlisted)
 {
-    static const lika_open_code patterns[] = {
+    static const cw_open_code patterns[] = {
         { "ASC8520/BG#", 0U, LIKA_ASC85_UNLISTED_SUPPLY },
         { "ASC8520/GG#", 2U, LIKA_ASC85_UNLISTED_SUPPLY },
         { "ASC8520/SC#", 4U, LIKA_ASC85_UNLISTED_SUPPLY },
@@ -227,7 +238,7 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
     const lika_asc85_order_code *found = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
-        const size_t length = lika_label_match(label, codes[index].text);
+        const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
             found = &codes[index];
@@ -237,7 +248,7 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
         return found;
     }
     for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
-        const size_t length = lika_label_match(label, patterns[index].pattern);
+        const size_t length = cw_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
             found = &codes[patterns[index].code];
@@ -383,9 +394,9 @@ typedef enum lika_asc85_report {
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
  */
-static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
+static inline const cw_report_text *lika_asc85_report_text(uint32_t reports)
 {
-    static const lika_report_text texts[] = {
+    static const cw_report_text texts[] = {
         {
             "error",
             "Error, nE",
@@ -441,7 +452,7 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_ASC85_20_BG1_SSI_BITS 20U
 #define LIKA_ASC85_20_BG1_SSI_RX_BYTES 3U
@@ -546,18 +557,18 @@ static inline uint32_t lika_asc85_ssi_word_bits(const lika_asc85_variant *varian
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_ssi_word_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_ssi_word_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_ssi_word *out)
 {
-    if (lika_above(word, lika_asc85_ssi_word_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_asc85_ssi_word_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
     const uint64_t plain = (variant->ssi_gray != 0U) ?
-        lika_from_gray(word, 0U, variant->position_bits) : word;
+        cw_from_gray(word, 0U, variant->position_bits) : word;
     const uint32_t position = (uint32_t)plain;
     out->position = position;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -568,17 +579,17 @@ static inline lika_result lika_asc85_ssi_word_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_ssi_word_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_ssi_word_encode(
     const lika_asc85_variant *variant, const lika_asc85_ssi_word *in, uint64_t *out)
 {
-    if (in->position > lika_mask(variant->position_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(variant->position_bits)) {
+        return CW_FAULT_RANGE;
     }
     uint64_t word = (uint64_t)in->position;
-    word = (variant->ssi_gray != 0U) ? lika_to_gray(word, 0U, variant->position_bits) : word;
+    word = (variant->ssi_gray != 0U) ? cw_to_gray(word, 0U, variant->position_bits) : word;
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -586,15 +597,15 @@ static inline lika_result lika_asc85_ssi_word_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return LIKA_UNKNOWN
+ * @return CW_UNKNOWN
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_asc85_ssi_word_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_asc85_ssi_word_verdict(
     const lika_asc85_variant *variant, const lika_asc85_ssi_word *frame)
 {
     (void)variant;
     (void)frame;
-    return LIKA_UNKNOWN;
+    return CW_UNKNOWN;
 }
 
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
@@ -632,7 +643,7 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /**
- * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * The length depends on your choice, which is part of the name: as_printed or left_out.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
@@ -688,10 +699,10 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(
 #define LIKA_ASC85_25_SC2_BISS_LEFT_OUT_RX_BYTES 10U
 
 /**
- * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
- * last clock of the same frame, at least 28 clock periods after its CDS: 2.8 us at 10 MHz and 280
- * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
- * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
+ * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
+ * the last clock of the same frame, at least 28 clock periods after its CDS: 2.8 us at 10 MHz and
+ * 280 us at 100 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before the
+ * next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
  * time-out (follows the clock, 350 ns at 10 MHz).
  */
 
@@ -778,25 +789,25 @@ static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_single_cycle_data_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_single_cycle_data_decode(
     const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit, uint64_t word,
     lika_asc85_single_cycle_data *out)
 {
-    if (lika_above(word, lika_asc85_single_cycle_data_bits(variant, zero_bit)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_asc85_single_cycle_data_bits(variant, zero_bit)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
     if (lika_asc85_single_cycle_data_crc(word) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
-    const uint32_t position = (uint32_t)lika_above(word, 8U + lika_asc85_zero_bits(zero_bit));
-    if (lika_field(word, 8U, lika_asc85_zero_bits(zero_bit)) != 0x00U) { /* zero */
-        return LIKA_FAULT_CONSTANT;
+    const uint32_t position = (uint32_t)cw_above(word, 8U + lika_asc85_zero_bits(zero_bit));
+    if (cw_field(word, 8U, lika_asc85_zero_bits(zero_bit)) != 0x00U) { /* zero */
+        return CW_FAULT_CONSTANT;
     }
     out->position = position;
     out->error = (((uint32_t)word & 0x80U) == 0U);
     out->warning = (((uint32_t)word & 0x40U) == 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -808,13 +819,13 @@ static inline lika_result lika_asc85_single_cycle_data_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_single_cycle_data_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_single_cycle_data_encode(
     const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit,
     const lika_asc85_single_cycle_data *in, uint64_t *out)
 {
-    if (in->position > lika_mask(variant->position_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(variant->position_bits)) {
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->position << (8U + lika_asc85_zero_bits(zero_bit))) |
@@ -822,7 +833,7 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word |= lika_asc85_single_cycle_data_crc(word);
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -830,20 +841,20 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_asc85_single_cycle_data_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_asc85_single_cycle_data_verdict(
     const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
 {
     (void)variant;
     if (frame->error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->warning) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -884,7 +895,7 @@ static inline uint64_t lika_asc85_modulus(const lika_asc85_variant *variant)
 static inline int64_t lika_asc85_position_difference(
     const lika_asc85_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_asc85_modulus(variant));
+    return cw_difference(now, before, lika_asc85_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
@@ -926,7 +937,7 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /**< bytes, 42h to 43h */
-#define LIKA_ASC85_REG_PROFILE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_PROFILE_ID_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_ASC85_REG_PROFILE_ID_DEFAULT 0x281AU /**< factory default */
 #define LIKA_ASC85_REG_PROFILE_ID_VARIANT_SHIFT 8U
 #define LIKA_ASC85_REG_PROFILE_ID_VARIANT_MASK 0xFF00U
@@ -953,20 +964,20 @@ typedef struct lika_asc85_reg_profile_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_profile_id_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_profile_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_profile_id *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_PROFILE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t variant_ = bytes[0];
     const uint8_t data_length = bytes[1];
     out->variant = variant_;
     out->data_length = data_length;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -978,18 +989,18 @@ static inline lika_result lika_asc85_reg_profile_id_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_PROFILE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_profile_id_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_profile_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_PROFILE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = in->variant;
     bytes[1] = in->data_length;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** value of variant stated by the manual */
@@ -1018,15 +1029,15 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_profile_id(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_profile_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_profile_id(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_PROFILE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_ASC85_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_ASC85_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_profile_id_decode(variant, bytes, sizeof(bytes), out);
@@ -1041,7 +1052,7 @@ static inline lika_result lika_asc85_read_profile_id(
  */
 #define LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
-#define LIKA_ASC85_REG_SERIAL_NUMBER_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_SERIAL_NUMBER_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register serial number. */
 typedef struct lika_asc85_reg_serial_number {
@@ -1057,19 +1068,19 @@ typedef struct lika_asc85_reg_serial_number {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_serial_number_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_serial_number_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_serial_number *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint32_t serial = (uint32_t)bytes[3] | ((uint32_t)bytes[2] << 8U) |
         ((uint32_t)bytes[1] << 16U) | ((uint32_t)bytes[0] << 24U);
     out->serial = serial;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1081,20 +1092,20 @@ static inline lika_result lika_asc85_reg_serial_number_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_serial_number_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_serial_number_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)(in->serial >> 24U);
     bytes[1] = (uint8_t)(in->serial >> 16U);
     bytes[2] = (uint8_t)(in->serial >> 8U);
     bytes[3] = (uint8_t)in->serial;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1106,16 +1117,16 @@ static inline lika_result lika_asc85_reg_serial_number_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_serial_number(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_serial_number *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_serial_number(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
@@ -1127,7 +1138,7 @@ static inline lika_result lika_asc85_read_serial_number(
  */
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS 0x5AU
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH 1U /**< byte */
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AMPLITUDE_CONTROL_MAXIMUM_CURRENT_MASK 0x80U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_SIGNAL_LEVEL_MAXIMUM_AMPLITUDE_MASK 0x40U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_DC_MAXIMUM_OFFSET_MASK 0x20U
@@ -1198,14 +1209,14 @@ typedef struct lika_asc85_reg_diagnostic_data {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_diagnostic_data_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_diagnostic_data_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_diagnostic_data *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t flags = bytes[0];
     out->amplitude_control_maximum_current = ((flags & 0x80U) != 0U);
@@ -1216,7 +1227,7 @@ static inline lika_result lika_asc85_reg_diagnostic_data_decode(
     out->signal_level_minimum_amplitude = ((flags & 0x04U) != 0U);
     out->dc_minimum_offset = ((flags & 0x02U) != 0U);
     out->ac_minimum_amplitude = ((flags & 0x01U) != 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1228,14 +1239,14 @@ static inline lika_result lika_asc85_reg_diagnostic_data_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_diagnostic_data_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_diagnostic_data_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_diagnostic_data *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)((in->amplitude_control_maximum_current ? 0x80U : 0x00U) |
         (in->signal_level_maximum_amplitude ? 0x40U : 0x00U) |
@@ -1243,7 +1254,7 @@ static inline lika_result lika_asc85_reg_diagnostic_data_encode(
         (in->amplitude_control_minimum_current ? 0x08U : 0x00U) |
         (in->signal_level_minimum_amplitude ? 0x04U : 0x00U) |
         (in->dc_minimum_offset ? 0x02U : 0x00U) | (in->ac_minimum_amplitude ? 0x01U : 0x00U));
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1255,16 +1266,16 @@ static inline lika_result lika_asc85_reg_diagnostic_data_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_diagnostic_data(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_diagnostic_data *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_diagnostic_data(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_diagnostic_data *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_diagnostic_data_decode(variant, bytes, sizeof(bytes), out);
@@ -1278,7 +1289,7 @@ static inline lika_result lika_asc85_read_diagnostic_data(
  */
 #define LIKA_ASC85_REG_COMMAND_ADDRESS 0x60U
 #define LIKA_ASC85_REG_COMMAND_LENGTH 1U /**< byte */
-#define LIKA_ASC85_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
+#define LIKA_ASC85_REG_COMMAND_ACCESS CW_ACCESS_WRITE_ONLY
 
 /** Values of Command & status, Command mode. */
 typedef enum lika_asc85_command {
@@ -1337,10 +1348,10 @@ typedef enum lika_asc85_command {
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_write_command(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_command value, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_write_command(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_command value, cw_failure *failure)
 {
     (void)variant;
     if ((value != LIKA_ASC85_COMMAND_REQUEST_POSITION) &&
@@ -1350,9 +1361,9 @@ static inline lika_result lika_asc85_write_command(
         (value != LIKA_ASC85_COMMAND_VERIFY_CONFIGURATION) &&
         (value != LIKA_ASC85_COMMAND_SIMULATE_ERROR) &&
         (value != LIKA_ASC85_COMMAND_CLEAR_SIMULATED_ERROR)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    return lika_write_byte(transport, LIKA_ASC85_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    return cw_write_byte(transport, LIKA_ASC85_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
 }
 
 /**
@@ -1370,7 +1381,7 @@ static inline lika_result lika_asc85_write_command(
  */
 #define LIKA_ASC85_REG_STATUS_ADDRESS 0x60U
 #define LIKA_ASC85_REG_STATUS_LENGTH 1U /**< byte */
-#define LIKA_ASC85_REG_STATUS_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_STATUS_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_ASC85_REG_STATUS_CONFIGURATION_COMPLETED_MASK 0x80U
 #define LIKA_ASC85_REG_STATUS_ERROR_MESSAGE_MASK 0x40U
 #define LIKA_ASC85_REG_STATUS_WARNING_MESSAGE_MASK 0x20U
@@ -1436,14 +1447,14 @@ typedef struct lika_asc85_reg_status {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_status_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_status_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_status *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_STATUS_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t flags = bytes[0];
     out->configuration_completed = ((flags & 0x80U) != 0U);
@@ -1454,7 +1465,7 @@ static inline lika_result lika_asc85_reg_status_decode(
     out->internal_data_bus_busy = ((flags & 0x04U) != 0U);
     out->absolute_data_valid = ((flags & 0x02U) != 0U);
     out->position_data_valid = ((flags & 0x01U) != 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1466,21 +1477,21 @@ static inline lika_result lika_asc85_reg_status_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_STATUS_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_status_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_status_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_status *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_STATUS_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)((in->configuration_completed ? 0x80U : 0x00U) |
         (in->error_message ? 0x40U : 0x00U) | (in->warning_message ? 0x20U : 0x00U) |
         (in->conf_write_access ? 0x10U : 0x00U) | (in->eds_write_access ? 0x08U : 0x00U) |
         (in->internal_data_bus_busy ? 0x04U : 0x00U) | (in->absolute_data_valid ? 0x02U : 0x00U) |
         (in->position_data_valid ? 0x01U : 0x00U));
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1492,15 +1503,15 @@ static inline lika_result lika_asc85_reg_status_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_status(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_status *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_status(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_status *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_STATUS_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_ASC85_REG_STATUS_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_ASC85_REG_STATUS_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_status_decode(variant, bytes, sizeof(bytes), out);
@@ -1525,7 +1536,7 @@ static inline lika_result lika_asc85_read_status(
  */
 #define LIKA_ASC85_REG_POSITION_ADDRESS 0x61U
 #define LIKA_ASC85_REG_POSITION_LENGTH 4U /**< bytes, 61h to 64h */
-#define LIKA_ASC85_REG_POSITION_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_POSITION_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register position. */
 typedef struct lika_asc85_reg_position {
@@ -1541,13 +1552,13 @@ typedef struct lika_asc85_reg_position {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_position_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_position_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_position *out)
 {
     if (length != LIKA_ASC85_REG_POSITION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint64_t word =
         (uint64_t)bytes[0] |
@@ -1555,9 +1566,9 @@ static inline lika_result lika_asc85_reg_position_decode(
         ((uint64_t)bytes[2] << 16U) |
         ((uint64_t)bytes[3] << 24U);
     const uint32_t position =
-        (uint32_t)lika_field(word, 32U - variant->position_bits, variant->position_bits);
+        (uint32_t)cw_field(word, 32U - variant->position_bits, variant->position_bits);
     out->position = position;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1569,23 +1580,23 @@ static inline lika_result lika_asc85_reg_position_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_POSITION_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_position_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_position_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_position *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_ASC85_REG_POSITION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
-    if (in->position > lika_mask(variant->position_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(variant->position_bits)) {
+        return CW_FAULT_RANGE;
     }
     const uint64_t word = ((uint64_t)in->position << (32U - variant->position_bits));
     bytes[0] = (uint8_t)word;
     bytes[1] = (uint8_t)(word >> 8U);
     bytes[2] = (uint8_t)(word >> 16U);
     bytes[3] = (uint8_t)(word >> 24U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1597,15 +1608,15 @@ static inline lika_result lika_asc85_reg_position_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_position(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_position *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_position(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_position *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_POSITION_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_ASC85_REG_POSITION_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_ASC85_REG_POSITION_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_position_decode(variant, bytes, sizeof(bytes), out);
@@ -1623,7 +1634,7 @@ static inline lika_result lika_asc85_read_position(
  */
 #define LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS 0x69U
 #define LIKA_ASC85_REG_ERROR_REGISTER_LENGTH 1U /**< byte */
-#define LIKA_ASC85_REG_ERROR_REGISTER_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_ERROR_REGISTER_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_ASC85_REG_ERROR_REGISTER_ABSOLUTE_DATA_ERROR_MASK 0x40U
 #define LIKA_ASC85_REG_ERROR_REGISTER_INTERPOLATION_ERROR_MASK 0x20U
 #define LIKA_ASC85_REG_ERROR_REGISTER_CONFIGURATION_ERROR_MASK 0x10U
@@ -1681,14 +1692,14 @@ typedef struct lika_asc85_reg_error_register {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_error_register_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_error_register_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_error_register *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_ERROR_REGISTER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t flags = bytes[0];
     out->absolute_data_error = ((flags & 0x40U) != 0U);
@@ -1697,7 +1708,7 @@ static inline lika_result lika_asc85_reg_error_register_decode(
     out->synchronization_error = ((flags & 0x08U) != 0U);
     out->signal_error = ((flags & 0x02U) != 0U);
     out->control_error = ((flags & 0x01U) != 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1709,20 +1720,20 @@ static inline lika_result lika_asc85_reg_error_register_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_ERROR_REGISTER_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_error_register_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_error_register_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_error_register *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_ERROR_REGISTER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)((in->absolute_data_error ? 0x40U : 0x00U) |
         (in->interpolation_error ? 0x20U : 0x00U) | (in->configuration_error ? 0x10U : 0x00U) |
         (in->synchronization_error ? 0x08U : 0x00U) | (in->signal_error ? 0x02U : 0x00U) |
         (in->control_error ? 0x01U : 0x00U));
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1734,16 +1745,16 @@ static inline lika_result lika_asc85_reg_error_register_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_error_register(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_error_register *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_error_register(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_error_register *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_ERROR_REGISTER_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_error_register_decode(variant, bytes, sizeof(bytes), out);
@@ -1761,7 +1772,7 @@ static inline lika_result lika_asc85_read_error_register(
  */
 #define LIKA_ASC85_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_ASC85_REG_DEVICE_ID_LENGTH 6U /**< bytes, 78h to 7Dh */
-#define LIKA_ASC85_REG_DEVICE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_DEVICE_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register device ID. */
 typedef struct lika_asc85_reg_device_id {
@@ -1782,14 +1793,14 @@ typedef struct lika_asc85_reg_device_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_device_id_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_device_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     out->name[0] = (char)bytes[0];
     out->name[1] = (char)bytes[1];
@@ -1797,7 +1808,7 @@ static inline lika_result lika_asc85_reg_device_id_decode(
     out->name[3] = (char)bytes[3];
     out->release[0] = (char)bytes[4];
     out->release[1] = (char)bytes[5];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1809,14 +1820,14 @@ static inline lika_result lika_asc85_reg_device_id_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_DEVICE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_device_id_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_device_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
@@ -1824,7 +1835,7 @@ static inline lika_result lika_asc85_reg_device_id_encode(
     bytes[3] = (uint8_t)in->name[3];
     bytes[4] = (uint8_t)in->release[0];
     bytes[5] = (uint8_t)in->release[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED "AS85" /**< value of name stated by the manual */
@@ -1855,15 +1866,15 @@ static inline bool lika_asc85_reg_device_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_device_id(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_device_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_device_id(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_DEVICE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_ASC85_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_ASC85_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
@@ -1877,7 +1888,7 @@ static inline lika_result lika_asc85_read_device_id(
  */
 #define LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
-#define LIKA_ASC85_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_ASC85_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register manufacturer ID. */
 typedef struct lika_asc85_reg_manufacturer_id {
@@ -1897,18 +1908,18 @@ typedef struct lika_asc85_reg_manufacturer_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_manufacturer_id_decode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_manufacturer_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_manufacturer_id *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     out->name[0] = (char)bytes[0];
     out->name[1] = (char)bytes[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1920,18 +1931,18 @@ static inline lika_result lika_asc85_reg_manufacturer_id_decode(
  * @param length  number of bytes, LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reg_manufacturer_id_encode(
+CW_NODISCARD
+static inline cw_result lika_asc85_reg_manufacturer_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
@@ -1960,16 +1971,16 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_manufacturer_id(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reg_manufacturer_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_manufacturer_id(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_asc85_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
@@ -1992,29 +2003,29 @@ typedef struct lika_asc85_identity {
  * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_identity(
-    const lika_transport *transport, lika_asc85_identity *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_identity(
+    const cw_transport *transport, lika_asc85_identity *out, cw_failure *failure)
 {
     lika_asc85_identity found;
-    lika_result result;
-    result = lika_read(transport, LIKA_ASC85_REG_PROFILE_ID_ADDRESS, found.profile_id,
+    cw_result result;
+    result = cw_read(transport, LIKA_ASC85_REG_PROFILE_ID_ADDRESS, found.profile_id,
         sizeof(found.profile_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 0U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 0U, failure);
     }
-    result = lika_read(transport, LIKA_ASC85_REG_DEVICE_ID_ADDRESS, found.device_id,
+    result = cw_read(transport, LIKA_ASC85_REG_DEVICE_ID_ADDRESS, found.device_id,
         sizeof(found.device_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 1U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 1U, failure);
     }
-    result = lika_read(transport, LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+    result = cw_read(transport, LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
         sizeof(found.manufacturer_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 2U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 2U, failure);
     }
     *out = found;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** Return true if an encoder with this order code can have these contents. */
@@ -2025,15 +2036,15 @@ static inline bool lika_asc85_could_be(
     lika_asc85_reg_device_id device_id;
     lika_asc85_reg_manufacturer_id manufacturer_id;
     if ((lika_asc85_reg_profile_id_decode(variant, read->profile_id, sizeof(read->profile_id),
-        &profile_id) != LIKA_OK) || !lika_asc85_reg_profile_id_is_expected(variant, &profile_id)) {
+        &profile_id) != CW_OK) || !lika_asc85_reg_profile_id_is_expected(variant, &profile_id)) {
         return false;
     }
     if ((lika_asc85_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
-        &device_id) != LIKA_OK) || !lika_asc85_reg_device_id_is_expected(variant, &device_id)) {
+        &device_id) != CW_OK) || !lika_asc85_reg_device_id_is_expected(variant, &device_id)) {
         return false;
     }
     if ((lika_asc85_reg_manufacturer_id_decode(variant, read->manufacturer_id,
-        sizeof(read->manufacturer_id), &manufacturer_id) != LIKA_OK) ||
+        sizeof(read->manufacturer_id), &manufacturer_id) != CW_OK) ||
         !lika_asc85_reg_manufacturer_id_is_expected(variant, &manufacturer_id)) {
         return false;
     }
@@ -2055,8 +2066,7 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
     while (*next < count) {
         const lika_asc85_order_code *const code = &codes[*next];
         (*next)++;
-        if ((code->connection == LIKA_INTERFACE_BISS) &&
-            lika_asc85_could_be(&code->variant, read)) {
+        if ((code->connection == CW_INTERFACE_BISS) && lika_asc85_could_be(&code->variant, read)) {
             return code;
         }
     }
@@ -2073,17 +2083,17 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
 #define LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT 6U
 
 /** Return the steps of lika_asc85_request_position(), and store their number in count. */
-static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
+static inline const cw_step *lika_asc85_request_position_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT] = {
         /* Command & status, Command mode: request_position */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x00U, 1U, 0U },
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x00U, 1U, 0U },
         /* Position data valid: 0 until the new data are available */
-        { LIKA_STEP_POLL, 0x60U, 0x01U, 0x01U, 1U, 0U },
-        { LIKA_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U }, /* Position */
-        { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_POLL, 0x60U, 0x01U, 0x01U, 1U, 0U },
+        { CW_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U }, /* Position */
+        { CW_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT;
     return steps;
@@ -2106,25 +2116,25 @@ typedef struct lika_asc85_request_position_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_request_position(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_request_position_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_request_position(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_request_position_read *out, cw_failure *failure)
 {
     uint8_t bytes[4];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_request_position_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_request_position_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->position[0] = bytes[0];
     out->position[1] = bytes[1];
     out->position[2] = bytes[2];
     out->position[3] = bytes[3];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2137,15 +2147,15 @@ static inline lika_result lika_asc85_request_position(
 #define LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT 3U
 
 /** Return the steps of lika_asc85_save_configuration(), and store their number in count. */
-static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count)
+static inline const cw_step *lika_asc85_save_configuration_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT] = {
         /* Command & status, Command mode: save_configuration */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
         /* Internal data bus busy: 1 while the configuration is being written */
-        { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
         /* Configuration error: 0 again unless the write failed */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT;
     return steps;
@@ -2169,22 +2179,22 @@ typedef struct lika_asc85_save_configuration_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_save_configuration(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_save_configuration_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_save_configuration(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_save_configuration_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_save_configuration_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_save_configuration_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->error_register[0] = bytes[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2198,15 +2208,15 @@ static inline lika_result lika_asc85_save_configuration(
 #define LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT 3U
 
 /** Return the steps of lika_asc85_read_absolute_data(), and store their number in count. */
-static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count)
+static inline const cw_step *lika_asc85_read_absolute_data_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT] = {
         /* Command & status, Command mode: read_absolute_data */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x02U, 1U, 0U },
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x02U, 1U, 0U },
         /* Absolute data valid: 1 when the data were loaded */
-        { LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U, 1U, 0U },
+        { CW_STEP_POLL, 0x60U, 0x02U, 0x02U, 1U, 0U },
         /* Absolute data error: 1 if the data were rejected */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT;
     return steps;
@@ -2230,22 +2240,22 @@ typedef struct lika_asc85_read_absolute_data_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_read_absolute_data(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_read_absolute_data_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_read_absolute_data(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_read_absolute_data_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_read_absolute_data_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_read_absolute_data_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->error_register[0] = bytes[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2258,18 +2268,18 @@ static inline lika_result lika_asc85_read_absolute_data(
 #define LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT 3U
 
 /** Return the steps of lika_asc85_software_reset(), and store their number in count. */
-static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
+static inline const cw_step *lika_asc85_software_reset_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT] = {
         /* Command & status, Command mode: software_reset */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x03U, 1U, 0U },
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x03U, 1U, 0U },
         /* Configuration completed: configuration verified, absolute data read */
-        { LIKA_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
+        { CW_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
         /*
          * Configuration error: should be 0. Also read it if you stopped polling and the encoder
          * still answers
          */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT;
     return steps;
@@ -2296,22 +2306,22 @@ typedef struct lika_asc85_software_reset_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_software_reset(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_software_reset_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_software_reset(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_software_reset_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_software_reset_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_software_reset_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->error_register[0] = bytes[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2322,15 +2332,15 @@ static inline lika_result lika_asc85_software_reset(
 #define LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT 3U
 
 /** Return the steps of lika_asc85_verify_configuration(), and store their number in count. */
-static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *count)
+static inline const cw_step *lika_asc85_verify_configuration_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT] = {
         /* Command & status, Command mode: verify_configuration */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x04U, 1U, 0U },
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x04U, 1U, 0U },
         /* Internal data bus busy: 1 during the verification */
-        { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
         /* Configuration error: 0 again unless the verification failed */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT;
     return steps;
@@ -2354,22 +2364,22 @@ typedef struct lika_asc85_verify_configuration_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_verify_configuration(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_verify_configuration_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_verify_configuration(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_verify_configuration_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_verify_configuration_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_verify_configuration_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->error_register[0] = bytes[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2379,13 +2389,13 @@ static inline lika_result lika_asc85_verify_configuration(
 #define LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT 2U
 
 /** Return the steps of lika_asc85_simulate_error(), and store their number in count. */
-static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
+static inline const cw_step *lika_asc85_simulate_error_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT] = {
         /* Command & status, Command mode: simulate_error */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x05U, 1U, 0U },
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x05U, 1U, 0U },
         /* Error message: 1 while the error is simulated */
-        { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT;
     return steps;
@@ -2408,22 +2418,22 @@ typedef struct lika_asc85_simulate_error_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_simulate_error(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_simulate_error_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_simulate_error(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_simulate_error_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_simulate_error_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_simulate_error_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->status[0] = bytes[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2433,12 +2443,12 @@ static inline lika_result lika_asc85_simulate_error(
 #define LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT 2U
 
 /** Return the steps of lika_asc85_clear_simulated_error(), and store their number in count. */
-static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *count)
+static inline const cw_step *lika_asc85_clear_simulated_error_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT] = {
         /* Command & status, Command mode: clear_simulated_error */
-        { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x06U, 1U, 0U },
-        { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* Error message: 0 after the simulation */
+        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x06U, 1U, 0U },
+        { CW_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* Error message: 0 after the simulation */
     };
     *count = LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT;
     return steps;
@@ -2462,22 +2472,22 @@ typedef struct lika_asc85_clear_simulated_error_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_clear_simulated_error(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_clear_simulated_error_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_clear_simulated_error(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_clear_simulated_error_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_clear_simulated_error_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_clear_simulated_error_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->status[0] = bytes[0];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2488,20 +2498,19 @@ static inline lika_result lika_asc85_clear_simulated_error(
 #define LIKA_ASC85_RESET_ERRORS_STEPS_COUNT 7U
 
 /** Return the steps of lika_asc85_reset_errors(), and store their number in count. */
-static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
+static inline const cw_step *lika_asc85_reset_errors_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_RESET_ERRORS_STEPS_COUNT] = {
-        /* Error register: shows the active messages */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U },
+    static const cw_step steps[LIKA_ASC85_RESET_ERRORS_STEPS_COUNT] = {
+        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }, /* Error register: shows the active messages */
         /* Diagnostic data: shows the cause of Control error and Signal error */
-        { LIKA_STEP_READ, 0x5AU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x5AU, 0xFFU, 0U, 1U, 0U },
         /* Position: reading out position data resets the messages */
-        { LIKA_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U },
         /* Error register: a message that is still set has a persistent cause */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_RESET_ERRORS_STEPS_COUNT;
     return steps;
@@ -2528,18 +2537,18 @@ typedef struct lika_asc85_reset_errors_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_reset_errors(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_reset_errors_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_reset_errors(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reset_errors_read *out, cw_failure *failure)
 {
     uint8_t bytes[7];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_reset_errors_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_reset_errors_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->error_register[0] = bytes[0];
@@ -2549,7 +2558,7 @@ static inline lika_result lika_asc85_reset_errors(
     out->position[2] = bytes[4];
     out->position[3] = bytes[5];
     out->error_register_2[0] = bytes[6];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2561,25 +2570,25 @@ static inline lika_result lika_asc85_reset_errors(
 #define LIKA_ASC85_IDENTIFY_STEPS_COUNT 14U
 
 /** Return the steps of lika_asc85_identify(), and store their number in count. */
-static inline const lika_step *lika_asc85_identify_steps(size_t *count)
+static inline const cw_step *lika_asc85_identify_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_ASC85_IDENTIFY_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_ASC85_IDENTIFY_STEPS_COUNT] = {
         /* Manufacturer ID: Li means an encoder of Lika Electronic */
-        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: AS85 and the release */
-        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: AS85 and the release */
+        { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
         /* Profile ID: 281Ah is printed for all models */
-        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
+        { CW_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_IDENTIFY_STEPS_COUNT;
     return steps;
@@ -2604,18 +2613,18 @@ typedef struct lika_asc85_identify_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_asc85_identify(
-    const lika_transport *transport, const lika_asc85_variant *variant,
-    lika_asc85_identify_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_asc85_identify(
+    const cw_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_identify_read *out, cw_failure *failure)
 {
     uint8_t bytes[14];
     size_t count = 0U;
-    const lika_step *const steps = lika_asc85_identify_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_asc85_identify_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->manufacturer_id[0] = bytes[0];
@@ -2632,7 +2641,7 @@ static inline lika_result lika_asc85_identify(
     out->serial_number[1] = bytes[11];
     out->serial_number[2] = bytes[12];
     out->serial_number[3] = bytes[13];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* -- alarms ------------------------------------------------------------------------------------ */
@@ -2730,7 +2739,7 @@ static inline lika_result lika_asc85_identify(
  *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
  *   few, the LSB may be lost.
  * Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]:
- *   Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
+ *   Printed: The SSI bits are numbered 20 ... 1 to 25 ... 1.
  *   Used: The bits are 19:0 to 24:0, with bit 0 as the LSB.
  *   Why: The table of lengths gives words of 20 to 25 bits, which leaves no room for a further bit
  *   at 0. Everything else in the manual counts from 0. (The SMA21 manual also numbers its position
@@ -2786,7 +2795,7 @@ static inline lika_result lika_asc85_identify(
  *   long as the frame for 24 bits with it.
  * Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr:
  * p.34-35]:
- *   Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
+ *   Printed: The manual gives the profile ID 28 1A, data length 25 + 1 bits, for all models.
  *   Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution
  *   nor the zero bit of the frame.
  *   Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1
@@ -2794,7 +2803,7 @@ static inline lika_result lika_asc85_identify(
  *   different ID at a lower resolution is likely. A public controller with the same registers
  *   supports only 24 or 26 singleturn bits, so the frame might differ instead.
  * Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]:
- *   Printed: Serial number in ascending order, with the example 171256846.
+ *   Printed: The manual describes a serial number in ascending order, with the example 171256846.
  *   Used: The serial number is one number.
  *   Why: In the AMM5 manual, the same register contains year, week and number as decimal digits.
  *   Read this way, the example is 17 12 56846, week 12 of 2017, two months before this manual. The
@@ -2840,7 +2849,7 @@ static inline lika_result lika_asc85_identify(
  *   If each frame counted as reading out position data, a message would be reset before the
  *   register could show it. The manual does not say which reading is meant.
  * Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
- *   Printed: One device ID, AS85 with the release 01, for all models.
+ *   Printed: The manual gives one device ID, AS85 with the release 01, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires a different device ID for each data length. The SC models have six lengths.
  *   Since the profile ID is also the same, a master cannot distinguish the models.

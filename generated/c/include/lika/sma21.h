@@ -10,13 +10,12 @@
  * To read a position:
  *   static const lika_sma21_variant encoder = LIKA_SMA21_SC1_0050;
  *   lika_sma21_single_cycle_data frame;
- *   if (lika_sma21_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_sma21_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
+ *   if (lika_sma21_single_cycle_data_decode(&encoder, word, &frame) == CW_OK
+ *       && lika_sma21_single_cycle_data_verdict(&encoder, &frame) != CW_NOT_USABLE) {
  *       ... frame.position ...
  *   }
- * The word comes from your BiSS or SSI master, or from SPI and DMA through lika/receive.h.
+ * The word comes from your BiSS or SSI master, or from SPI and DMA through codewheel/receive.h.
  *
- * Version 0.1.0 of these headers.
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
@@ -56,11 +55,23 @@
 #ifndef LIKA_SMA21_H
 #define LIKA_SMA21_H
 
-#include "encoder.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x895FB0A0U)
-#error "lika/sma21.h 0.1.0 and lika/encoder.h differ in generation: take both from one folder"
+#include "codewheel/bits.h"
+#include "codewheel/encoder.h"
+#include "codewheel/result.h"
+#include "codewheel/transport.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
+#error "lika/sma21.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
+
+/**
+ * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
+ */
+#define LIKA_SMA21_VERSION "0.1.0"
 
 #ifdef __cplusplus
 extern "C" {
@@ -206,7 +217,7 @@ static inline uint32_t lika_sma21_biss_gray(const lika_sma21_variant *variant)
 /** An order code. */
 typedef struct lika_sma21_order_code {
     const char *text; /**< as printed, without the rest of the label */
-    lika_interface connection; /**< its interface */
+    cw_interface connection; /**< its interface */
     lika_sma21_variant variant; /**< its variant */
 } lika_sma21_order_code;
 
@@ -214,51 +225,51 @@ typedef struct lika_sma21_order_code {
 static inline const lika_sma21_order_code *lika_sma21_order_codes(size_t *count)
 {
     static const lika_sma21_order_code codes[] = {
-        { "SMA21-BG1-0050", LIKA_INTERFACE_SSI, LIKA_SMA21_BG1_0050 },
-        { "SMA21-BG1-0010", LIKA_INTERFACE_SSI, LIKA_SMA21_BG1_0010 },
-        { "SMA21-BG1-0005", LIKA_INTERFACE_SSI, LIKA_SMA21_BG1_0005 },
-        { "SMA21-BG1-0002", LIKA_INTERFACE_SSI, LIKA_SMA21_BG1_0002 },
-        { "SMA21-BG1-0001", LIKA_INTERFACE_SSI, LIKA_SMA21_BG1_0001 },
-        { "SMA21-BG4-0050", LIKA_INTERFACE_SSI, LIKA_SMA21_BG4_0050 },
-        { "SMA21-BG4-0010", LIKA_INTERFACE_SSI, LIKA_SMA21_BG4_0010 },
-        { "SMA21-BG4-0005", LIKA_INTERFACE_SSI, LIKA_SMA21_BG4_0005 },
-        { "SMA21-BG4-0002", LIKA_INTERFACE_SSI, LIKA_SMA21_BG4_0002 },
-        { "SMA21-BG4-0001", LIKA_INTERFACE_SSI, LIKA_SMA21_BG4_0001 },
-        { "SMA21-GG1-0050", LIKA_INTERFACE_SSI, LIKA_SMA21_GG1_0050 },
-        { "SMA21-GG1-0010", LIKA_INTERFACE_SSI, LIKA_SMA21_GG1_0010 },
-        { "SMA21-GG1-0005", LIKA_INTERFACE_SSI, LIKA_SMA21_GG1_0005 },
-        { "SMA21-GG1-0002", LIKA_INTERFACE_SSI, LIKA_SMA21_GG1_0002 },
-        { "SMA21-GG1-0001", LIKA_INTERFACE_SSI, LIKA_SMA21_GG1_0001 },
-        { "SMA21-GG4-0050", LIKA_INTERFACE_SSI, LIKA_SMA21_GG4_0050 },
-        { "SMA21-GG4-0010", LIKA_INTERFACE_SSI, LIKA_SMA21_GG4_0010 },
-        { "SMA21-GG4-0005", LIKA_INTERFACE_SSI, LIKA_SMA21_GG4_0005 },
-        { "SMA21-GG4-0002", LIKA_INTERFACE_SSI, LIKA_SMA21_GG4_0002 },
-        { "SMA21-GG4-0001", LIKA_INTERFACE_SSI, LIKA_SMA21_GG4_0001 },
-        { "SMA21-G11-0050", LIKA_INTERFACE_SSI, LIKA_SMA21_G11_0050 },
-        { "SMA21-G11-0010", LIKA_INTERFACE_SSI, LIKA_SMA21_G11_0010 },
-        { "SMA21-G11-0005", LIKA_INTERFACE_SSI, LIKA_SMA21_G11_0005 },
-        { "SMA21-G11-0002", LIKA_INTERFACE_SSI, LIKA_SMA21_G11_0002 },
-        { "SMA21-G11-0001", LIKA_INTERFACE_SSI, LIKA_SMA21_G11_0001 },
-        { "SMA21-G14-0050", LIKA_INTERFACE_SSI, LIKA_SMA21_G14_0050 },
-        { "SMA21-G14-0010", LIKA_INTERFACE_SSI, LIKA_SMA21_G14_0010 },
-        { "SMA21-G14-0005", LIKA_INTERFACE_SSI, LIKA_SMA21_G14_0005 },
-        { "SMA21-G14-0002", LIKA_INTERFACE_SSI, LIKA_SMA21_G14_0002 },
-        { "SMA21-G14-0001", LIKA_INTERFACE_SSI, LIKA_SMA21_G14_0001 },
-        { "SMA21-SC1-0050", LIKA_INTERFACE_BISS, LIKA_SMA21_SC1_0050 },
-        { "SMA21-SC1-0010", LIKA_INTERFACE_BISS, LIKA_SMA21_SC1_0010 },
-        { "SMA21-SC1-0005", LIKA_INTERFACE_BISS, LIKA_SMA21_SC1_0005 },
-        { "SMA21-SC1-0002", LIKA_INTERFACE_BISS, LIKA_SMA21_SC1_0002 },
-        { "SMA21-SC1-0001", LIKA_INTERFACE_BISS, LIKA_SMA21_SC1_0001 },
-        { "SMA21-SC4-0050", LIKA_INTERFACE_BISS, LIKA_SMA21_SC4_0050 },
-        { "SMA21-SC4-0010", LIKA_INTERFACE_BISS, LIKA_SMA21_SC4_0010 },
-        { "SMA21-SC4-0005", LIKA_INTERFACE_BISS, LIKA_SMA21_SC4_0005 },
-        { "SMA21-SC4-0002", LIKA_INTERFACE_BISS, LIKA_SMA21_SC4_0002 },
-        { "SMA21-SC4-0001", LIKA_INTERFACE_BISS, LIKA_SMA21_SC4_0001 },
-        { "SMA21-JP1-0050", LIKA_INTERFACE_RS485, LIKA_SMA21_JP1_0050 },
-        { "SMA21-JP1-0010", LIKA_INTERFACE_RS485, LIKA_SMA21_JP1_0010 },
-        { "SMA21-JP1-0005", LIKA_INTERFACE_RS485, LIKA_SMA21_JP1_0005 },
-        { "SMA21-JP1-0002", LIKA_INTERFACE_RS485, LIKA_SMA21_JP1_0002 },
-        { "SMA21-JP1-0001", LIKA_INTERFACE_RS485, LIKA_SMA21_JP1_0001 }
+        { "SMA21-BG1-0050", CW_INTERFACE_SSI, LIKA_SMA21_BG1_0050 },
+        { "SMA21-BG1-0010", CW_INTERFACE_SSI, LIKA_SMA21_BG1_0010 },
+        { "SMA21-BG1-0005", CW_INTERFACE_SSI, LIKA_SMA21_BG1_0005 },
+        { "SMA21-BG1-0002", CW_INTERFACE_SSI, LIKA_SMA21_BG1_0002 },
+        { "SMA21-BG1-0001", CW_INTERFACE_SSI, LIKA_SMA21_BG1_0001 },
+        { "SMA21-BG4-0050", CW_INTERFACE_SSI, LIKA_SMA21_BG4_0050 },
+        { "SMA21-BG4-0010", CW_INTERFACE_SSI, LIKA_SMA21_BG4_0010 },
+        { "SMA21-BG4-0005", CW_INTERFACE_SSI, LIKA_SMA21_BG4_0005 },
+        { "SMA21-BG4-0002", CW_INTERFACE_SSI, LIKA_SMA21_BG4_0002 },
+        { "SMA21-BG4-0001", CW_INTERFACE_SSI, LIKA_SMA21_BG4_0001 },
+        { "SMA21-GG1-0050", CW_INTERFACE_SSI, LIKA_SMA21_GG1_0050 },
+        { "SMA21-GG1-0010", CW_INTERFACE_SSI, LIKA_SMA21_GG1_0010 },
+        { "SMA21-GG1-0005", CW_INTERFACE_SSI, LIKA_SMA21_GG1_0005 },
+        { "SMA21-GG1-0002", CW_INTERFACE_SSI, LIKA_SMA21_GG1_0002 },
+        { "SMA21-GG1-0001", CW_INTERFACE_SSI, LIKA_SMA21_GG1_0001 },
+        { "SMA21-GG4-0050", CW_INTERFACE_SSI, LIKA_SMA21_GG4_0050 },
+        { "SMA21-GG4-0010", CW_INTERFACE_SSI, LIKA_SMA21_GG4_0010 },
+        { "SMA21-GG4-0005", CW_INTERFACE_SSI, LIKA_SMA21_GG4_0005 },
+        { "SMA21-GG4-0002", CW_INTERFACE_SSI, LIKA_SMA21_GG4_0002 },
+        { "SMA21-GG4-0001", CW_INTERFACE_SSI, LIKA_SMA21_GG4_0001 },
+        { "SMA21-G11-0050", CW_INTERFACE_SSI, LIKA_SMA21_G11_0050 },
+        { "SMA21-G11-0010", CW_INTERFACE_SSI, LIKA_SMA21_G11_0010 },
+        { "SMA21-G11-0005", CW_INTERFACE_SSI, LIKA_SMA21_G11_0005 },
+        { "SMA21-G11-0002", CW_INTERFACE_SSI, LIKA_SMA21_G11_0002 },
+        { "SMA21-G11-0001", CW_INTERFACE_SSI, LIKA_SMA21_G11_0001 },
+        { "SMA21-G14-0050", CW_INTERFACE_SSI, LIKA_SMA21_G14_0050 },
+        { "SMA21-G14-0010", CW_INTERFACE_SSI, LIKA_SMA21_G14_0010 },
+        { "SMA21-G14-0005", CW_INTERFACE_SSI, LIKA_SMA21_G14_0005 },
+        { "SMA21-G14-0002", CW_INTERFACE_SSI, LIKA_SMA21_G14_0002 },
+        { "SMA21-G14-0001", CW_INTERFACE_SSI, LIKA_SMA21_G14_0001 },
+        { "SMA21-SC1-0050", CW_INTERFACE_BISS, LIKA_SMA21_SC1_0050 },
+        { "SMA21-SC1-0010", CW_INTERFACE_BISS, LIKA_SMA21_SC1_0010 },
+        { "SMA21-SC1-0005", CW_INTERFACE_BISS, LIKA_SMA21_SC1_0005 },
+        { "SMA21-SC1-0002", CW_INTERFACE_BISS, LIKA_SMA21_SC1_0002 },
+        { "SMA21-SC1-0001", CW_INTERFACE_BISS, LIKA_SMA21_SC1_0001 },
+        { "SMA21-SC4-0050", CW_INTERFACE_BISS, LIKA_SMA21_SC4_0050 },
+        { "SMA21-SC4-0010", CW_INTERFACE_BISS, LIKA_SMA21_SC4_0010 },
+        { "SMA21-SC4-0005", CW_INTERFACE_BISS, LIKA_SMA21_SC4_0005 },
+        { "SMA21-SC4-0002", CW_INTERFACE_BISS, LIKA_SMA21_SC4_0002 },
+        { "SMA21-SC4-0001", CW_INTERFACE_BISS, LIKA_SMA21_SC4_0001 },
+        { "SMA21-JP1-0050", CW_INTERFACE_RS485, LIKA_SMA21_JP1_0050 },
+        { "SMA21-JP1-0010", CW_INTERFACE_RS485, LIKA_SMA21_JP1_0010 },
+        { "SMA21-JP1-0005", CW_INTERFACE_RS485, LIKA_SMA21_JP1_0005 },
+        { "SMA21-JP1-0002", CW_INTERFACE_RS485, LIKA_SMA21_JP1_0002 },
+        { "SMA21-JP1-0001", CW_INTERFACE_RS485, LIKA_SMA21_JP1_0001 }
     };
     *count = sizeof(codes) / sizeof(codes[0]);
     return codes;
@@ -279,7 +290,7 @@ static inline const lika_sma21_order_code *lika_sma21_order_codes(size_t *count)
 static inline const lika_sma21_order_code *lika_sma21_find_order_code(
     const char *label, uint32_t *unlisted)
 {
-    static const lika_open_code patterns[] = {
+    static const cw_open_code patterns[] = {
         { "SMA21-BG#-0050", 0U, LIKA_SMA21_UNLISTED_SUPPLY },
         { "SMA21-BG#-0010", 1U, LIKA_SMA21_UNLISTED_SUPPLY },
         { "SMA21-BG#-0005", 2U, LIKA_SMA21_UNLISTED_SUPPLY },
@@ -308,7 +319,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
     const lika_sma21_order_code *found = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
-        const size_t length = lika_label_match(label, codes[index].text);
+        const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
             found = &codes[index];
@@ -318,7 +329,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
         return found;
     }
     for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
-        const size_t length = lika_label_match(label, patterns[index].pattern);
+        const size_t length = cw_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
             found = &codes[patterns[index].code];
@@ -477,9 +488,9 @@ typedef enum lika_sma21_report {
  * @param reports  a mask of reports, of which the lowest bit is used
  * @return the texts, with empty members if no bit is set
  */
-static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
+static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
 {
-    static const lika_report_text texts[] = {
+    static const cw_report_text texts[] = {
         {
             "error",
             "",
@@ -627,7 +638,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
 #define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U
 
 /**
- * Lengths for lika/receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
  */
 #define LIKA_SMA21_BG1_0050_SSI_BITS 21U
 #define LIKA_SMA21_BG1_0050_SSI_RX_BYTES 3U
@@ -755,19 +766,19 @@ static inline uint32_t lika_sma21_ssi_word_bits(const lika_sma21_variant *varian
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_ssi_word_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_ssi_word_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_ssi_word *out)
 {
-    if (lika_above(word, lika_sma21_ssi_word_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_sma21_ssi_word_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
     const uint64_t plain = (variant->ssi_gray != 0U) ?
-        lika_from_gray(word, 1U, variant->position_bits) : word;
+        cw_from_gray(word, 1U, variant->position_bits) : word;
     const uint32_t position = (uint32_t)(plain >> 1U);
     out->position = position;
     out->error = ((plain & 0x01U) == 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -778,19 +789,19 @@ static inline lika_result lika_sma21_ssi_word_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_ssi_word_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_ssi_word_encode(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *in, uint64_t *out)
 {
-    if (in->position > lika_mask(variant->position_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(variant->position_bits)) {
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->position << 1U) |
         (in->error ? 0U : 1U);
-    word = (variant->ssi_gray != 0U) ? lika_to_gray(word, 1U, variant->position_bits) : word;
+    word = (variant->ssi_gray != 0U) ? cw_to_gray(word, 1U, variant->position_bits) : word;
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -798,17 +809,17 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_sma21_ssi_word_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_sma21_ssi_word_verdict(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *frame)
 {
     (void)variant;
     if (frame->error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -867,7 +878,7 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 #define LIKA_SMA21_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for lika/receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -894,10 +905,10 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 #define LIKA_SMA21_SC4_0001_BISS_RX_BYTES 10U
 
 /**
- * For register access with lika/biss.h: the bit of lika_biss_master_next must be on MA before the
- * last clock of the same frame, at least 32 clock periods after its CDS: 3.2 us at 10 MHz and 160
- * us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
- * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
+ * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
+ * the last clock of the same frame, at least 32 clock periods after its CDS: 3.2 us at 10 MHz and
+ * 160 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before the
+ * next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
  * time-out (follows the clock, at most 16 us).
  */
 
@@ -994,26 +1005,26 @@ static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_single_cycle_data_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_single_cycle_data_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_single_cycle_data *out)
 {
-    if (lika_above(word, lika_sma21_single_cycle_data_bits(variant)) != 0U) {
-        return LIKA_FAULT_LENGTH;
+    if (cw_above(word, lika_sma21_single_cycle_data_bits(variant)) != 0U) {
+        return CW_FAULT_LENGTH;
     }
     if (lika_sma21_single_cycle_data_crc(word) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint64_t plain = (lika_sma21_biss_gray(variant) != 0U) ?
-        lika_from_gray(word, 8U, lika_sma21_scd_value_bits(variant)) : word;
-    const uint32_t position = (uint32_t)lika_field(plain, 8U, lika_sma21_scd_value_bits(variant));
-    if (lika_above(plain, 8U + lika_sma21_scd_value_bits(variant)) != 0x00U) { /* padding */
-        return LIKA_FAULT_CONSTANT;
+        cw_from_gray(word, 8U, lika_sma21_scd_value_bits(variant)) : word;
+    const uint32_t position = (uint32_t)cw_field(plain, 8U, lika_sma21_scd_value_bits(variant));
+    if (cw_above(plain, 8U + lika_sma21_scd_value_bits(variant)) != 0x00U) { /* padding */
+        return CW_FAULT_CONSTANT;
     }
     out->position = position;
     out->error = (((uint32_t)plain & 0x80U) == 0U);
     out->warning = (((uint32_t)plain & 0x40U) == 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1024,22 +1035,22 @@ static inline lika_result lika_sma21_single_cycle_data_decode(
  * @param out  the word, with the last bit to send as bit 0, unchanged on error
  * @return OK, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_single_cycle_data_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_single_cycle_data_encode(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *in, uint64_t *out)
 {
-    if (in->position > lika_mask(lika_sma21_scd_value_bits(variant))) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(lika_sma21_scd_value_bits(variant))) {
+        return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->position << 8U) |
         ((uint64_t)(in->error ? 0U : 1U) << 7U) |
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word = (lika_sma21_biss_gray(variant) != 0U) ?
-        lika_to_gray(word, 8U, lika_sma21_scd_value_bits(variant)) : word;
+        cw_to_gray(word, 8U, lika_sma21_scd_value_bits(variant)) : word;
     word |= lika_sma21_single_cycle_data_crc(word);
     *out = word;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1047,20 +1058,20 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_sma21_single_cycle_data_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_sma21_single_cycle_data_verdict(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *frame)
 {
     (void)variant;
     if (frame->error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->warning) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1168,32 +1179,32 @@ typedef struct lika_sma21_data_request {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_data_request_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_data_request_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_data_request *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_DATA_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data ID */
-        return LIKA_FAULT_CONSTANT;
+    if (parity != cw_parity(data_id)) { /* even parity of data ID */
+        return CW_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_POSITION) &&
         (data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
         (data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
         (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
         (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_POSITION)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->data_id = (lika_sma21_data_id)data_id;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1205,25 +1216,25 @@ static inline lika_result lika_sma21_data_request_decode(
  * @param length  number of bytes, LIKA_SMA21_DATA_REQUEST_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_data_request_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_data_request_encode(
     const lika_sma21_variant *variant, const lika_sma21_data_request *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_DATA_REQUEST_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->data_id != LIKA_SMA21_DATA_ID_POSITION) &&
         (in->data_id != LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
         (in->data_id != LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
         (in->data_id != LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
         (in->data_id != LIKA_SMA21_DATA_ID_RESET_POSITION)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(0x02U | ((uint32_t)in->data_id << 3U) |
-        (lika_parity((uint32_t)in->data_id) << 7U));
-    return LIKA_OK;
+        (cw_parity((uint32_t)in->data_id) << 7U));
+    return CW_OK;
 }
 
 /**
@@ -1326,34 +1337,34 @@ typedef struct lika_sma21_position_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_position_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_position_reply *out)
 {
     if (length != LIKA_SMA21_POSITION_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_POSITION_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
-        return LIKA_FAULT_CONSTANT;
+    if (position > cw_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+        return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data ID */
-        return LIKA_FAULT_CONSTANT;
+    if (parity != cw_parity(data_id)) { /* even parity of data ID */
+        return CW_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_POSITION) &&
         (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
         (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_POSITION)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     out->data_id = (lika_sma21_data_id)data_id;
     uint8_t flags = bytes[1];
@@ -1370,7 +1381,7 @@ static inline lika_result lika_sma21_position_reply_decode(
     out->low_amplitude_error = ((flags & 0x20U) != 0U);
     out->signal_strength_alarm = ((flags & 0x40U) != 0U);
     out->temperature_alarm = ((flags & 0x80U) != 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1382,27 +1393,27 @@ static inline lika_result lika_sma21_position_reply_decode(
  * @param length  number of bytes, LIKA_SMA21_POSITION_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_position_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_SMA21_POSITION_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((in->data_id != LIKA_SMA21_DATA_ID_POSITION) &&
         (in->data_id != LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
         (in->data_id != LIKA_SMA21_DATA_ID_RESET_POSITION)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    if (in->position > lika_mask(variant->rs485_position_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(variant->rs485_position_bits)) {
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(0x02U | ((uint32_t)in->data_id << 3U) |
-        (lika_parity((uint32_t)in->data_id) << 7U));
+        (cw_parity((uint32_t)in->data_id) << 7U));
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_alarm ? 0x10U : 0x00U) |
         (in->status_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->position;
@@ -1414,7 +1425,7 @@ static inline lika_result lika_sma21_position_reply_encode(
         (in->higher_track_error ? 0x10U : 0x00U) | (in->low_amplitude_error ? 0x20U : 0x00U) |
         (in->signal_strength_alarm ? 0x40U : 0x00U) | (in->temperature_alarm ? 0x80U : 0x00U));
     bytes[6] = lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_POSITION_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1436,23 +1447,23 @@ static inline bool lika_sma21_position_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_sma21_position_reply_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_sma21_position_reply_verdict(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *frame)
 {
     (void)variant;
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
         frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
         frame->low_amplitude_error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->status_alarm || frame->signal_strength_alarm || frame->temperature_alarm ||
         (frame->unused != 0U)) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1544,17 +1555,17 @@ typedef struct lika_sma21_wide_position_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_wide_position_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_wide_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_wide_position_reply *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
@@ -1562,17 +1573,17 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
         ((uint64_t)bytes[4] << 16U) | ((uint64_t)bytes[5] << 24U) | ((uint64_t)bytes[6] << 32U) |
         ((uint64_t)bytes[7] << 40U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x2AU) { /* data ID of another frame, or its even parity is wrong */
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->unused = (uint8_t)(flags & 0xCFU);
     out->status_alarm = ((flags & 0x10U) != 0U);
     out->status_error = ((flags & 0x20U) != 0U);
-    out->position = (int64_t)lika_signed(position, 48U);
-    return LIKA_OK;
+    out->position = (int64_t)cw_signed(position, 48U);
+    return CW_OK;
 }
 
 /**
@@ -1584,20 +1595,20 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
  * @param length  number of bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_wide_position_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_wide_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
-    if (!lika_fits_signed(in->position, 48U)) {
-        return LIKA_FAULT_RANGE;
+    if (!cw_fits_signed(in->position, 48U)) {
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = 0x2AU;
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_alarm ? 0x10U : 0x00U) |
@@ -1609,7 +1620,7 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
     bytes[6] = (uint8_t)((uint64_t)in->position >> 32U);
     bytes[7] = (uint8_t)((uint64_t)in->position >> 40U);
     bytes[8] = lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1631,20 +1642,20 @@ static inline bool lika_sma21_wide_position_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_sma21_wide_position_reply_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_sma21_wide_position_reply_verdict(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *frame)
 {
     (void)variant;
     if (frame->status_error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->status_alarm || (frame->unused != 0U)) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1765,35 +1776,35 @@ typedef struct lika_sma21_identification_reply {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_identification_reply_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_identification_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_identification_reply *out)
 {
     if (length != LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH) != 0U) {
-        return LIKA_FAULT_CRC;
+        return CW_FAULT_CRC;
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
-        return LIKA_FAULT_CONSTANT;
+    if (position > cw_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+        return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[5] != 0x51U) { /* encoder ID 1 */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[6] != 0x00U) { /* encoder ID 2 */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x52U) { /* data ID of another frame, or its even parity is wrong */
-        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
+        return (parity == cw_parity(data_id)) ? CW_FAULT_RANGE : CW_FAULT_CONSTANT;
     }
     uint8_t flags = bytes[1];
     out->unused = (uint8_t)(flags & 0xCFU);
@@ -1809,7 +1820,7 @@ static inline lika_result lika_sma21_identification_reply_decode(
     out->low_amplitude_error = ((flags & 0x20U) != 0U);
     out->signal_strength_alarm = ((flags & 0x40U) != 0U);
     out->temperature_alarm = ((flags & 0x80U) != 0U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1821,19 +1832,19 @@ static inline lika_result lika_sma21_identification_reply_decode(
  * @param length  number of bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_identification_reply_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_identification_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
-    if (in->position > lika_mask(variant->rs485_position_bits)) {
-        return LIKA_FAULT_RANGE;
+    if (in->position > cw_mask(variant->rs485_position_bits)) {
+        return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = 0x52U;
     bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_alarm ? 0x10U : 0x00U) |
@@ -1849,7 +1860,7 @@ static inline lika_result lika_sma21_identification_reply_encode(
         (in->higher_track_error ? 0x10U : 0x00U) | (in->low_amplitude_error ? 0x20U : 0x00U) |
         (in->signal_strength_alarm ? 0x40U : 0x00U) | (in->temperature_alarm ? 0x80U : 0x00U));
     bytes[8] = lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH - 1U);
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -1871,23 +1882,23 @@ static inline bool lika_sma21_identification_reply_is_expected(
  *
  * @param variant  variant of the encoder
  * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise LIKA_USABLE
+ * @return the verdict of the most severe active report, otherwise CW_USABLE
  */
-LIKA_NODISCARD
-static inline lika_verdict lika_sma21_identification_reply_verdict(
+CW_NODISCARD
+static inline cw_verdict lika_sma21_identification_reply_verdict(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *frame)
 {
     (void)variant;
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
         frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
         frame->low_amplitude_error) {
-        return LIKA_NOT_USABLE;
+        return CW_NOT_USABLE;
     }
     if (frame->status_alarm || frame->signal_strength_alarm || frame->temperature_alarm ||
         (frame->unused != 0U)) {
-        return LIKA_USABLE_WITH_WARNING;
+        return CW_USABLE_WITH_WARNING;
     }
-    return LIKA_USABLE;
+    return CW_USABLE;
 }
 
 /**
@@ -1948,8 +1959,8 @@ static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
  * @param frame  the frame
  * @return OK, or RANGE if there is none
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_rs485_request_for(
+CW_NODISCARD
+static inline cw_result lika_sma21_rs485_request_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
     switch (data_id) {
@@ -1959,9 +1970,9 @@ static inline lika_result lika_sma21_rs485_request_for(
     case LIKA_SMA21_DATA_ID_RESET_ERRORS:
     case LIKA_SMA21_DATA_ID_RESET_POSITION:
         *frame = LIKA_SMA21_RS485_FRAME_DATA_REQUEST;
-        return LIKA_OK;
+        return CW_OK;
     default:
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
 }
 
@@ -1973,12 +1984,12 @@ static inline lika_result lika_sma21_rs485_request_for(
  * @param frame  the frame
  * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_rs485_request_frame(
+CW_NODISCARD
+static inline cw_result lika_sma21_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
     if (length < 1U) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     return lika_sma21_rs485_request_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
@@ -1990,8 +2001,8 @@ static inline lika_result lika_sma21_rs485_request_frame(
  * @param frame  the frame
  * @return OK, or RANGE if there is none
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_rs485_reply_for(
+CW_NODISCARD
+static inline cw_result lika_sma21_rs485_reply_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
     switch (data_id) {
@@ -1999,15 +2010,15 @@ static inline lika_result lika_sma21_rs485_reply_for(
     case LIKA_SMA21_DATA_ID_RESET_ERRORS:
     case LIKA_SMA21_DATA_ID_RESET_POSITION:
         *frame = LIKA_SMA21_RS485_FRAME_POSITION_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_SMA21_DATA_ID_WIDE_POSITION:
         *frame = LIKA_SMA21_RS485_FRAME_WIDE_POSITION_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     case LIKA_SMA21_DATA_ID_IDENTIFICATION:
         *frame = LIKA_SMA21_RS485_FRAME_IDENTIFICATION_REPLY;
-        return LIKA_OK;
+        return CW_OK;
     default:
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
 }
 
@@ -2019,12 +2030,12 @@ static inline lika_result lika_sma21_rs485_reply_for(
  * @param frame  the frame
  * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_rs485_reply_frame(
+CW_NODISCARD
+static inline cw_result lika_sma21_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
     if (length < 1U) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     return lika_sma21_rs485_reply_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
@@ -2049,7 +2060,7 @@ static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
 static inline int64_t lika_sma21_ssi_position_difference(
     const lika_sma21_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_sma21_ssi_modulus(variant));
+    return cw_difference(now, before, lika_sma21_ssi_modulus(variant));
 }
 
 /**
@@ -2086,7 +2097,7 @@ static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_variant *variant
 static inline int64_t lika_sma21_biss_position_difference(
     const lika_sma21_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_sma21_biss_modulus(variant));
+    return cw_difference(now, before, lika_sma21_biss_modulus(variant));
 }
 
 /**
@@ -2124,7 +2135,7 @@ static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_variant *varian
 static inline int64_t lika_sma21_rs485_position_difference(
     const lika_sma21_variant *variant, uint64_t now, uint64_t before)
 {
-    return lika_difference(now, before, lika_sma21_rs485_modulus(variant));
+    return cw_difference(now, before, lika_sma21_rs485_modulus(variant));
 }
 
 /**
@@ -2166,7 +2177,7 @@ static inline double lika_sma21_rs485_millimetres(
  */
 #define LIKA_SMA21_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_SMA21_REG_PROFILE_ID_LENGTH 2U /**< bytes, 42h to 43h */
-#define LIKA_SMA21_REG_PROFILE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_PROFILE_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register profile ID. */
 typedef struct lika_sma21_reg_profile_id {
@@ -2186,18 +2197,18 @@ typedef struct lika_sma21_reg_profile_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_profile_id_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_profile_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_profile_id *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_PROFILE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint16_t profile_id = (uint16_t)((uint32_t)bytes[1] | ((uint32_t)bytes[0] << 8U));
     out->profile_id = profile_id;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2209,18 +2220,18 @@ static inline lika_result lika_sma21_reg_profile_id_decode(
  * @param length  number of bytes, LIKA_SMA21_REG_PROFILE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_profile_id_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_profile_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_PROFILE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)(in->profile_id >> 8U);
     bytes[1] = (uint8_t)in->profile_id;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2245,15 +2256,15 @@ static inline bool lika_sma21_reg_profile_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_profile_id(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_reg_profile_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_profile_id(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_PROFILE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_SMA21_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_SMA21_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_sma21_reg_profile_id_decode(variant, bytes, sizeof(bytes), out);
@@ -2268,7 +2279,7 @@ static inline lika_result lika_sma21_read_profile_id(
  */
 #define LIKA_SMA21_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
-#define LIKA_SMA21_REG_SERIAL_NUMBER_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_SERIAL_NUMBER_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_SERIAL_NUMBER_YEAR_SHIFT 24U
 #define LIKA_SMA21_REG_SERIAL_NUMBER_YEAR_MASK 0xFF000000U
 #define LIKA_SMA21_REG_SERIAL_NUMBER_WEEK_SHIFT 16U
@@ -2292,14 +2303,14 @@ typedef struct lika_sma21_reg_serial_number {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_serial_number_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_serial_number_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_serial_number *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t year = bytes[0];
     const uint8_t week = bytes[1];
@@ -2307,7 +2318,7 @@ static inline lika_result lika_sma21_reg_serial_number_decode(
     out->year = year;
     out->week = week;
     out->number = number;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2319,20 +2330,20 @@ static inline lika_result lika_sma21_reg_serial_number_decode(
  * @param length  number of bytes, LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_serial_number_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_serial_number_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = in->year;
     bytes[1] = in->week;
     bytes[2] = (uint8_t)(in->number >> 8U);
     bytes[3] = (uint8_t)in->number;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2344,16 +2355,16 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_serial_number(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_reg_serial_number *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_serial_number(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_SMA21_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_SMA21_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_sma21_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
@@ -2368,7 +2379,7 @@ static inline lika_result lika_sma21_read_serial_number(
  */
 #define LIKA_SMA21_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_SMA21_REG_COMMAND_LENGTH 1U /**< byte */
-#define LIKA_SMA21_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
+#define LIKA_SMA21_REG_COMMAND_ACCESS CW_ACCESS_WRITE_ONLY
 #define LIKA_SMA21_REG_COMMAND_DEFAULT 0x00U /**< factory default */
 #define LIKA_SMA21_REG_COMMAND_WAIT_AT_LEAST_MS 30U
 
@@ -2399,23 +2410,23 @@ typedef enum lika_sma21_command {
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_write_command(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_command value, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_write_command(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_command value, cw_failure *failure)
 {
-    lika_result result;
+    cw_result result;
     (void)variant;
     if ((value != LIKA_SMA21_COMMAND_NORMAL) && (value != LIKA_SMA21_COMMAND_SAVE_PARAMETERS) &&
         (value != LIKA_SMA21_COMMAND_ACTIVATE_PRESET_OFFSET) &&
         (value != LIKA_SMA21_COMMAND_RESTORE_DEFAULTS)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
-    result = lika_write_byte(transport, LIKA_SMA21_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
-    if (result != LIKA_OK) {
+    result = cw_write_byte(transport, LIKA_SMA21_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    if (result != CW_OK) {
         return result;
     }
-    return lika_wait(transport, 30000U, failure);
+    return cw_wait(transport, 30000U, failure);
 }
 
 /**
@@ -2435,7 +2446,7 @@ static inline lika_result lika_sma21_write_command(
  */
 #define LIKA_SMA21_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_SMA21_REG_CONFIGURATION_LENGTH 1U /**< byte */
-#define LIKA_SMA21_REG_CONFIGURATION_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_SMA21_REG_CONFIGURATION_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_CONFIGURATION_DEFAULT 0x20U /**< factory default */
 
 /**
@@ -2499,27 +2510,27 @@ typedef struct lika_sma21_reg_configuration {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_configuration_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_configuration_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_configuration *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t counting_direction = (uint8_t)((bytes[0] >> 6U) & 0x01U);
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
     const uint8_t enable_preset_offset = (uint8_t)((bytes[0] >> 2U) & 0x01U);
     const uint8_t select_preset_offset = (uint8_t)((bytes[0] >> 1U) & 0x01U);
     if ((bytes[0] & 0x99U) != 0x00U) { /* unused 7, unused 3 4, unused 0 */
-        return LIKA_FAULT_CONSTANT;
+        return CW_FAULT_CONSTANT;
     }
     out->counting_direction = (lika_sma21_counting_direction)counting_direction;
     out->output_code = (lika_sma21_output_code)output_code;
     out->enable_preset_offset = (lika_sma21_enable_preset_offset)enable_preset_offset;
     out->select_preset_offset = (lika_sma21_select_preset_offset)select_preset_offset;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2531,31 +2542,31 @@ static inline lika_result lika_sma21_reg_configuration_decode(
  * @param length  number of bytes, LIKA_SMA21_REG_CONFIGURATION_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_configuration_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_configuration_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_configuration *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if ((uint32_t)in->counting_direction > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((uint32_t)in->output_code > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((uint32_t)in->enable_preset_offset > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     if ((uint32_t)in->select_preset_offset > 0x01U) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(((uint32_t)in->counting_direction << 6U) |
         ((uint32_t)in->output_code << 5U) | ((uint32_t)in->enable_preset_offset << 2U) |
         ((uint32_t)in->select_preset_offset << 1U));
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2567,16 +2578,16 @@ static inline lika_result lika_sma21_reg_configuration_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_configuration(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_reg_configuration *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_configuration(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_configuration *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_CONFIGURATION_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_sma21_reg_configuration_decode(variant, bytes, sizeof(bytes), out);
@@ -2593,19 +2604,18 @@ static inline lika_result lika_sma21_read_configuration(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_write_configuration(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    const lika_sma21_reg_configuration *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_write_configuration(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    const lika_sma21_reg_configuration *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_CONFIGURATION_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_sma21_reg_configuration_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes),
-        failure);
+    return cw_write(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
 }
 
 /**
@@ -2620,7 +2630,7 @@ static inline lika_result lika_sma21_write_configuration(
  */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS 0x4DU
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /**< byte */
-#define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS CW_ACCESS_READ_ONLY
 
 /**
  * Read the register Absolute resolution, 4Dh.
@@ -2631,20 +2641,20 @@ static inline lika_result lika_sma21_write_configuration(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_absolute_resolution(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_absolute_resolution(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result = lika_read(transport, LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2678,7 +2688,7 @@ static inline lika_result lika_sma21_read_absolute_resolution(
  */
 #define LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS 0x50U
 #define LIKA_SMA21_REG_PRESET_OFFSET_LENGTH 4U /**< bytes, 50h to 53h */
-#define LIKA_SMA21_REG_PRESET_OFFSET_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_SMA21_REG_PRESET_OFFSET_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_PRESET_OFFSET_DEFAULT 0x00000000U /**< factory default */
 #define LIKA_SMA21_REG_PRESET_OFFSET_MIN 0U
 
@@ -2687,7 +2697,7 @@ static inline lika_result lika_sma21_read_absolute_resolution(
 /** Return the greatest preset: 2^position_bits - 1. */
 static inline uint32_t lika_sma21_reg_preset_offset_preset_max(const lika_sma21_variant *variant)
 {
-    return (uint32_t)lika_mask(variant->position_bits);
+    return (uint32_t)cw_mask(variant->position_bits);
 }
 
 #define LIKA_SMA21_REG_PRESET_OFFSET_OFFSET_MIN 0U
@@ -2713,19 +2723,19 @@ typedef struct lika_sma21_reg_preset_offset {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_preset_offset_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_preset_offset_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_preset_offset *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_PRESET_OFFSET_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint32_t preset_offset = (uint32_t)bytes[3] | ((uint32_t)bytes[2] << 8U) |
         ((uint32_t)bytes[1] << 16U) | ((uint32_t)bytes[0] << 24U);
     out->preset_offset = preset_offset;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2737,20 +2747,20 @@ static inline lika_result lika_sma21_reg_preset_offset_decode(
  * @param length  number of bytes, LIKA_SMA21_REG_PRESET_OFFSET_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_preset_offset_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_preset_offset_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_preset_offset *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_PRESET_OFFSET_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)(in->preset_offset >> 24U);
     bytes[1] = (uint8_t)(in->preset_offset >> 16U);
     bytes[2] = (uint8_t)(in->preset_offset >> 8U);
     bytes[3] = (uint8_t)in->preset_offset;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2762,16 +2772,16 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_preset_offset(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_reg_preset_offset *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_preset_offset(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_preset_offset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_PRESET_OFFSET_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_sma21_reg_preset_offset_decode(variant, bytes, sizeof(bytes), out);
@@ -2786,19 +2796,18 @@ static inline lika_result lika_sma21_read_preset_offset(
  * @param failure  details of the failure, or NULL
  * @return OK, the error of the access, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_write_preset_offset(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    const lika_sma21_reg_preset_offset *in, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_write_preset_offset(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    const lika_sma21_reg_preset_offset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_PRESET_OFFSET_LENGTH];
-    lika_result result;
+    cw_result result;
     result = lika_sma21_reg_preset_offset_encode(variant, in, bytes, sizeof(bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_write(transport, LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS, bytes, sizeof(bytes),
-        failure);
+    return cw_write(transport, LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS, bytes, sizeof(bytes), failure);
 }
 
 /**
@@ -2809,7 +2818,7 @@ static inline lika_result lika_sma21_write_preset_offset(
  */
 #define LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_SMA21_REG_DEVICE_TYPE_LENGTH 1U /**< byte */
-#define LIKA_SMA21_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_DEVICE_TYPE_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_DEVICE_TYPE_DEFAULT 0x08U /**< factory default */
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /**< value stated by the manual */
 
@@ -2822,20 +2831,20 @@ static inline lika_result lika_sma21_write_preset_offset(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_device_type(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_device_type(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2847,7 +2856,7 @@ static inline lika_result lika_sma21_read_device_type(
  */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS 0x58U
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_LENGTH 1U /**< byte */
-#define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_DEFAULT 0x00U /**< factory default */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /**< value stated by the manual */
 
@@ -2860,21 +2869,20 @@ static inline lika_result lika_sma21_read_device_type(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_sine_cosine_resolution(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_sine_cosine_resolution(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result =
-        lika_read(transport, LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2887,7 +2895,7 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
  */
 #define LIKA_SMA21_REG_POSITION_CHECK_ADDRESS 0x59U
 #define LIKA_SMA21_REG_POSITION_CHECK_LENGTH 1U /**< byte */
-#define LIKA_SMA21_REG_POSITION_CHECK_ACCESS LIKA_ACCESS_READ_WRITE
+#define LIKA_SMA21_REG_POSITION_CHECK_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /**< factory default */
 
 /**
@@ -2899,20 +2907,20 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_position_check(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    uint8_t *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_position_check(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
-    lika_result result;
+    cw_result result;
     (void)variant;
-    result = lika_read(transport, LIKA_SMA21_REG_POSITION_CHECK_ADDRESS, &value, 1U, failure);
-    if (result != LIKA_OK) {
+    result = cw_read(transport, LIKA_SMA21_REG_POSITION_CHECK_ADDRESS, &value, 1U, failure);
+    if (result != CW_OK) {
         return result;
     }
     *out = value;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2925,7 +2933,7 @@ static inline lika_result lika_sma21_read_position_check(
  */
 #define LIKA_SMA21_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_SMA21_REG_DEVICE_ID_LENGTH 6U /**< bytes, 78h to 7Dh */
-#define LIKA_SMA21_REG_DEVICE_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_DEVICE_ID_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_DEVICE_ID_RELEASE_SHIFT 0U
 #define LIKA_SMA21_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
@@ -2948,14 +2956,14 @@ typedef struct lika_sma21_reg_device_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_device_id_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_device_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint16_t release = (uint16_t)((uint32_t)bytes[5] | ((uint32_t)bytes[4] << 8U));
     out->name[0] = (char)bytes[0];
@@ -2963,7 +2971,7 @@ static inline lika_result lika_sma21_reg_device_id_decode(
     out->name[2] = (char)bytes[2];
     out->name[3] = (char)bytes[3];
     out->release = release;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -2975,14 +2983,14 @@ static inline lika_result lika_sma21_reg_device_id_decode(
  * @param length  number of bytes, LIKA_SMA21_REG_DEVICE_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_device_id_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_device_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_DEVICE_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
@@ -2990,7 +2998,7 @@ static inline lika_result lika_sma21_reg_device_id_encode(
     bytes[3] = (uint8_t)in->name[3];
     bytes[4] = (uint8_t)(in->release >> 8U);
     bytes[5] = (uint8_t)in->release;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED "SM21" /**< value of name stated by the manual */
@@ -3021,15 +3029,15 @@ static inline bool lika_sma21_reg_device_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_device_id(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_reg_device_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_device_id(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_DEVICE_ID_LENGTH];
-    lika_result result;
-    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    cw_result result;
+    result = cw_read(transport, LIKA_SMA21_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_sma21_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
@@ -3044,7 +3052,7 @@ static inline lika_result lika_sma21_read_device_id(
  */
 #define LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
-#define LIKA_SMA21_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
+#define LIKA_SMA21_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
 /** Values of the register manufacturer ID. */
 typedef struct lika_sma21_reg_manufacturer_id {
@@ -3064,18 +3072,18 @@ typedef struct lika_sma21_reg_manufacturer_id {
  * @param out  the decoded values, unchanged on error
  * @return OK, or the first error found
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_manufacturer_id_decode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_manufacturer_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_manufacturer_id *out)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     out->name[0] = (char)bytes[0];
     out->name[1] = (char)bytes[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3087,18 +3095,18 @@ static inline lika_result lika_sma21_reg_manufacturer_id_decode(
  * @param length  number of bytes, LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH
  * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reg_manufacturer_id_encode(
+CW_NODISCARD
+static inline cw_result lika_sma21_reg_manufacturer_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     bytes[0] = (uint8_t)in->name[0];
     bytes[1] = (uint8_t)in->name[1];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 #define LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
@@ -3127,16 +3135,16 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
  * @param failure  details of the failure, or NULL
  * @return OK, or the error of the access or the decoder
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_manufacturer_id(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_reg_manufacturer_id *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_manufacturer_id(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH];
-    lika_result result;
+    cw_result result;
     result =
-        lika_read(transport, LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+        cw_read(transport, LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     return lika_sma21_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
@@ -3158,18 +3166,18 @@ static inline lika_result lika_sma21_read_manufacturer_id(
  * @param length  number of bytes, LIKA_SMA21_REG_CONFIGURATION_LENGTH
  * @return OK, or LENGTH if length is wrong
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_take_configuration(
+CW_NODISCARD
+static inline cw_result lika_sma21_take_configuration(
     lika_sma21_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t offset_selected = (uint8_t)((bytes[0] >> 1U) & 0x01U);
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
     variant->offset_selected = offset_selected;
     variant->output_code = output_code;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3182,25 +3190,25 @@ static inline lika_result lika_sma21_take_configuration(
  * @param failure  details of the failure, or NULL. Its step is the index of a function above
  * @return OK, or the error of the first access or function that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_state(
-    const lika_transport *transport, lika_sma21_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_state(
+    const cw_transport *transport, lika_sma21_variant *variant,
+    cw_failure *failure)
 {
     uint8_t configuration[LIKA_SMA21_REG_CONFIGURATION_LENGTH];
     lika_sma21_variant taken = *variant;
-    lika_result result;
-    result = lika_read(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, configuration,
+    cw_result result;
+    result = cw_read(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, configuration,
         sizeof(configuration), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 0U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 0U, failure);
     }
     result = lika_sma21_take_configuration(&taken, configuration, sizeof(configuration));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     *variant = taken;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /* -- identification ---------------------------------------------------------------------------- */
@@ -3223,44 +3231,44 @@ typedef struct lika_sma21_identity {
  * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
  * @return OK, or the error of the first access that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_read_identity(
-    const lika_transport *transport, lika_sma21_identity *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_read_identity(
+    const cw_transport *transport, lika_sma21_identity *out, cw_failure *failure)
 {
     lika_sma21_identity found;
-    lika_result result;
-    result = lika_read(transport, LIKA_SMA21_REG_PROFILE_ID_ADDRESS, found.profile_id,
+    cw_result result;
+    result = cw_read(transport, LIKA_SMA21_REG_PROFILE_ID_ADDRESS, found.profile_id,
         sizeof(found.profile_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 0U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 0U, failure);
     }
-    result = lika_read(transport, LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS,
+    result = cw_read(transport, LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS,
         found.absolute_resolution, sizeof(found.absolute_resolution), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 1U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 1U, failure);
     }
-    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS, found.device_type,
+    result = cw_read(transport, LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS, found.device_type,
         sizeof(found.device_type), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 2U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 2U, failure);
     }
-    result = lika_read(transport, LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS,
+    result = cw_read(transport, LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS,
         found.sine_cosine_resolution, sizeof(found.sine_cosine_resolution), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 3U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 3U, failure);
     }
-    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_ID_ADDRESS, found.device_id,
+    result = cw_read(transport, LIKA_SMA21_REG_DEVICE_ID_ADDRESS, found.device_id,
         sizeof(found.device_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 4U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 4U, failure);
     }
-    result = lika_read(transport, LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+    result = cw_read(transport, LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
         sizeof(found.manufacturer_id), failure);
-    if (result != LIKA_OK) {
-        return lika_failed_at(result, 5U, failure);
+    if (result != CW_OK) {
+        return cw_failed_at(result, 5U, failure);
     }
     *out = found;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /** Return true if an encoder with this order code can have these contents. */
@@ -3271,7 +3279,7 @@ static inline bool lika_sma21_could_be(
     lika_sma21_reg_device_id device_id;
     lika_sma21_reg_manufacturer_id manufacturer_id;
     if ((lika_sma21_reg_profile_id_decode(variant, read->profile_id, sizeof(read->profile_id),
-        &profile_id) != LIKA_OK) || !lika_sma21_reg_profile_id_is_expected(variant, &profile_id)) {
+        &profile_id) != CW_OK) || !lika_sma21_reg_profile_id_is_expected(variant, &profile_id)) {
         return false;
     }
     if (read->absolute_resolution[0] != variant->resolution_um) {
@@ -3284,11 +3292,11 @@ static inline bool lika_sma21_could_be(
         return false;
     }
     if ((lika_sma21_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
-        &device_id) != LIKA_OK) || !lika_sma21_reg_device_id_is_expected(variant, &device_id)) {
+        &device_id) != CW_OK) || !lika_sma21_reg_device_id_is_expected(variant, &device_id)) {
         return false;
     }
     if ((lika_sma21_reg_manufacturer_id_decode(variant, read->manufacturer_id,
-        sizeof(read->manufacturer_id), &manufacturer_id) != LIKA_OK) ||
+        sizeof(read->manufacturer_id), &manufacturer_id) != CW_OK) ||
         !lika_sma21_reg_manufacturer_id_is_expected(variant, &manufacturer_id)) {
         return false;
     }
@@ -3310,8 +3318,7 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
     while (*next < count) {
         const lika_sma21_order_code *const code = &codes[*next];
         (*next)++;
-        if ((code->connection == LIKA_INTERFACE_BISS) &&
-            lika_sma21_could_be(&code->variant, read)) {
+        if ((code->connection == CW_INTERFACE_BISS) && lika_sma21_could_be(&code->variant, read)) {
             return code;
         }
     }
@@ -3336,29 +3343,29 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_set_configuration_steps(
+CW_NODISCARD
+static inline cw_result lika_sma21_set_configuration_steps(
     const lika_sma21_variant *variant,
     uint8_t configuration,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     if (capacity < LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     const uint8_t configuration_configuration_sent[] = { configuration };
     lika_sma21_reg_configuration configuration_configuration_held;
     /* bits that the register lacks */
     if (lika_sma21_reg_configuration_decode(variant, configuration_configuration_sent,
-        sizeof(configuration_configuration_sent), &configuration_configuration_held) != LIKA_OK) {
-        return LIKA_FAULT_RANGE;
+        sizeof(configuration_configuration_sent), &configuration_configuration_held) != CW_OK) {
+        return CW_FAULT_RANGE;
     }
-    steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* active immediately */
+    steps[0] = cw_step_write(0x49U, 0xFFU, configuration); /* active immediately */
     /* Configuration: read back, which the manual does not require */
-    steps[1] = lika_step_verify(0x49U, 0xFFU, configuration);
-    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save it permanently */
-    steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[1] = cw_step_verify(0x49U, 0xFFU, configuration);
+    steps[2] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save it permanently */
+    steps[3] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3373,21 +3380,21 @@ static inline lika_result lika_sma21_set_configuration_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_set_configuration(
-    const lika_transport *transport, const lika_sma21_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_sma21_set_configuration(
+    const cw_transport *transport, const lika_sma21_variant *variant,
     uint8_t configuration,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT];
+    cw_result result;
     result = lika_sma21_set_configuration_steps(variant, configuration,
         steps, LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT, &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3410,42 +3417,42 @@ static inline lika_result lika_sma21_set_configuration(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_set_preset_steps(
+CW_NODISCARD
+static inline cw_result lika_sma21_set_preset_steps(
     const lika_sma21_variant *variant,
     uint32_t position,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_sma21_reg_preset_offset position_register;
     uint8_t position_bytes[LIKA_SMA21_REG_PRESET_OFFSET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     if (capacity < LIKA_SMA21_SET_PRESET_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (position > lika_sma21_reg_preset_offset_preset_max(variant)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     position_register.preset_offset = position;
     result = lika_sma21_reg_preset_offset_encode(variant, &position_register, position_bytes,
         sizeof(position_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
     /* write the four Preset / Offset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
-        steps[index] = lika_step_write(address, 0xFFU, position_bytes[index]);
+        steps[index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
     /* Preset / Offset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
-        steps[4U + index] = lika_step_verify(address, 0xFFU, position_bytes[index]);
+        steps[4U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
-    steps[9] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[8] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
+    steps[9] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_PRESET_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3458,21 +3465,21 @@ static inline lika_result lika_sma21_set_preset_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_set_preset(
-    const lika_transport *transport, const lika_sma21_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_sma21_set_preset(
+    const cw_transport *transport, const lika_sma21_variant *variant,
     uint32_t position,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_SMA21_SET_PRESET_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_SMA21_SET_PRESET_STEPS_COUNT];
+    cw_result result;
     result = lika_sma21_set_preset_steps(variant, position,
         steps, LIKA_SMA21_SET_PRESET_STEPS_COUNT, &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3482,19 +3489,19 @@ static inline lika_result lika_sma21_set_preset(
 #define LIKA_SMA21_SELECT_PRESET_STEPS_COUNT 6U
 
 /** Return the steps of lika_sma21_select_preset(), and store their number in count. */
-static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
+static inline const cw_step *lika_sma21_select_preset_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
         /* Enable preset offset of Configuration: enable */
-        { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset of Configuration: preset */
-        { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
+        { CW_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
         /* Enable preset offset of Configuration: read back, which the manual does not require */
-        { LIKA_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset of Configuration: read back, which the manual does not require */
-        { LIKA_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* save it permanently */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+        { CW_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
+        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* save it permanently */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_SELECT_PRESET_STEPS_COUNT;
     return steps;
@@ -3511,15 +3518,15 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_select_preset(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_select_preset(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_sma21_select_preset_steps(&count);
+    const cw_step *const steps = lika_sma21_select_preset_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3548,50 +3555,50 @@ static inline lika_result lika_sma21_select_preset(
  * @param count  number of steps written
  * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_set_offset_steps(
+CW_NODISCARD
+static inline cw_result lika_sma21_set_offset_steps(
     const lika_sma21_variant *variant,
     uint32_t offset,
-    lika_step *steps, size_t capacity, size_t *count)
+    cw_step *steps, size_t capacity, size_t *count)
 {
     lika_sma21_reg_preset_offset offset_register;
     uint8_t offset_bytes[LIKA_SMA21_REG_PRESET_OFFSET_LENGTH];
     size_t index;
-    lika_result result;
+    cw_result result;
     if (capacity < LIKA_SMA21_SET_OFFSET_STEPS_COUNT) {
-        return LIKA_FAULT_LENGTH;
+        return CW_FAULT_LENGTH;
     }
     if (offset > lika_sma21_reg_preset_offset_offset_max(variant)) {
-        return LIKA_FAULT_RANGE;
+        return CW_FAULT_RANGE;
     }
     offset_register.preset_offset = offset;
     result = lika_sma21_reg_preset_offset_encode(variant, &offset_register, offset_bytes,
         sizeof(offset_bytes));
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* enable preset and offset */
-    steps[1] = lika_step_write(0x49U, 0x02U, 0x02U); /* select offset for the register */
+    steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable preset and offset */
+    steps[1] = cw_step_write(0x49U, 0x02U, 0x02U); /* select offset for the register */
     /* Enable preset offset of Configuration: read back, which the manual does not require */
-    steps[2] = lika_step_verify(0x49U, 0x04U, 0x00U);
+    steps[2] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Select preset offset of Configuration: read back, which the manual does not require */
-    steps[3] = lika_step_verify(0x49U, 0x02U, 0x02U);
-    steps[4] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save the configuration permanently */
-    steps[5] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[3] = cw_step_verify(0x49U, 0x02U, 0x02U);
+    steps[4] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save the configuration permanently */
+    steps[5] = cw_step_wait(30000U); /* EEPROM writing time */
     /* write the four Preset / Offset registers */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
-        steps[6U + index] = lika_step_write(address, 0xFFU, offset_bytes[index]);
+        steps[6U + index] = cw_step_write(address, 0xFFU, offset_bytes[index]);
     }
     /* Preset / Offset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
-        steps[10U + index] = lika_step_verify(address, 0xFFU, offset_bytes[index]);
+        steps[10U + index] = cw_step_verify(address, 0xFFU, offset_bytes[index]);
     }
-    steps[14] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the offset */
-    steps[15] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[14] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the offset */
+    steps[15] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_OFFSET_STEPS_COUNT;
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3607,21 +3614,21 @@ static inline lika_result lika_sma21_set_offset_steps(
  * @param failure  details of the failed step, or NULL
  * @return OK, RANGE if a value is not allowed, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_set_offset(
-    const lika_transport *transport, const lika_sma21_variant *variant,
+CW_NODISCARD
+static inline cw_result lika_sma21_set_offset(
+    const cw_transport *transport, const lika_sma21_variant *variant,
     uint32_t offset,
-    lika_failure *failure)
+    cw_failure *failure)
 {
     size_t count = 0U;
-    lika_step steps[LIKA_SMA21_SET_OFFSET_STEPS_COUNT];
-    lika_result result;
+    cw_step steps[LIKA_SMA21_SET_OFFSET_STEPS_COUNT];
+    cw_result result;
     result = lika_sma21_set_offset_steps(variant, offset, steps, LIKA_SMA21_SET_OFFSET_STEPS_COUNT,
         &count);
-    if (result != LIKA_OK) {
+    if (result != CW_OK) {
         return result;
     }
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3631,11 +3638,11 @@ static inline lika_result lika_sma21_set_offset(
 #define LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT 2U
 
 /** Return the steps of lika_sma21_save_parameters(), and store their number in count. */
-static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
+static inline const cw_step *lika_sma21_save_parameters_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT;
     return steps;
@@ -3649,15 +3656,15 @@ static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_save_parameters(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_save_parameters(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_sma21_save_parameters_steps(&count);
+    const cw_step *const steps = lika_sma21_save_parameters_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3668,11 +3675,11 @@ static inline lika_result lika_sma21_save_parameters(
 #define LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
 /** Return the steps of lika_sma21_restore_defaults(), and store their number in count. */
-static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
+static inline const cw_step *lika_sma21_restore_defaults_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
-        { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
+    static const cw_step steps[LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT] = {
+        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
+        { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT;
     return steps;
@@ -3687,15 +3694,15 @@ static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_restore_defaults(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_restore_defaults(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_sma21_restore_defaults_steps(&count);
+    const cw_step *const steps = lika_sma21_restore_defaults_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3706,23 +3713,23 @@ static inline lika_result lika_sma21_restore_defaults(
 #define LIKA_SMA21_IDENTIFY_STEPS_COUNT 14U
 
 /** Return the steps of lika_sma21_identify(), and store their number in count. */
-static inline const lika_step *lika_sma21_identify_steps(size_t *count)
+static inline const cw_step *lika_sma21_identify_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_SMA21_IDENTIFY_STEPS_COUNT] = {
-        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: 4C 69 means Lika */
-        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: name SM21, and the release */
-        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID: shows the resolution */
-        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number: year, week and number */
-        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
+    static const cw_step steps[LIKA_SMA21_IDENTIFY_STEPS_COUNT] = {
+        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: 4C 69 means Lika */
+        { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: name SM21, and the release */
+        { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID: shows the resolution */
+        { CW_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number: year, week and number */
+        { CW_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_SMA21_IDENTIFY_STEPS_COUNT;
     return steps;
@@ -3747,18 +3754,18 @@ typedef struct lika_sma21_identify_read {
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_identify(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_sma21_identify_read *out, lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_identify(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_identify_read *out, cw_failure *failure)
 {
     uint8_t bytes[14];
     size_t count = 0U;
-    const lika_step *const steps = lika_sma21_identify_steps(&count);
-    lika_result result;
+    const cw_step *const steps = lika_sma21_identify_steps(&count);
+    cw_result result;
     (void)variant;
-    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
-    if (result != LIKA_OK) {
+    result = cw_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != CW_OK) {
         return result;
     }
     out->manufacturer_id[0] = bytes[0];
@@ -3775,7 +3782,7 @@ static inline lika_result lika_sma21_identify(
     out->serial_number[1] = bytes[11];
     out->serial_number[2] = bytes[12];
     out->serial_number[3] = bytes[13];
-    return LIKA_OK;
+    return CW_OK;
 }
 
 /**
@@ -3791,11 +3798,11 @@ static inline lika_result lika_sma21_identify(
 #define LIKA_SMA21_RESET_ERRORS_STEPS_COUNT 1U
 
 /** Return the steps of lika_sma21_reset_errors(), and store their number in count. */
-static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
+static inline const cw_step *lika_sma21_reset_errors_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
         /* reset_errors; in succession, with no other request in between */
-        { LIKA_STEP_SEND, 7U, 0xFFU, 0xDAU, 10U, 40U }
+        { CW_STEP_SEND, 7U, 0xFFU, 0xDAU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
     return steps;
@@ -3809,15 +3816,15 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reset_errors(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_reset_errors(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_sma21_reset_errors_steps(&count);
+    const cw_step *const steps = lika_sma21_reset_errors_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /**
@@ -3834,11 +3841,11 @@ static inline lika_result lika_sma21_reset_errors(
 #define LIKA_SMA21_RESET_POSITION_STEPS_COUNT 1U
 
 /** Return the steps of lika_sma21_reset_position(), and store their number in count. */
-static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
+static inline const cw_step *lika_sma21_reset_position_steps(size_t *count)
 {
-    static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
+    static const cw_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
         /* reset_position; in succession, with no other request in between */
-        { LIKA_STEP_SEND, 7U, 0xFFU, 0x7AU, 10U, 40U }
+        { CW_STEP_SEND, 7U, 0xFFU, 0x7AU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
     return steps;
@@ -3852,15 +3859,15 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
  * @param failure  details of the failed step, or NULL
  * @return OK, or the result of the step that failed
  */
-LIKA_NODISCARD
-static inline lika_result lika_sma21_reset_position(
-    const lika_transport *transport, const lika_sma21_variant *variant,
-    lika_failure *failure)
+CW_NODISCARD
+static inline cw_result lika_sma21_reset_position(
+    const cw_transport *transport, const lika_sma21_variant *variant,
+    cw_failure *failure)
 {
     size_t count = 0U;
-    const lika_step *const steps = lika_sma21_reset_position_steps(&count);
+    const cw_step *const steps = lika_sma21_reset_position_steps(&count);
     (void)variant;
-    return lika_run(transport, steps, count, NULL, 0U, failure);
+    return cw_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /* -- alarms ------------------------------------------------------------------------------------ */
@@ -4021,7 +4028,8 @@ static inline lika_result lika_sma21_reset_position(
  *   sign fewer. A master that takes the length of the data from the profile ID would miss 4, 2 or 1
  *   bits here.
  * Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
- *   Printed: Year, week and number in hexadecimal (in esadecimale), without an example.
+ *   Printed: The manual gives year, week and number in hexadecimal (in esadecimale), without an
+ *   example.
  *   Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte
  *   first.
  *   Why: The text does not say whether the digits are binary or decimal in each byte, from which
@@ -4039,7 +4047,7 @@ static inline lika_result lika_sma21_reset_position(
  *   Why: The same number of values as before, starting with the offset, ends one below the sum.
  *   With the highest offset, the sum itself would need one bit more than the field has.
  * Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
- *   Printed: One device ID, SM21 with the release, for all models.
+ *   Printed: The manual gives one device ID, SM21 with the release, for all models.
  *   Used: The device ID is used as printed.
  *   Why: BiSS requires a different device ID for each data length, and 1 um has one more bit.
  *   Unless the release bytes, printed as xx, differ, only the profile ID distinguishes the models.
@@ -4072,11 +4080,11 @@ static inline lika_result lika_sma21_reset_position(
  *   may be correct, but the manual does not say so. nW is for Lika's technicians, and there is no
  *   evidence that a position with it is wrong.
  * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
- *   Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
+ *   Printed: The 48-bit position ranges from 800000000000h to 7FFFFFFFFFh.
  *   Used: The highest value is 7FFFFFFFFFFFh.
  *   Why: Two digits are missing. The highest 48-bit number in two's complement has twelve.
  * Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
- *   Printed: 24-bit position from 000000h to FFFFFFFh.
+ *   Printed: The 24-bit position ranges from 000000h to FFFFFFFh.
  *   Used: The highest value is FFFFFFh.
  *   Why: Seven digits are 28 bits.
  * Erratum wide_position_sign (open, omission) [7.3.3]:
@@ -4092,8 +4100,8 @@ static inline lika_result lika_sma21_reset_position(
  *   travel. A resolution probably has the same width as over the other interfaces, but the manual
  *   does not say so.
  * Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
- *   Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40
- *   us or more.
+ *   Printed: The request is sent ten times in succession (in successione, in sequenza), at
+ *   transmission intervals of 40 us or more.
  *   Used: No other request is sent in between. After each request, at least 40 us pass before the
  *   next one begins.
  *   Why: The manual does not say whether an interval is the gap between two requests or the time
@@ -4106,7 +4114,7 @@ static inline lika_result lika_sma21_reset_position(
  *   Why: The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they
  *   apply to this encoder.
  * Erratum data_id_5_example_status (open, wrong data) [7.3.4, 7.3.2 p.38]:
- *   Printed: Reply to data ID 5 with SF = 02h.
+ *   Printed: The reply to data ID 5 has SF = 02h.
  *   Used: dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the
  *   bits are reported.
  *   Why: 02h sets dd1, which 7.3.2 fixes at 0. Alarm and error would be 10h and 20h. However, it is

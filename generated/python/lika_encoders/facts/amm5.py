@@ -369,7 +369,7 @@ BISS: Final = BissFacts(
 # request.
 #
 # Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
-# Printed: Ten times in succession, at transmission intervals of 40 µs or more.
+# Printed: The request is sent ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
@@ -2589,7 +2589,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_interval",
-        printed="Ten times in succession, at transmission intervals of 40 µs or more",
+        printed="The request is sent ten times in succession, at transmission intervals of 40 µs or more",
         used="No other request is sent in between. After each request, at least 40 µs pass before the next one begins.",
         why=(
             "The manual does not say whether an interval is the gap between two requests or the time from start to "
@@ -2651,7 +2651,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_polarity",
-        printed="A (RS-485) and B (RS-485), without + or -",
+        printed="The manual names A (RS-485) and B (RS-485), without + or -",
         used="The names are given as printed. No polarity is assumed.",
         why=(
             "The manual does not say which of A and B is the positive line, and manufacturers name them in opposite "

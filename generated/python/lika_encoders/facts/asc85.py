@@ -1045,8 +1045,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="resistance_by_cross_section",
         printed=(
-            "Wires 2 × 0.22 mm² + 6 × 0.14 mm². Conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km, without an assignment to "
-            "the wires"
+            "Wires 2 × 0.22 mm² + 6 × 0.14 mm². Conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km. The manual does not "
+            "assign these values to the wires"
         ),
         used="90 Ω/km is the resistance of the 0.22 mm² wires, and 148 Ω/km that of the 0.14 mm² wires.",
         why=(
@@ -1132,7 +1132,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_bit_numbers",
-        printed="SSI bits numbered 20 ... 1 to 25 ... 1",
+        printed="The SSI bits are numbered 20 ... 1 to 25 ... 1",
         used="The bits are 19:0 to 24:0, with bit 0 as the LSB.",
         why=(
             "The table of lengths gives words of 20 to 25 bits, which leaves no room for a further bit at 0. "
@@ -1285,7 +1285,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_data_length",
-        printed="Profile ID 28 1A, data length 25 + 1 bits, for all models",
+        printed="The manual gives the profile ID 28 1A, data length 25 + 1 bits, for all models",
         used=(
             "The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero "
             "bit of the frame."
@@ -1316,7 +1316,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_digits",
-        printed="Serial number in ascending order, with the example 171256846",
+        printed="The manual describes a serial number in ascending order, with the example 171256846",
         used="The serial number is one number.",
         why=(
             "In the AMM5 manual, the same register contains year, week and number as decimal digits. Read this way, "
@@ -1427,7 +1427,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        printed="One device ID, AS85 with the release 01, for all models",
+        printed="The manual gives one device ID, AS85 with the release 01, for all models",
         used="The device ID is used as printed.",
         why=(
             "BiSS requires a different device ID for each data length. The SC models have six lengths. Since the "

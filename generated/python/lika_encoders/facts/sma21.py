@@ -324,7 +324,8 @@ BISS: Final = BissFacts(
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
 #
 # Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
-# Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more.
+# Printed: The request is sent ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs
+# or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
@@ -2175,7 +2176,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_coding",
-        printed="Year, week and number in hexadecimal (in esadecimale), without an example",
+        printed="The manual gives year, week and number in hexadecimal (in esadecimale), without an example",
         used="The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.",
         why=(
             "The text does not say whether the digits are binary or decimal in each byte, from which year the year is "
@@ -2248,7 +2249,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        printed="One device ID, SM21 with the release, for all models",
+        printed="The manual gives one device ID, SM21 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
             "BiSS requires a different device ID for each data length, and 1 µm has one more bit. Unless the release "
@@ -2369,7 +2370,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="abs_range_48",
-        printed="48-bit position from 800000000000h to 7FFFFFFFFFh",
+        printed="The 48-bit position ranges from 800000000000h to 7FFFFFFFFFh",
         used="The highest value is 7FFFFFFFFFFFh.",
         why="Two digits are missing. The highest 48-bit number in two's complement has twelve.",
         status=Status.SETTLED,
@@ -2379,7 +2380,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="abs_range_24",
-        printed="24-bit position from 000000h to FFFFFFFh",
+        printed="The 24-bit position ranges from 000000h to FFFFFFFh",
         used="The highest value is FFFFFFh.",
         why="Seven digits are 28 bits.",
         status=Status.SETTLED,
@@ -2422,7 +2423,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_interval",
-        printed="Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more",
+        printed=(
+            "The request is sent ten times in succession (in successione, in sequenza), at transmission intervals of "
+            "40 µs or more"
+        ),
         used="No other request is sent in between. After each request, at least 40 µs pass before the next one begins.",
         why=(
             "The manual does not say whether an interval is the gap between two requests or the time from start to "
@@ -2475,7 +2479,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_5_example_status",
-        printed="Reply to data ID 5 with SF = 02h",
+        printed="The reply to data ID 5 has SF = 02h",
         used=(
             "dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are "
             "reported."

@@ -1,0 +1,739 @@
+/** @file
+ * codewheel/biss.h - register access over BiSS C, for your own master
+ *
+ * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
+ * This file is yours: use it, change it and pass it on as you like.
+ * BiSS is a trademark of iC-Haus GmbH.
+ *
+ * You do not need this header if you have a ready-made BiSS master, or if you only read positions,
+ * which the headers of the encoders decode. biss_slave.h has the other side.
+ *
+ * A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the
+ * level of MA during the time-out, and CDS from the slave, after the start bit. The bits of
+ * successive frames form a control frame, which reads or writes registers:
+ *
+ *     step  CDM                          CDS, the response to these bits
+ *     1     at least 14 zeros            0
+ *     2     S = 1, CTS = 1, ID2..0,      IDL0..15: each slave takes the first bit that is still 0
+ *           ADR6..0, CRC3..0             as its ID, and there are 8 IDs
+ *     3     R W: 10 to read, 01 to write the same R W, or W inverted if the register is refused
+ *     4     S = 1                        S = 1, or 0 while the slave is busy: the master repeats S
+ *     5     writing: DATA7..0, CRC3..0   DATA7..0, CRC3..0: the value read, or the bits received
+ *           reading: 12 zeros
+ *     6     P = 0                        P = 0, or 1 to refuse the next register
+ *     7     S = 1 as in 4 for the next register, or 0: the end
+ *
+ * CDS is sent early in a frame and CDM at its end, so the response to a bit comes in the next
+ * frame. The CRC is x^4 + x + 1 with initial value 0, and it is sent inverted. It covers CTS, ID
+ * and ADR, or a data byte. No CRC covers S, R, W, P and IDL. Therefore:
+ *  - A write that no slave understood looks like a refused one: R W comes back as 00.
+ *  - If the S of a slave is lost on its way to the master, the two continue one bit apart. A value
+ *    that is read then has a wrong CRC. A value that is written is not stored, but if its CRC ends
+ *    in 0, which is true of half of all values, it comes back as if it had been stored. With CDM
+ *    one frame late, this happens only if the slave is busy and CDS is disturbed at the same time.
+ *    Therefore, read written values back before a command uses them, as the VERIFY steps of
+ *    procedures do.
+ *  - Zeros can complete a byte. If a write is aborted within a byte, the slave can store the bits
+ *    sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of place and value).
+ *    Write such a register again, and take special care if any value in it starts an action.
+ *
+ * Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18.
+ * Three details are taken from two published masters: that the CRC covers CTS, in which frame each
+ * response comes, and that P comes before a further S. The masters are lenzencoders/BISS-C
+ * (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
+ * (source/position_sense/bissc). It is inferred which end of a chain has ID 0, and how a slave
+ * reacts to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0)
+ * are not supported: the slave ignores them.
+ *
+ * Compiles as C99 and C++11. Needs no library and no allocation. You provide the struct that holds
+ * the state of a master. Pointers must not be null.
+ */
+#ifndef CODEWHEEL_BISS_H
+#define CODEWHEEL_BISS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "result.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR != 0)
+#error "codewheel/biss.h 1.0 and version.h differ: take all of codewheel/ from one folder"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -- words ------------------------------------------------------------------------------------- */
+
+/** Number of zeros that precede a control frame, and that end one at any time. */
+#define CW_BISS_ZEROS 14U
+/** Number of IDs for slaves. The only slave has ID 0, or the last in a chain, whose SLI is 0. */
+#define CW_BISS_IDS 8U
+/** Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh. */
+#define CW_BISS_REGISTERS 64U
+/** Value that stands for the ID of a slave without one. */
+#define CW_BISS_NO_ID 0xFFU
+/** R, W and S in the word of a read request. */
+#define CW_BISS_READS 0x00014000U
+/** R, W and S in the word of a write request. */
+#define CW_BISS_WRITES 0x0000C000U
+
+/** Access to one register. */
+typedef struct cw_biss_request {
+    uint8_t id;      /**< ID of the slave, 0 to 7 */
+    uint8_t address; /**< register address, 00h to 7Fh */
+    bool write;      /**< true to write, false to read */
+    uint8_t value;   /**< value to write, or 0 for a read */
+} cw_biss_request;
+
+/** State or outcome of an access. */
+typedef enum cw_biss_outcome {
+    CW_BISS_IDLE = 0,      /**< no access requested yet */
+    CW_BISS_RUNNING = 1,   /**< in progress */
+    CW_BISS_DONE = 2,      /**< all bytes read or written */
+    CW_BISS_REFUSED = 3,   /**< not implemented or protected, or (write only) not understood */
+    CW_BISS_NO_ANSWER = 4, /**< no slave has this ID, or CDS never changes */
+    CW_BISS_BUSY = 5,      /**< the slave was busy for more frames than allowed */
+    CW_BISS_BAD_CRC = 6,   /**< CRC error in the byte read */
+    CW_BISS_BAD_ECHO = 7,  /**< R W or a byte came back changed, and may have been written */
+    CW_BISS_ABORTED = 8    /**< aborted by the caller */
+} cw_biss_outcome;
+
+/** Return the CRC of 1 to 32 bits of control data, with the highest bit sent first. */
+static inline uint32_t cw_biss_crc(uint32_t value, uint32_t bits)
+{
+    uint32_t crc = 0U;
+    uint32_t left;
+    for (left = (bits < 32U) ? bits : 32U; left > 0U; left--) {
+        const uint32_t out = ((crc >> 3U) ^ (value >> (left - 1U))) & 1U;
+        crc = ((crc << 1U) & 0xFU) ^ ((out != 0U) ? 0x3U : 0U);
+    }
+    return crc ^ 0xFU;
+}
+
+/** Return the 12 bits of a data byte and its CRC. */
+static inline uint16_t cw_biss_byte_encode(uint8_t value)
+{
+    return (uint16_t)(((uint32_t)value << 4U) | cw_biss_crc(value, 8U));
+}
+
+/**
+ * Decode a data byte.
+ *
+ * @param bits  the byte and its CRC, 12 bits
+ * @param value  the byte
+ * @return OK, LENGTH if there are more than 12 bits, or CRC if the CRC is wrong
+ */
+CW_NODISCARD
+static inline cw_result cw_biss_byte_decode(uint16_t bits, uint8_t *value)
+{
+    const uint32_t word = bits;
+    if (word > 0xFFFU) {
+        return CW_FAULT_LENGTH;
+    }
+    if (cw_biss_crc(word >> 4U, 8U) != (word & 0xFU)) {
+        return CW_FAULT_CRC;
+    }
+    *value = (uint8_t)(word >> 4U);
+    return CW_OK;
+}
+
+/** Return CTS, ID2..0, ADR6..0, CRC3..0, R and W of a request, with W in bit 0. */
+static inline uint32_t cw_biss_header(const cw_biss_request *request)
+{
+    const uint32_t head = 0x400U | ((uint32_t)request->id << 7U) | request->address;
+    return (head << 6U) | (cw_biss_crc(head, 11U) << 2U) | (request->write ? 0x1U : 0x2U);
+}
+
+/**
+ * Encode the bits that a master sends after the first S. TI's masters use the same layout.
+ *
+ * @param request  the access
+ * @param word  the bits, with the first one in bit 31: CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, then
+ *              DATA7..0 and CRC3..0 or 12 zeros, P, and one more zero
+ * @return OK, or RANGE if the ID or address is out of range or a read request has a value
+ */
+CW_NODISCARD
+static inline cw_result cw_biss_request_encode(const cw_biss_request *request, uint32_t *word)
+{
+    if ((request->id >= CW_BISS_IDS) || (request->address > 0x7FU)
+        || (!request->write && (request->value != 0U))) {
+        return CW_FAULT_RANGE;
+    }
+    *word = (cw_biss_header(request) << 15U) | (CW_BISS_READS & CW_BISS_WRITES);
+    if (request->write) {
+        *word |= (uint32_t)cw_biss_byte_encode(request->value) << 2U;
+    }
+    return CW_OK;
+}
+
+/**
+ * Decode the word of a request.
+ *
+ * @param word  the word, in the format of _request_encode
+ * @param request  the access
+ * @return OK, CRC if one of the CRCs is wrong, or CONSTANT if CTS or S is 0, R W is neither 10 nor
+ *         01, or a bit that must be zero is not
+ */
+CW_NODISCARD
+static inline cw_result cw_biss_request_decode(uint32_t word, cw_biss_request *request)
+{
+    const uint32_t head = word >> 21U;
+    const uint32_t access = word & (CW_BISS_READS | CW_BISS_WRITES);
+    const bool write = access == CW_BISS_WRITES;
+    const uint32_t rest = word & (write ? 0x3U : 0x3FFFU);
+    uint8_t value = 0U;
+    if (cw_biss_crc(head, 11U) != ((word >> 17U) & 0xFU)) {
+        return CW_FAULT_CRC;
+    }
+    if (write
+        && (cw_biss_byte_decode((uint16_t)((word >> 2U) & 0xFFFU), &value) != CW_OK)) {
+        return CW_FAULT_CRC;
+    }
+    if ((head < 0x400U) || (!write && (access != CW_BISS_READS)) || (rest != 0U)) {
+        return CW_FAULT_CONSTANT;
+    }
+    request->id = (uint8_t)((head >> 7U) & 0x7U);
+    request->address = (uint8_t)(head & 0x7FU);
+    request->write = write;
+    request->value = value;
+    return CW_OK;
+}
+
+/** Return the number of slaves with an ID, at most 9, from IDL0 (bit 15) to IDL15 (bit 0). */
+static inline uint8_t cw_biss_slaves(uint32_t idl)
+{
+    uint8_t slaves = 0U;
+    uint32_t place = 0x8000U;
+    while ((slaves < 9U) && ((idl & place) != 0U)) {
+        slaves++;
+        place >>= 1U;
+    }
+    return slaves;
+}
+
+/**
+ * Evaluate the first 18 responses of a control frame, from IDL0 in bit 17 to W in bit 0. Return
+ * RUNNING if the slave participates, otherwise REFUSED, NO_ANSWER or BAD_ECHO.
+ */
+static inline cw_biss_outcome cw_biss_echo(const cw_biss_request *request, uint32_t answers)
+{
+    const uint32_t echo = answers & 0x3U;
+    const uint32_t expected = request->write ? 0x1U : 0x2U;
+    const uint32_t refused = expected ^ 0x1U;
+    const uint32_t locked = (answers >> (17U - (request->id & 0x7U))) & 1U;
+    if (((answers & 0x3FFFFU) == 0x3FFFFU) || (locked == 0U)) {
+        return CW_BISS_NO_ANSWER;
+    }
+    if (echo == expected) {
+        return CW_BISS_RUNNING;
+    }
+    if (echo == refused) {
+        return CW_BISS_REFUSED;
+    }
+    return (echo == 0U) ? CW_BISS_NO_ANSWER : CW_BISS_BAD_ECHO;
+}
+
+/** Evaluate the 12 responses to DATA and CRC. Return DONE, BAD_CRC or BAD_ECHO. */
+static inline cw_biss_outcome cw_biss_data(
+    const cw_biss_request *request, uint32_t answers, uint8_t *value)
+{
+    if (request->write) {
+        const uint32_t sent = cw_biss_byte_encode(request->value);
+        return (answers == sent) ? CW_BISS_DONE : CW_BISS_BAD_ECHO;
+    }
+    if (cw_biss_byte_decode((uint16_t)answers, value) != CW_OK) {
+        return CW_BISS_BAD_CRC;
+    }
+    return CW_BISS_DONE;
+}
+
+/**
+ * Decode the response to a whole word. This is for masters that send the word of a request before
+ * they evaluate the response. Such a master cannot wait for a busy slave.
+ *
+ * @param request  the access
+ * @param cds  the CDS bits of the 32 frames that sent the word, the first in bit 31: IDL0..15, R,
+ *             W, S, DATA7..0, CRC3..0, P
+ * @param slaves  number of slaves, 9 if more than 8
+ * @param value  the byte read, unchanged unless the outcome is DONE
+ * @return DONE, REFUSED, NO_ANSWER, BUSY, BAD_CRC or BAD_ECHO
+ */
+static inline cw_biss_outcome cw_biss_answer_decode(
+    const cw_biss_request *request, uint32_t cds, uint8_t *slaves, uint8_t *value)
+{
+    const cw_biss_outcome echo = cw_biss_echo(request, cds >> 14U);
+    *slaves = cw_biss_slaves(cds >> 16U);
+    if (echo != CW_BISS_RUNNING) {
+        return echo;
+    }
+    if (((cds >> 13U) & 1U) == 0U) {
+        return CW_BISS_BUSY;
+    }
+    return cw_biss_data(request, (cds >> 1U) & 0xFFFU, value);
+}
+
+/* -- master and slave -------------------------------------------------------------------------- */
+
+/** Part of a control frame. */
+typedef enum cw_biss_phase {
+    CW_BISS_PHASE_WAIT = 0,   /**< outside a control frame: waits for 14 zeros, then for S */
+    CW_BISS_PHASE_HEADER = 1, /**< steps 2 and 3 */
+    CW_BISS_PHASE_START = 2,  /**< step 4 */
+    CW_BISS_PHASE_BYTE = 3    /**< steps 5 and 6 */
+} cw_biss_phase;
+
+/** Return the number of zeros in a row after one more bit, up to 14. */
+static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
+{
+    if (cdm) {
+        return 0U;
+    }
+    return (zeros < CW_BISS_ZEROS) ? (uint8_t)(zeros + 1U) : zeros;
+}
+
+/* -- master ------------------------------------------------------------------------------------ */
+
+/**
+ * State of a master. Initialise it with _master_init, begin an access with _master_read or
+ * _master_write, then call _master_next or _master_next_late once in every BiSS frame until the
+ * outcome is no longer RUNNING. Keep calling it while frames continue, so that it counts the zeros
+ * required between two accesses. An access to one register takes at most 46 frames. Each further
+ * register takes 14 more, and each frame in which the slave is busy adds one.
+ *
+ * The diagram shows when to call each function, and when its bit must be on MA. The header of each
+ * encoder gives the times.
+ *
+ *              CDS        last clock            CDS        last clock
+ *   frame n  ---|--- data ---|--time-out--|  n+1 |--- data ---|--time-out--|
+ *   _next       [ call ......]  CDM on MA
+ *   _next_late                [ call ........................]  CDM on MA
+ *
+ *   _master_next       Call it as soon as CDS is received, so that MA can stay at the inverse of
+ *                      the bit from its last clock on. Use it with an FPGA, or with pins driven by
+ *                      software.
+ *   _master_next_late  Call it once the frame is in memory. Use it with SPI and DMA. Its bit
+ *                      belongs to the next frame. If the SPI mode sends it (see
+ *                      _master_next_late), set the mode before that frame begins.
+ * If the bit is sent one frame late, every access with _master_next fails.
+ *
+ * The functions of a transport (transport.h) return when everything is done. To implement them, run
+ * frames in a loop until the access is over. Access the registers 00h to 3Fh separately from the
+ * registers 40h to 7Fh.
+ */
+typedef struct cw_biss_master {
+    cw_biss_outcome outcome; /**< state or outcome of the access */
+    uint8_t slaves; /**< number of slaves with an ID (9: more than 8), known after the header */
+    uint8_t done;   /**< number of bytes read or written */
+    cw_biss_phase phase; /**< private */
+    cw_biss_request request; /**< private */
+    uint8_t *into; /**< private */
+    const uint8_t *from; /**< private */
+    uint8_t count; /**< private */
+    uint8_t zeros; /**< private */
+    uint8_t at; /**< private: index of the last bit sent, from the S of its phase or from DATA7 */
+    bool insists; /**< private: with CDM one frame late, repeat S until the slave responds */
+    uint16_t busy; /**< private */
+    uint16_t busy_limit; /**< private */
+    uint32_t sending; /**< private */
+    uint32_t answers; /**< private */
+} cw_biss_master;
+
+/** Initialise a master. */
+static inline void cw_biss_master_init(cw_biss_master *master)
+{
+    master->outcome = CW_BISS_IDLE;
+    master->slaves = 0U;
+    master->done = 0U;
+    master->phase = CW_BISS_PHASE_WAIT;
+    master->request.id = 0U;
+    master->request.address = 0U;
+    master->request.write = false;
+    master->request.value = 0U;
+    master->into = NULL;
+    master->from = NULL;
+    master->count = 0U;
+    master->zeros = 0U;
+    master->at = 0U;
+    master->insists = false;
+    master->busy = 0U;
+    master->busy_limit = 0U;
+    master->sending = 0U;
+    master->answers = 0U;
+}
+
+/** Begin an access. Common part of _master_read and _master_write. */
+CW_NODISCARD
+static inline cw_result cw_biss_master_begin(
+    cw_biss_master *master, const cw_biss_request *request, size_t count, uint16_t busy_limit)
+{
+    uint32_t word = 0U;
+    const cw_result result = cw_biss_request_encode(request, &word);
+    if (result != CW_OK) {
+        return result;
+    }
+    if ((count == 0U) || (count > (CW_BISS_REGISTERS - (request->address & 0x3FU)))) {
+        return CW_FAULT_RANGE;
+    }
+    master->outcome = CW_BISS_RUNNING;
+    master->slaves = 0U;
+    master->done = 0U;
+    master->phase = CW_BISS_PHASE_WAIT;
+    master->request = *request;
+    master->count = (uint8_t)count;
+    master->at = 0U;
+    master->insists = false;
+    master->busy = 0U;
+    master->busy_limit = busy_limit;
+    master->sending = word >> 15U;
+    master->answers = 0U;
+    return CW_OK;
+}
+
+/**
+ * Begin to read registers. An access in progress is aborted.
+ *
+ * @param master  the master
+ * @param id  ID of the slave
+ * @param address  address of the first register
+ * @param into  buffer for the bytes read, which must remain valid until the access is complete
+ * @param count  number of registers
+ * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose as
+ *                    many as take 20 ms
+ * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh.
+ *         Nothing is sent then
+ */
+CW_NODISCARD
+static inline cw_result cw_biss_master_read(
+    cw_biss_master *master, uint8_t id, uint8_t address, uint8_t *into, size_t count,
+    uint16_t busy_limit)
+{
+    const cw_biss_request request = { id, address, false, 0U };
+    const cw_result result = cw_biss_master_begin(master, &request, count, busy_limit);
+    if (result == CW_OK) {
+        master->into = into;
+        master->from = NULL;
+    }
+    return result;
+}
+
+/**
+ * Begin to write registers. An access in progress is aborted.
+ *
+ * @param master  the master
+ * @param id  ID of the slave
+ * @param address  address of the first register
+ * @param from  the bytes to write, which must remain valid until the access is complete
+ * @param count  number of registers
+ * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose as
+ *                    many as take 20 ms
+ * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh.
+ *         Nothing is sent then
+ */
+CW_NODISCARD
+static inline cw_result cw_biss_master_write(
+    cw_biss_master *master, uint8_t id, uint8_t address, const uint8_t *from,
+    size_t count, uint16_t busy_limit)
+{
+    const cw_biss_request request = { id, address, true, 0U };
+    const cw_result result = cw_biss_master_begin(master, &request, count, busy_limit);
+    if (result == CW_OK) {
+        master->into = NULL;
+        master->from = from;
+    }
+    return result;
+}
+
+/**
+ * Abort the access in progress. The remaining bits are sent as 0. Call it if a frame had no CDS,
+ * since the slave may have advanced by a bit that the master has not seen. Then begin the access
+ * again. An aborted write may have stored another value: see the top of this file.
+ */
+static inline void cw_biss_master_abort(cw_biss_master *master)
+{
+    if (master->outcome == CW_BISS_RUNNING) {
+        master->outcome = CW_BISS_ABORTED;
+    }
+    master->phase = CW_BISS_PHASE_WAIT;
+}
+
+/** End the access and return the first zero after it. */
+static inline bool cw_biss_master_ends(cw_biss_master *master, cw_biss_outcome outcome)
+{
+    master->outcome = outcome;
+    master->phase = CW_BISS_PHASE_WAIT;
+    return false;
+}
+
+/** Steps 2 and 3: return the bits CTS .. W after S, then S once the slave has answered R W. */
+static inline bool cw_biss_master_header(cw_biss_master *master, bool cds)
+{
+    cw_biss_outcome echo;
+    master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    master->at++;
+    if (master->at <= 17U) {
+        return ((master->sending >> (17U - master->at)) & 1U) != 0U;
+    }
+    master->slaves = cw_biss_slaves(master->answers >> 2U);
+    echo = cw_biss_echo(&master->request, master->answers);
+    if (echo != CW_BISS_RUNNING) {
+        return cw_biss_master_ends(master, echo);
+    }
+    master->phase = CW_BISS_PHASE_START;
+    master->busy = 0U;
+    return true;
+}
+
+/** Step 4: return S again until the slave has answered it, then DATA7. */
+static inline bool cw_biss_master_start(cw_biss_master *master, bool cds)
+{
+    if (!cds) {
+        if (master->busy >= master->busy_limit) {
+            return cw_biss_master_ends(master, CW_BISS_BUSY);
+        }
+        master->busy++;
+        return true;
+    }
+    master->phase = CW_BISS_PHASE_BYTE;
+    master->at = 0U;
+    master->answers = 0U;
+    master->sending = 0U;
+    if (master->request.write) {
+        master->request.value = master->from[master->done];
+        master->sending = cw_biss_byte_encode(master->request.value);
+    }
+    return ((master->sending >> 11U) & 1U) != 0U;
+}
+
+/** Steps 5 to 7: return the rest of DATA and CRC, then P, then S if another register follows. */
+static inline bool cw_biss_master_byte(cw_biss_master *master, bool cds)
+{
+    cw_biss_outcome outcome;
+    uint8_t value = 0U;
+    if (master->at == 12U) {
+        if (cds) {
+            return cw_biss_master_ends(master, CW_BISS_REFUSED);
+        }
+        master->phase = CW_BISS_PHASE_START;
+        master->busy = 0U;
+        master->request.address++;
+        return true;
+    }
+    master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    master->at++;
+    if (master->at < 12U) {
+        return ((master->sending >> (11U - master->at)) & 1U) != 0U;
+    }
+    outcome = cw_biss_data(&master->request, master->answers, &value);
+    if (outcome != CW_BISS_DONE) {
+        return cw_biss_master_ends(master, outcome);
+    }
+    if (!master->request.write) {
+        master->into[master->done] = value;
+    }
+    master->done++;
+    /* Ignore the response to the last P: it concerns a register that was not requested. */
+    return (master->done == master->count) ? cw_biss_master_ends(master, outcome) : false;
+}
+
+/**
+ * Return the CDM bit of this frame. MA carries its inverse during the time-out.
+ *
+ * @param master  the master
+ * @param cds  the CDS bit received in this frame
+ * @return the CDM bit
+ */
+static inline bool cw_biss_master_next(cw_biss_master *master, bool cds)
+{
+    bool cdm = false;
+    switch (master->phase) {
+    case CW_BISS_PHASE_HEADER:
+        cdm = cw_biss_master_header(master, cds);
+        break;
+    case CW_BISS_PHASE_START:
+        cdm = cw_biss_master_start(master, cds);
+        break;
+    case CW_BISS_PHASE_BYTE:
+        cdm = cw_biss_master_byte(master, cds);
+        break;
+    case CW_BISS_PHASE_WAIT:
+    default:
+        cdm = (master->outcome == CW_BISS_RUNNING) && (master->zeros >= CW_BISS_ZEROS);
+        master->phase = cdm ? CW_BISS_PHASE_HEADER : CW_BISS_PHASE_WAIT;
+        break;
+    }
+    master->zeros = cw_biss_zeros(master->zeros, cdm);
+    return cdm;
+}
+
+/* -- master, one frame late -------------------------------------------------------------------- */
+
+/**
+ * With SPI and DMA, the SPI mode sends the CDM bit: the mode of a frame determines the level of MA
+ * after it. Both modes sample at the rising edge and receive the same bits:
+ *
+ *           rest    the clocks of the frame   time-out   rest
+ *   CDM 0   1 1 1   0 1 0 1 0 1 ... 0 1 0 1   1 1 1 1    1 1 1   SPI mode 3
+ *   CDM 1   1 1 0   1 0 1 0 1 0 ... 1 0 1 0   0 0 0 0    1 1 1   SPI mode 0
+ *   pin     GPIO    SPI ...............................  GPIO
+ *
+ * At rest, the pin of MA is a GPIO output at 1. Set the mode, assign the pin to the SPI and start
+ * DMA. When the time-out after the last clock is over, assign the pin to the GPIO again. There is
+ * nothing to do within the time-out, so the clock may be as fast as SPI and cable allow. Changing
+ * the level after the last clock is too late, since the time-out begins with that clock and can be
+ * as short as 1.5 clocks. Clocks after the stop bit, which fill up the buffer, delay the time-out,
+ * and the level after the last of them counts.
+ *
+ * lenzencoders/BISS-C uses both modes and switches the pin in this way on an STM32G4
+ * (biss_c_master_hal). The effect of clocks after the stop bit is inferred. It is not known whether
+ * an encoder takes the edge back to 1 for the first edge of the next frame. Its acknowledge would
+ * then come one clock earlier, which cw_biss_receive tolerates, and its position would be as old
+ * as that edge.
+ */
+
+/** Number of frames until the first S of an access is answered, including the zeros before it. */
+#define CW_BISS_LATE_FRAMES 35U
+
+/**
+ * Abandon this attempt and begin the next one, since the slave is busy but the bit after S has
+ * already been sent.
+ */
+static inline bool cw_biss_late_busy(cw_biss_master *master)
+{
+    const uint32_t passed = (uint32_t)master->busy + CW_BISS_LATE_FRAMES;
+    if (master->busy >= master->busy_limit) {
+        return cw_biss_master_ends(master, CW_BISS_BUSY);
+    }
+    if (master->insists) {
+        master->busy++;
+        return true;
+    }
+    master->busy = (passed < master->busy_limit) ? (uint16_t)passed : master->busy_limit;
+    master->insists = !master->request.write;
+    master->phase = CW_BISS_PHASE_WAIT;
+    master->sending = cw_biss_header(&master->request);
+    return false;
+}
+
+/** Return DATA7, before it is known whether the slave answers S. */
+static inline bool cw_biss_late_first(cw_biss_master *master)
+{
+    master->phase = CW_BISS_PHASE_BYTE;
+    master->at = 0U;
+    master->answers = 0U;
+    master->sending = 0U;
+    if (master->request.write) {
+        master->request.value = master->from[master->done];
+        master->sending = cw_biss_byte_encode(master->request.value);
+    }
+    return master->insists || (((master->sending >> 11U) & 1U) != 0U);
+}
+
+/** Return the bits of steps 2 and 3, then S, then DATA7 once the slave has answered R W. */
+static inline bool cw_biss_late_header(cw_biss_master *master, bool cds)
+{
+    cw_biss_outcome echo;
+    if (master->at > 0U) {
+        master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    }
+    master->at++;
+    if (master->at <= 17U) {
+        return ((master->sending >> (17U - master->at)) & 1U) != 0U;
+    }
+    if (master->at == 18U) {
+        return true;
+    }
+    master->slaves = cw_biss_slaves(master->answers >> 2U);
+    echo = cw_biss_echo(&master->request, master->answers);
+    if (echo != CW_BISS_RUNNING) {
+        return cw_biss_master_ends(master, echo);
+    }
+    return cw_biss_late_first(master);
+}
+
+/** Return the rest of DATA and CRC, then P, then S if another register follows. */
+static inline bool cw_biss_late_byte(cw_biss_master *master, bool cds)
+{
+    cw_biss_outcome outcome;
+    uint8_t value = 0U;
+    if (master->at == 0U) {
+        if (!cds) {
+            return cw_biss_late_busy(master);
+        }
+        master->busy = 0U;
+    } else {
+        master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    }
+    master->at++;
+    if (master->at < 12U) {
+        return ((master->sending >> (11U - master->at)) & 1U) != 0U;
+    }
+    if (master->at == 12U) {
+        return false;
+    }
+    outcome = cw_biss_data(&master->request, master->answers, &value);
+    if (outcome != CW_BISS_DONE) {
+        return cw_biss_master_ends(master, outcome);
+    }
+    if (!master->request.write) {
+        master->into[master->done] = value;
+    }
+    master->done++;
+    if (master->done == master->count) {
+        return cw_biss_master_ends(master, outcome);
+    }
+    master->request.address++;
+    master->phase = CW_BISS_PHASE_START;
+    return true;
+}
+
+/**
+ * Return the CDM bit of the next frame. This is for SPI and DMA, which have a frame in memory only
+ * when it is over. Use it in place of _master_next for all frames of an access. The CDM bit of the
+ * very first frame is 0.
+ *
+ * The response to a bit is then received when the next bit is already being sent. So this master
+ * sends the bit after S on the assumption that the slave is not busy. If the slave is busy, zeros
+ * follow, which store nothing, and the access restarts at the same register. A write is repeated
+ * until the slave is ready. A read repeats S until the slave answers it, and the last S takes the
+ * place of DATA7. It is inferred that a slave ignores that bit during a read. An access to one
+ * register takes 47 frames, each further register takes 14 more, and each restart takes 35 more.
+ * With a busy limit of 0, the access does not restart.
+ *
+ * @param master  the master
+ * @param cds  the CDS bit of the frame just received
+ * @return the CDM bit of the next frame
+ */
+static inline bool cw_biss_master_next_late(cw_biss_master *master, bool cds)
+{
+    bool cdm = false;
+    switch (master->phase) {
+    case CW_BISS_PHASE_HEADER:
+        cdm = cw_biss_late_header(master, cds);
+        break;
+    case CW_BISS_PHASE_START:
+        /* This is the response to P. */
+        cdm = cds ? cw_biss_master_ends(master, CW_BISS_REFUSED) : cw_biss_late_first(master);
+        break;
+    case CW_BISS_PHASE_BYTE:
+        cdm = cw_biss_late_byte(master, cds);
+        break;
+    case CW_BISS_PHASE_WAIT:
+    default:
+        cdm = (master->outcome == CW_BISS_RUNNING) && (master->zeros >= CW_BISS_ZEROS);
+        master->phase = cdm ? CW_BISS_PHASE_HEADER : CW_BISS_PHASE_WAIT;
+        master->at = 0U;
+        master->answers = 0U;
+        break;
+    }
+    master->zeros = cw_biss_zeros(master->zeros, cdm);
+    return cdm;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

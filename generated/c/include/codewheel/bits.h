@@ -1,0 +1,131 @@
+/** @file
+ * codewheel/bits.h - bits of a frame, and differences of positions
+ *
+ * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
+ * This file is yours: use it, change it and pass it on as you like.
+ */
+#ifndef CODEWHEEL_BITS_H
+#define CODEWHEEL_BITS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "version.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR != 0)
+#error "codewheel/bits.h 1.0 and version.h differ: take all of codewheel/ from one folder"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -- bits -------------------------------------------------------------------------------------- */
+
+/** Return a mask with the lowest 0 to 64 bits set. */
+static inline uint64_t cw_mask(uint32_t bits)
+{
+    return (bits < 64U) ? (((uint64_t)1U << bits) - 1U) : UINT64_MAX;
+}
+
+/** Return word >> low. On small processors this is faster than a plain shift. */
+static inline uint64_t cw_above(uint64_t word, uint32_t low)
+{
+    if (low > 63U) {
+        return 0U;
+    }
+    if (low > 31U) {
+        const uint32_t upper = (uint32_t)(word >> 32U);
+        const uint32_t above = upper >> (low - 32U);
+        return above;
+    }
+    return word >> low;
+}
+
+/** Return the field of a word that starts at bit low. */
+static inline uint64_t cw_field(uint64_t word, uint32_t low, uint32_t bits)
+{
+    return cw_above(word, low) & cw_mask(bits);
+}
+
+/** Return the value of a two's complement number of this many bits. */
+static inline int64_t cw_signed(uint64_t value, uint32_t bits)
+{
+    const uint64_t largest = cw_mask(bits);
+    const uint64_t below = largest - value;
+    return (value > (largest >> 1U)) ? (-(int64_t)below - 1) : (int64_t)value;
+}
+
+/** Return true if a number fits in this many bits in two's complement. */
+static inline bool cw_fits_signed(int64_t value, uint32_t bits)
+{
+    const uint64_t half = cw_mask(bits) >> 1U;
+    const int64_t most = (int64_t)half;
+    return (value <= most) && (value >= (-most - 1));
+}
+
+/** Convert the field that starts at bit low from Gray code to binary and return the word. */
+static inline uint64_t cw_from_gray(uint64_t word, uint32_t low, uint32_t bits)
+{
+    uint64_t v = cw_field(word, low, bits);
+    v ^= v >> 32U;
+    v ^= v >> 16U;
+    v ^= v >> 8U;
+    v ^= v >> 4U;
+    v ^= v >> 2U;
+    v ^= v >> 1U;
+    return (low < 64U) ? ((word & ~(cw_mask(bits) << low)) | (v << low)) : word;
+}
+
+/** Convert the field that starts at bit low from binary to Gray code and return the word. */
+static inline uint64_t cw_to_gray(uint64_t word, uint32_t low, uint32_t bits)
+{
+    const uint64_t v = cw_field(word, low, bits);
+    return (low < 64U) ? (word ^ ((v >> 1U) << low)) : word;
+}
+
+/** Return 1 if the number of ones is odd, 0 if it is even. */
+static inline uint32_t cw_parity(uint32_t value)
+{
+    uint32_t v = value;
+    v ^= v >> 16U;
+    v ^= v >> 8U;
+    v ^= v >> 4U;
+    return (0x6996U >> (v & 0x0FU)) & 1U; /* bit n of 6996h is the parity of n */
+}
+
+/* -- positions --------------------------------------------------------------------------------- */
+
+/**
+ * Return the distance that a position has moved, taking the shorter way around.
+ *
+ * @param now  the new position
+ * @param before  the earlier position
+ * @param modulus  counts after which the position wraps around to 0
+ * @return the distance, from -modulus / 2 to below modulus / 2, or 0 if modulus is 0
+ */
+static inline int64_t cw_difference(uint64_t now, uint64_t before, uint64_t modulus)
+{
+    uint64_t start;
+    uint64_t forward;
+    uint64_t backward;
+    if (modulus == 0U) {
+        return 0;
+    }
+    start = before % modulus;
+    forward = now % modulus;
+    if (forward < start) {
+        forward += modulus - start;
+    } else {
+        forward -= start;
+    }
+    backward = modulus - forward;
+    return (forward < backward) ? (int64_t)forward : -(int64_t)backward;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,161 @@
+/** @file
+ * codewheel/encoder.h - interfaces, register access, reports and order codes of encoders
+ *
+ * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
+ * This file is yours: use it, change it and pass it on as you like.
+ */
+#ifndef CODEWHEEL_ENCODER_H
+#define CODEWHEEL_ENCODER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "version.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR != 0)
+#error "codewheel/encoder.h 1.0 and version.h differ: take all of codewheel/ from one folder"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Texts about one report of an encoder. A member is empty if the manual has no such text. */
+typedef struct cw_report_text {
+    const char *name; /**< its name in these headers */
+    const char *printed_name; /**< its name in the manual */
+    const char *meaning; /**< what it means */
+    const char *remedy; /**< what to do about it */
+    const char *source; /**< section and page of the manual */
+} cw_report_text;
+
+/** Interface of an encoder. */
+typedef enum cw_interface {
+    CW_INTERFACE_NONE = 0,
+    CW_INTERFACE_SSI = 1,
+    CW_INTERFACE_BISS = 2,
+    CW_INTERFACE_RS485 = 3
+} cw_interface;
+
+/** Access that a master has to a register. */
+typedef enum cw_access {
+    CW_ACCESS_READ_ONLY = 1,
+    CW_ACCESS_WRITE_ONLY = 2,
+    CW_ACCESS_READ_WRITE = 3
+} cw_access;
+
+/* -- order codes ------------------------------------------------------------------------------- */
+
+/** Return a letter a to z in uppercase, or any other character unchanged. */
+static inline char cw_capital(char letter)
+{
+    static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    const uint8_t place = (uint8_t)letter;
+    const uint8_t first = (uint8_t)'a';
+    return ((letter >= 'a') && (letter <= 'z')) ? capitals[place - first] : letter;
+}
+
+/** Return true if the character is a digit. */
+static inline bool cw_is_digit(char letter)
+{
+    return (letter >= '0') && (letter <= '9');
+}
+
+/** Return true if the character is a letter or a digit. */
+static inline bool cw_is_letter_or_digit(char letter)
+{
+    const char capital = cw_capital(letter);
+    return cw_is_digit(letter) || ((capital >= 'A') && (capital <= 'Z'));
+}
+
+/**
+ * Return true if this text may follow an order code on a label. It can be empty, a hyphen with any
+ * text, or /S with letters and digits (a special model, which may differ from the manual).
+ */
+static inline bool cw_label_ends(const char *label)
+{
+    size_t at = 2U;
+    char kind;
+    if ((label[0] == '\0') || (label[0] == '-')) {
+        return true;
+    }
+    if (label[0] != '/') {
+        return false;
+    }
+    kind = cw_capital(label[1]);
+    if ((kind != 'S') || (label[2] == '\0')) {
+        return false;
+    }
+    while (cw_is_letter_or_digit(label[at])) {
+        at++;
+    }
+    return label[at] == '\0';
+}
+
+/**
+ * Return the number of characters at the start of a label that match an order code, or 0 if they do
+ * not match. Case and spaces are ignored. In the code, # matches a digit, ~ matches a digit or
+ * nothing, @ matches a letter, and % matches a letter or a digit.
+ */
+static inline size_t cw_label_match(const char *label, const char *code)
+{
+    size_t at = 0U;
+    size_t index;
+    for (index = 0U; code[index] != '\0'; index++) {
+        const char wanted = code[index];
+        char letter = label[at];
+        if (wanted == ' ') {
+            continue;
+        }
+        while (letter == ' ') {
+            at++;
+            letter = label[at];
+        }
+        const bool digit = cw_is_digit(letter);
+        const bool either = cw_is_letter_or_digit(letter);
+        bool fits;
+        switch (wanted) {
+        case '#':
+        case '~':
+            fits = digit;
+            break;
+        case '@':
+            fits = either && !digit;
+            break;
+        case '%':
+            fits = either;
+            break;
+        default:
+            fits = cw_capital(letter) == cw_capital(wanted);
+            break;
+        }
+        if (fits) {
+            at++;
+        } else if (wanted != '~') {
+            return 0U;
+        } else {
+            /* No digit: ~ allows that. */
+        }
+    }
+    while (label[at] == ' ') {
+        at++;
+    }
+    return cw_label_ends(&label[at]) ? at : 0U;
+}
+
+/** A pattern for labels, the index of its order code, and the parts that it leaves open. */
+typedef struct cw_open_code {
+    const char *pattern;
+    uint16_t code;
+    uint16_t unlisted;
+} cw_open_code;
+
+/** Index that means that there is no such order code. */
+#define CW_NO_CODE 0xFFFFU
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

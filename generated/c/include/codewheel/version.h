@@ -1,0 +1,20 @@
+/** @file
+ * codewheel/version.h - version of the codewheel runtime
+ *
+ * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
+ * This file is yours: use it, change it and pass it on as you like.
+ *
+ * The headers in this folder are the runtime. They are the same for all manufacturers, so a program
+ * needs them once, and the header of each encoder includes them.
+ *
+ * A header for an encoder works with a runtime of the same major version, and at least the minor
+ * version that it was generated with. It refuses any other runtime with one #error. A newer minor
+ * version only adds to the runtime, so of several copies, use the newest one.
+ */
+#ifndef CODEWHEEL_VERSION_H
+#define CODEWHEEL_VERSION_H
+
+#define CW_RUNTIME_MAJOR 1 /**< changes when existing code would no longer work */
+#define CW_RUNTIME_MINOR 0 /**< changes when something is added */
+
+#endif
