@@ -51,7 +51,7 @@ ASKING = {
     },
     "rust": {("family", "too_wide")},
     "biss": set[Place](),
-    "python": set[Place](),
+    "python": {("codec", "usable")},
     "browser": set[Place](),
 }
 

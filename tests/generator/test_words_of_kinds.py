@@ -13,9 +13,9 @@ from codewheel.loading.examples import _EXAMPLES
 from codewheel.loading.interfaces import _INTERFACES
 from codewheel.loading.procedures import _STEPS
 from codewheel.model import INTERFACES, Example, Step
+from codewheel.targets.c.runtime import runtime_headers
 from codewheel_runtime import Interface
 
-TEMPLATES = Path(__file__).parents[2] / "templates"
 DO = {kind.do for kind in get_args(Step)}
 WORKED = {kind.kind for kind in get_args(Example)}
 
@@ -60,8 +60,8 @@ def test_every_step_and_example_is_built() -> None:
 def test_generated_code_has_every_interface() -> None:
     """The numbers of the C enumeration are part of the interface, so a new one is added at the end."""
     assert [item.value for item in Interface] == list(INTERFACES)
-    c = (TEMPLATES / "c/encoder.h.jinja").read_text(encoding="utf-8")
-    found = re.findall(r"\{\{ PREFIX \}\}_INTERFACE_(\w+) = (\d+)", c)
+    c = runtime_headers()["encoder.h"]
+    found = re.findall(r"CW_INTERFACE_(\w+) = (\d+)", c)
     assert found == [("NONE", "0"), *((name.upper(), f"{at}") for at, name in enumerate(INTERFACES, 1))]
 
 
