@@ -1,13 +1,15 @@
 """Browser target: a page and a script that decode frames and registers without a server.
 
-The script contains the plan of every frame as a table, and a small runtime from the templates that interprets it. Other
-pages can embed the decoder box.
+The script contains the plan of every frame as a table, and the runtime that interprets it. Other pages can embed the
+decoder box.
 """
 
 from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, TypedDict
 
 from ...model import UNEXPLAINED, Fault
@@ -20,6 +22,7 @@ from ...say.words import WORTH
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..licence import licence_in
+from ..runtime import our_runtime
 from .family import family
 from .plain import Data, script_json
 
@@ -48,6 +51,7 @@ class Page(TypedDict):
     codes: Annotated[int, "number of order codes"]
     example: Annotated[str, "an order code"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
+    runtime: Annotated[Mapping[str, str], "the parts of the script that are the same for all encoders, by name"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
@@ -58,10 +62,16 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "codes": len(set(codes)),
         "example": codes[0] if codes else "",
         "table": table(library),
+        "runtime": {path.stem: _code(path) for path in our_runtime("browser").glob("*.js")},
     }
     names = ("README.md", "decode.html", "decode.js")
     files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
     return files | licence_in("browser")
+
+
+def _code(path: Path) -> str:
+    """Return the code of a part of the script, without the comment at its top."""
+    return path.read_text(encoding="utf-8").partition("\n\n")[2].rstrip("\n")
 
 
 def table(library: Library) -> Data:
