@@ -20,6 +20,7 @@ PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "generated").glob("*/README.md")),
+    *sorted((ROOT / "generated").glob("*/runtime/README.md")),
     *sorted((ROOT / "examples").glob("*/README.md")),
 ]
 _FENCED = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -89,6 +90,9 @@ ELSEWHERE = {
     },
     "generated/browser/README.md": {
         "html: ": "tests/browser/test_browser_page.py::test_a_box_has_the_order_code_of_its_element",
+    },
+    "generated/python/runtime/README.md": {
+        "python: ": "tests/python/test_two_manufacturers.py::test_the_readme_of_the_runtime",
     },
     "generated/python/README.md": {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",

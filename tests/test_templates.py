@@ -24,8 +24,6 @@ ALLOWED = {
     ("python", "pyproject.toml.jinja"),
     # The C runtime, which is not in runtime/c yet.
     *(("c", f"{name}.h.jinja") for name in ("angle", "biss", "encoder", "runner", "tracker")),
-    # The script of the decode page, which is not in runtime/browser yet.
-    *(("browser", f"{name}.js.jinja") for name in "box frames numbers register result style text why".split()),
 }
 
 

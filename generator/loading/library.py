@@ -25,6 +25,9 @@ from .overlays import is_overlay, lay_over, overlays_beside
 from .reading_counts import read_counts
 from .shipped import packaged_families
 
+#: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.
+_OURS = ("codewheel", "codewheel_runtime", "runtime")
+
 
 def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
     """Load every device described by the specs at ``paths``, sorted by name, and report all problems.
@@ -151,12 +154,13 @@ def _check_manufacturer(
     """Check that names derived from a manufacturer are unique, and that its package hides no standard module."""
     package = maker.python_package
     path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
-    if package in sys.stdlib_module_names or keyword.iskeyword(package):
+    if package in _OURS or package in sys.stdlib_module_names or keyword.iskeyword(package):
+        user = "codewheel" if package in _OURS else "Python"
         report.add(
             "not-allowed",
             document,
             path,
-            f"'python_package' cannot be '{package}': Python uses that name; write '{package}_encoders'",
+            f"'python_package' cannot be '{package}': {user} uses that name; write '{package}_encoders'",
         )
     for other in others:
         if other.name == maker.name:

@@ -16,8 +16,8 @@ ROOT = Path(__file__).parents[2]
 PLACES = {
     "pages": ["*.md", "docs/*.md", "docs/site/*.md", ".github/*.md", ".github/*/*.yml", "examples/**/*.md"],
     "generated pages": ["generated/*/*.md", "generated/docs/*/*.md", "templates/docs/*", "templates/biss/*"],
-    "C": ["generated/c/**/*.[ch]", "templates/c/*", "templates/browser/*"],
-    "generated Python": ["generated/python/**/*.py", "templates/python/*"],
+    "C": ["generated/c/**/*.[ch]", "templates/c/*", "templates/browser/*", "runtime/browser/*"],
+    "generated Python": ["generated/python/**/*.py", "templates/python/*", "runtime/python/**/*.py"],
     "generator": ["generator/**/*.py"],
     "scripts": ["docs/**/*.py", "benchmarks/**/*.py", "examples/**/*.py", ".ci/*.py", "Makefile", "pyproject.toml"],
     "specs": ["specs/**/*.yaml", "docs/example/**/*.yaml"],

@@ -66,11 +66,12 @@ def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path
     ]
 
 
-def test_a_package_with_a_name_of_pythons_own(tmp_path: Path) -> None:
-    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + "python_package: json\n") == [
+@pytest.mark.parametrize(("name", "user"), [("json", "Python"), ("codewheel_runtime", "codewheel")])
+def test_a_package_with_a_name_that_is_taken(tmp_path: Path, name: str, user: str) -> None:
+    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + f"python_package: {name}\n") == [
         (
-            "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': Python uses that name; "
-            "write 'json_encoders'"
+            f"manufacturer.yaml:5: not-allowed: 'python_package' cannot be '{name}': {user} uses that name; "
+            f"write '{name}_encoders'"
         )
     ]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -41,8 +42,8 @@ def remainder(value: int, bits: int) -> int:
 
 
 @pytest.fixture(scope="session")
-def biss(generated_python: tuple[Any, ModuleType]) -> Any:
-    return generated_python[1].biss
+def biss() -> Any:
+    return importlib.import_module("codewheel_runtime.biss")
 
 
 @pytest.fixture(scope="session")

@@ -36,7 +36,9 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(*command: str | Path, folders: tuple[Path, ...] = (), cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
+    """Run a command for which these folders hold the packages, in Python and for mypy."""
+    path = os.pathsep.join(map(str, folders))
+    environment = {**os.environ, "PYTHONPATH": path, "MYPYPATH": path}
     return subprocess.run([str(item) for item in command], capture_output=True, text=True, env=environment, cwd=cwd)
 
 
@@ -81,9 +83,20 @@ def test_the_example(both: Path) -> None:
     folders = (both / NAMES[0], both / NAMES[1], both / "runtime")
     done = run(sys.executable, program, folders=folders)
     assert (done.stdout, done.stderr) == (shown, "")
-    os.environ["MYPYPATH"] = os.pathsep.join(map(str, folders))
-    done = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program)
-    del os.environ["MYPYPATH"]
+    done = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program, folders=folders)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.slow
+def test_the_readme_of_the_runtime(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", (RUNTIME / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(program, names)
+    encoder = generated_python[1].lookup("AMM5A21/65KSC1")
+    assert [names["position"](encoder, word) for word in (0xF4243D3, 0xF424355, 0xF4243D2)] == [1000003, None, None]
+    (tmp_path / "program.py").write_text(program, encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", tmp_path / "program.py"]
+    done = run(*command, folders=(RUNTIME,))
     assert done.returncode == 0, done.stdout
 
 

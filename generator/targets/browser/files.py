@@ -1,13 +1,15 @@
 """Browser target: a page and a script that decode frames and registers without a server.
 
-The script contains the plan of every frame as a table, and a small runtime from the templates that interprets it. Other
-pages can embed the decoder box.
+The script contains the plan of every frame as a table, and the runtime that interprets it. Other pages can embed the
+decoder box.
 """
 
 from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, TypedDict
 
 from ...language.problems import LONGEST_QUOTE
@@ -22,6 +24,7 @@ from ...say.words import WORTH
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..licence import licence_in
+from ..runtime import our_runtime
 from .family import family
 from .plain import Data, script_json
 
@@ -69,11 +72,8 @@ class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
     example: Annotated[str, "an order code"]
-    longest_text: Annotated[int, "highest number of characters in the text of a frame"]
-    longest_quote: Annotated[int, "highest number of characters that a message quotes"]
-    longest_label: Annotated[int, "highest number of characters in a label"]
-    least_likeness: Annotated[float, "least similarity of an order code that is suggested for a wrong one"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
+    runtime: Annotated[Mapping[str, str], "the parts of the script that are the same for all encoders, by name"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
@@ -83,15 +83,17 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "title": ", ".join(plain(maker.title) for maker, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": codes[0] if codes else "",
-        "longest_text": frame_text.LONGEST,
-        "longest_quote": LONGEST_QUOTE,
-        "longest_label": LONGEST,
-        "least_likeness": NEAR,
         "table": table(library),
+        "runtime": {path.stem: _code(path) for path in our_runtime("browser").glob("*.js")},
     }
     names = ("README.md", "decode.html", "decode.js")
     files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
     return files | licence_in("browser")
+
+
+def _code(path: Path) -> str:
+    """Return the code of a part of the script, without the comment at its top."""
+    return path.read_text(encoding="utf-8").partition("\n\n")[2].rstrip("\n")
 
 
 def table(library: Library) -> Data:
@@ -101,6 +103,7 @@ def table(library: Library) -> Data:
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
         "unexplained": UNEXPLAINED,
         "said": _SAID,
+        "limits": {"text": frame_text.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "slips": [[item.text, item.front, item.missing, item.lost, item.behind] for item in SLIPS],
         "families": [family(device) for device in library.devices],
     }

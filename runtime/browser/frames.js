@@ -1,0 +1,258 @@
+// Licence 0BSD: use, modify and distribute this file without any condition.
+// Decoding and encoding of frames and registers by the table.
+
+/** A layout with the places of its fields for an order code, without fields of 0 bits. */
+function placed(family, layout, parameters) {
+  const at = (item) => Number(value(item, parameters));
+  const explained = (field) => (!field.only || parameters[field.only] ? field
+    : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
+  const fields = (layout.fields ?? []).map((place) => explained(family.shared[place]))
+    .map((field) => ({ field, name: field.name, low: at(field.low), width: at(field.width) }))
+    .filter((item) => item.width > 0);
+  const gray = layout.gray && parameters[layout.gray[2]] ? layout.gray : null;
+  return {
+    family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
+    gray: gray && { low: at(gray[0]), width: at(gray[1]) },
+    joins: (layout.joins ?? []).map(([name, parts]) => ({
+      name, parts: parts.map(([part, low]) => ({ item: fields.find((one) => one.name === part), low: at(low) })),
+    })),
+    checks: (layout.checks ?? []).map((place) => family.shared[place])
+      .map((check) => ({ check, low: at(check.at[0]), width: at(check.at[1]),
+        of: check.of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
+      .filter((item) => item.width > 0),
+    tells: (layout.tells ?? []).map((place) => family.shared[place])
+      .filter((item) => (!item.only || parameters[item.only]) && (!item.others || !parameters[item.others])),
+  };
+}
+
+/** The decoded number: fields, CRC, errors, reports and verdict. */
+function decode(at, number) {
+  if (number >> BigInt(at.bits)) return otherLength(at, `${at.bits} bits`, bitLength(number));
+  const found = nothing(at, number);
+  const plain = fromGray(at, number);
+  found.fields = at.fields.flatMap((item) => fieldsOf(item, number, plain));
+  found.crc = crcOf(at, number);
+  if (found.crc && found.crc.received !== found.crc.computed) {
+    const words = said("crc", hex(found.crc.received, 2), hex(found.crc.computed, 2));
+    found.problems.push({ fault: "crc", field: found.crc.field, message: words });
+  }
+  found.problems.push(...at.checks.flatMap((item) => problemOf(item, number, plain)));
+  const rank = (problem) => TABLE.faults.indexOf(problem.fault);
+  found.problems.sort((one, other) => rank(one) - rank(other));
+  found.fields.push(...at.joins.map((join) => joined(join, number, plain)));
+  if (!found.problems.length) tell(found);
+  return found;
+}
+
+const nothing = (at, number) => ({
+  at, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
+});
+
+function otherLength(at, needed, count) {
+  const found = nothing(at, 0n);
+  found.problems.push({ fault: "length", field: "", message: said("length", at.name, needed, count) });
+  return found;
+}
+
+/** A frame or register of bytes. */
+function decodeBytes(at, bytes) {
+  if (8 * bytes.length !== at.bits) return otherLength(at, counted(at.bits / 8, "byte"), bytes.length);
+  return decode(at, numberOf(at.layout.bytes, bytes));
+}
+
+function fromGray(at, number) {
+  if (!at.gray) return number;
+  let plain = bits(number, at.gray.low, at.gray.width);
+  for (let rest = plain >> ONE; rest; rest >>= ONE) plain ^= rest;
+  const mask = ones(at.gray.width) << BigInt(at.gray.low);
+  return (number & ~mask) | (plain << BigInt(at.gray.low));
+}
+
+function toGray(at, number) {
+  if (!at.gray) return number;
+  return number ^ ((bits(number, at.gray.low, at.gray.width) >> ONE) << BigInt(at.gray.low));
+}
+
+/** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
+function fieldsOf(item, number, plain) {
+  const { field, low, width } = item;
+  const sent = bits(plain, low, width);
+  const entry = {
+    name: field.name, raw: bits(number, low, width), value: sent, unit: field.unit ?? "",
+    meaning: field.meaning ?? "", high: low + width - 1, low, ...meantBy(field, sent, width),
+  };
+  const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
+    const part = (sent / big(divisor)) % big(modulus);
+    return { ...entry, name, raw: part, value: part, unit: "", meaning };
+  });
+  return [entry, ...runs];
+}
+
+function meantBy(field, raw, width) {
+  switch (field.kind) {
+    case "flag":
+    case "not_flag": {
+      const active = (raw === 0n) === (field.kind === "not_flag");
+      return { value: active, meaning: (active ? field.on : field.off) || field.meaning || "" };
+    }
+    case "choice": {
+      const named = field.values.find((entry) => big(entry[0]) === raw);
+      return named ? { value: named[1], meaning: named[2] || field.meaning || "" } : {};
+    }
+    case "signed":
+      return { value: BigInt.asIntN(width, raw) };
+    case "text": {
+      const codes = bytesOf(2, raw, width / 8);
+      return { value: String.fromCharCode(...codes) };
+    }
+    default:
+      return { value: raw || big(field.zero) };
+  }
+}
+
+function joined(join, number, plain) {
+  const parts = join.parts.filter((part) => part.item);
+  const sum = (source) => parts.reduce(
+    (whole, { item, low }) => whole | (bits(source, item.low, item.width) << BigInt(low)), 0n);
+  const names = parts.map((part) => part.item.name).reverse().join(" and ");
+  const meaning = join.parts.length > 1 ? said("as_one_number", names) : "";
+  return { name: join.name, raw: sum(number), value: sum(plain), unit: "", meaning, high: -1, low: -1 };
+}
+
+const crcField = (at) => at.fields.find((item) => item.field.crc);
+
+function crcOf(at, number) {
+  if (!at.layout.crc) return null;
+  const crc = at.family.crcs[at.layout.crc];
+  const field = crcField(at);
+  const received = bits(number, field.low, field.width);
+  return { crc, field: field.name, received, computed: computedBy(crc, at, number) };
+}
+
+/** The CRC with these parameters over the bits before the CRC of a frame. */
+function computedBy(crc, at, number) {
+  const { width } = crcField(at);
+  if (!at.layout.bytes) return crcOfBits(crc, number >> BigInt(width), at.bits - width);
+  return crcOfBytes(crc, bytesOf(at.layout.bytes, number, at.bits / 8).slice(0, -width / 8));
+}
+
+function problemOf(item, number, plain) {
+  const { check, low, width, of } = item;
+  const found = bits(of ? number : plain, low, width);
+  const right = of ? [parityOf(number, of, check.odd)]
+    : (check.values ?? []).map((one) => big(one) & ones(width));
+  const holds = check.limit === undefined ? right.includes(found) : found <= big(check.limit);
+  if (holds) return [];
+  const words = {
+    constant: () => said("constant", check.field, hex(found), hex(right[0])),
+    parity: () => said("parity", check.field, found, check.of_name, right[0]),
+    no_value: () => said("no_value", check.field, hex(found)),
+    of_other_frame: () => said("of_other_frame", check.field, found.toString(16).toUpperCase()),
+    digits: () => said("digits", check.field, found, check.most),
+  };
+  return [{ fault: check.fault, field: check.field, message: words[check.says]() }];
+}
+
+/** The reports and the verdict of a valid frame or register. */
+function tell(found) {
+  const { at, number } = found;
+  const active = new Set(at.fields.filter((item) => speaks(item, bits(number, item.low, item.width)))
+    .map((item) => item.name));
+  found.reports = at.tells.filter((item) => active.has(item.field));
+  if (at.layout.otherwise) {
+    const holds = (only, is) => !only || Boolean(at.parameters[only]) === Boolean(is);
+    const worst = (at.layout.speaks ?? []).find(([, by, unless, only, is]) =>
+      active.has(by) && !(unless ?? []).some((name) => active.has(name)) && holds(only, is));
+    found.verdict = worst ? worst[0] : at.layout.otherwise;
+  }
+  found.differences = [...at.fields.flatMap((item) => differenceOf(found, item)), ...strangeIn(found)];
+}
+
+/** Whether a flag is active, or unused bits differ from the manual. */
+function speaks({ field, width }, raw) {
+  if ("unused" in field) return raw !== (big(field.unused) & ones(width));
+  return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
+}
+
+function differenceOf(found, { field }) {
+  if (field.equals === undefined || found.at.layout.sender === "master") return [];
+  const entry = found.fields.find((one) => one.name === field.name);
+  const isText = typeof field.equals === "string";
+  const has = isText ? entry.value : entry.raw;
+  const wanted = isText ? field.equals : value(field.equals[0], found.at.parameters);
+  if (has === wanted) return [];
+  const [shown, right] = [has, wanted].map((one) => (isText ? `"${one}"` : hex(one, 2)));
+  const name = field.printed || field.name;
+  return [found.at.layout.sender
+    ? said("other_value", name, shown, right) : said("other_content", name, shown, found.at.code, right)];
+}
+
+function strangeIn(found) {
+  return (found.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
+    const entry = found.fields.find((one) => one.name === run);
+    return entry && (entry.raw < big(low) || entry.raw > big(high)) ? [filled(words, entry.raw)] : [];
+  });
+}
+
+class Refusal extends Error {}
+
+/** The number whose fields have these values: numbers, booleans and texts by name. */
+function encode(at, values) {
+  const parities = at.fields.filter((item) => item.field.parity);
+  let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
+  parities.forEach((item) => {
+    const of = at.fields.filter((one) => item.field.parity.includes(one.name));
+    number |= parityOf(number, of, item.field.odd) << BigInt(item.low);
+  });
+  number = toGray(at, number);
+  if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
+  for (const problem of decode(at, number).problems) throw new Refusal(problem.message);
+  return number;
+}
+
+/** Whether the user provides the value of a field; all others are derived. */
+const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
+
+function rawOf(item, values) {
+  const { field, width } = item;
+  if ("fixed" in field) return big(field.fixed) & ones(width);
+  if (!isGiven(item)) return big(field.unused) & ones(width);
+  const given = values[field.name];
+  if (field.kind === "flag" || field.kind === "not_flag") return BigInt(given === (field.kind === "flag"));
+  if (field.kind === "text") return rawOfText(item, given);
+  const raw = field.zero && given === big(field.zero) ? 0n : BigInt.asUintN(width, given);
+  if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : "" }, raw, width).value !== given) {
+    throw new Refusal(said("too_wide", field.name, given, width));
+  }
+  if (field.power && given & (given - ONE)) throw new Refusal(said("no_power_of_two", field.name, given));
+  return raw;
+}
+
+function rawOfText({ field, width }, given) {
+  const codes = [...given].map((one) => one.codePointAt(0));
+  if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
+    throw new Refusal(said("too_wide", field.name, `"${given}"`, width));
+  }
+  return numberOf(2, codes);
+}
+
+/** Rejects a number outside the limits of its register. */
+function refuseOutside(at, number, limits) {
+  if (!limits || (limits.low === null && limits.high === null)) return;
+  const entries = decode(at, number).fields;
+  const found = limits.of ? entries.find((one) => one.name === limits.of).value : number;
+  const bound = (item) => (item === null ? null : value(item, at.parameters));
+  const [low, high] = [bound(limits.low), bound(limits.high)];
+  if ((low !== null && found < low) || (high !== null && found > high)) {
+    throw new Refusal(said("outside", found, low ?? "the lowest value", high ?? "the highest value"));
+  }
+}
+
+/** The bytes of a register with these values, in hex. */
+function bytesFor(at, values, limits) {
+  const number = encode(at, values);
+  refuseOutside(at, number, limits);
+  return shownBytes(bytesOf(at.layout.bytes, number, at.layout.length));
+}
+
+const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");

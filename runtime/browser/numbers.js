@@ -1,0 +1,93 @@
+// Licence 0BSD: use, modify and distribute this file without any condition.
+// Expressions, bits and CRCs.
+
+const ONE = 1n;
+
+/** Values by names of a spec, which can also be names that every JavaScript object has. */
+const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
+
+/** A limit or count of the table: a number, or text if it is too large for a number. */
+const big = (item) => BigInt(item ?? 0);
+const ones = (width) => (ONE << BigInt(width)) - ONE;
+const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
+const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
+const counted = (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`;
+const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => values[place]);
+const said = (name, ...values) => filled(TABLE.said[name], ...values);
+const bitLength = (number) => (number ? number.toString(2).length : 0);
+
+/** The value of an expression, which is a number and terms of sign and factors. */
+function value(item, parameters) {
+  if (!Array.isArray(item)) return big(item);
+  return item.slice(1).reduce((sum, [sign, ...factors]) => sum + factors.reduce(
+    (product, name) => product * factor(name, parameters), big(sign)), big(item[0]));
+}
+
+function factor(name, parameters) {
+  if (!name.startsWith("^")) return parameters[name];
+  const exponent = parameters[name.slice(1)];
+  if (exponent < 0n || exponent > 128n) throw new RangeError(`2${name} is out of range`);
+  return ONE << exponent;
+}
+
+/** The parameters of an order code and those derived from them. */
+function resolved(family, given) {
+  const parameters = named(given);
+  let left = family.derived ?? [];
+  for (let before = -1; left.length !== before;) {
+    before = left.length;
+    left = left.filter(([name, item]) => !settle(parameters, name, item));
+  }
+  return parameters;
+}
+
+function settle(parameters, name, item) {
+  const names = Array.isArray(item) ? item.slice(1).flatMap((term) => term.slice(1)) : [];
+  if (!names.every((one) => one.replace("^", "") in parameters)) return false;
+  try {
+    parameters[name] = value(item, parameters);
+  } catch (error) {
+    parameters[name] = 0n;
+  }
+  return true;
+}
+
+function reflected(number, width) {
+  let found = 0n;
+  for (let place = 0; place < width; place += 1) found = (found << ONE) | bits(number, place, 1);
+  return found;
+}
+
+/** A CRC over the given bits of a number, most significant first. */
+function crcOfBits(crc, number, count) {
+  const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
+  let register = big(crc.init);
+  for (let place = BigInt(count) - ONE; place >= 0n; place -= ONE) {
+    const turn = ((register >> top) ^ (number >> place)) & ONE;
+    register = (register << ONE) & mask;
+    if (turn) register ^= poly;
+  }
+  return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
+}
+
+function crcOfBytes(crc, bytes) {
+  const turned = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
+  return crcOfBits(crc, numberOf(2, turned), 8 * bytes.length);
+}
+
+/** The number that bytes form: ``order`` 1 is low byte first, 2 is high byte first. */
+function numberOf(order, bytes) {
+  const highFirst = order === 1 ? [...bytes].reverse() : bytes;
+  return highFirst.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n);
+}
+
+function bytesOf(order, number, count) {
+  const lowFirst = Array.from({ length: count }, (_, place) => Number(bits(number, 8 * place, 8)));
+  return order === 1 ? lowFirst : lowFirst.reverse();
+}
+
+/** The parity of the bits of a number at these places. */
+function parityOf(number, places, odd) {
+  const found = places.map(({ low, width }) => bits(number, low, width).toString(2)).join("");
+  return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
+}

@@ -1,0 +1,156 @@
+// Licence 0BSD: use, modify and distribute this file without any condition.
+// Display of a decoded frame or register. Text of specs is only ever inserted as text.
+
+const CLASS = "codewheel-decode";
+
+/** An element with attributes and children, without empty ones. */
+function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, item] of Object.entries(attributes)) {
+    if (item !== undefined && item !== false) made.setAttribute(name, item === true ? "" : item);
+  }
+  made.append(...children.flat().filter((child) => child !== "" && child !== null && child !== undefined));
+  return made;
+}
+
+const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
+const list = (items) => element("ul", {}, items.map((item) => element("li", {}, item)));
+const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
+
+/** The place of a field in readable form: bits of a word, or bytes of a frame from 0. */
+function placeOf(at, { high, low }) {
+  if (high < 0) return "";
+  const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
+  if (!at.layout.bytes) return range(high, low);
+  const ends = [byteOf(at, low), byteOf(at, high)].sort((one, other) => one - other);
+  const isWhole = low % 8 === 0 && high % 8 === 7;
+  if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
+  return isWhole ? `bytes ${ends[0]}-${ends[1]}` : `bytes ${ends[0]}.${low % 8}-${ends[1]}.${high % 8}`;
+}
+
+const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
+
+/** A name that may wrap after each of its words. */
+const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
+
+function fieldTable(found) {
+  const rows = found.fields.map((item) => {
+    const isOneBit = item.high >= 0 && item.high === item.low;
+    const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
+    const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
+    return element("tr", {},
+      element("td", {}, placeOf(found.at, item)),
+      element("th", { scope: "row" }, breakable(item.name), item.meaning && part("span", "meaning", item.meaning)),
+      element("td", {}, `${shownValue(item.value)}${unit}`, raw));
+  });
+  const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
+  const size = found.at.layout.bytes ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
+  return element("table", {},
+    element("caption", {}, `${found.at.layout.title}, ${size}`),
+    element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
+}
+
+/** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
+function measured(found, measure) {
+  if (!measure || !found.verdict || found.verdict === "not_usable") return "";
+  const number = (name) => found.fields.find((item) => item.name === name && typeof item.value === "bigint");
+  const entry = number(measure.of) ?? number(measure.part);
+  if (!entry) return "";
+  const of = (item) => (item === undefined ? 0n : value(item, found.at.parameters));
+  const [step, turn] = [of(measure.step_um), of(measure.counts_per_turn)];
+  if (step) return `${entry.name}: ${(entry.value * step).toLocaleString("en")} µm`;
+  if (turn < ONE) return "";
+  const degrees = (Number((entry.value % turn) * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
+  const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;
+  return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${entry.value / turn}` : ""}`;
+}
+
+function crcLine({ crc, received, computed }) {
+  const judged = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
+  const start = crc.init ? `, start value ${hex(big(crc.init))}` : "";
+  const inverted = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
+  return element("p", {}, `CRC ${hex(received, 2)}: ${judged} (${crc.text}${start}${inverted})`);
+}
+
+function reportsOf(found) {
+  if (!found.reports.length) return [];
+  const items = found.reports.map((item) => [
+    element("strong", {}, item.field), `: ${sentence(item.meaning)}`,
+    item.remedy ? ` ${sentence(item.remedy)}` : "", item.source ? part("span", "source", ` [${item.source}]`) : "",
+  ]);
+  return [element("p", {}, "The encoder reports:"), list(items)];
+}
+
+/** The first line: the verdict or the errors. */
+function headline(found) {
+  if (found.problems.length) {
+    const items = found.problems.map((item) => `${item.fault} error: ${item.message}`);
+    return part("div", "bad", items.map((text) => element("p", {}, text)));
+  }
+  const isRegister = found.at.layout.length !== undefined;
+  const start = isRegister || found.crc ? "No error" : "No error, but this frame does not have a CRC";
+  const words = [...(found.reports.length ? [] : [start]), ...(found.verdict ? [TABLE.worth[found.verdict]] : [])];
+  const verdict = found.verdict ? [element("code", {}, found.verdict), ": "] : [];
+  const names = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
+  const [first, ...more] = words.map(sentence);
+  const capital = (text) => text[0].toUpperCase() + text.slice(1);
+  const line = words.length ? [element("p", {}, verdict, [first, ...more.map(capital)].join(" "))] : [];
+  return part("div", names[found.verdict] ?? "plain", line);
+}
+
+/** The mistakes that could explain a wrong CRC, and the command that tries more of them. */
+function whyOf(found, command) {
+  const dead = deadLine(found);
+  if (dead) return [element("p", {}, dead)];
+  if (!found.problems.length) return [];
+  const flips = disturbedBits(found);
+  const which = flips.length === 1 ? bitName(found.at, flips[0]) : `one of ${flips.length} bits`;
+  const noise = flips.length ? [element("p", {},
+    `If only some frames fail, one bit was disturbed on the line: the CRC matches with ${which} inverted. `
+    + "In that case, no change is needed.")] : [];
+  const reasons = explained(found).map((item) => `${item.text} (matches by chance in 1 of ${item.oneIn} frames)`);
+  const crcFault = found.at?.layout.crc && found.problems.some((item) => ["crc", "length"].includes(item.fault));
+  const match = "these changes make the CRC match:";
+  const start = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
+  const told = reasons.length ? [element("p", {}, start), list(reasons)] : [];
+  const more = crcFault ? [element("p", {}, "This command tries more mistakes:"), commandLine(command)] : [];
+  return [...noise, ...told, ...more];
+}
+
+const byteOf = (at, bit) => (at.layout.bytes === 1 ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
+const bitName = (at, bit) => (at.layout.bytes ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
+
+const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
+
+/** All output about a frame or register. */
+function resultOf(found, measure, command) {
+  const angle = measured(found, measure);
+  return [
+    headline(found),
+    ...(found.differences.length ? [list(found.differences.map((text) => `differs from the manual: ${text}`))] : []),
+    ...reportsOf(found),
+    ...(found.fields.length && angle ? [element("p", {}, angle)] : []),
+    ...(found.fields.length ? [fieldTable(found)] : []),
+    ...(found.crc ? [crcLine(found.crc)] : []),
+    ...whyOf(found, command),
+  ];
+}
+
+/** The order codes that match a frame; ``pick`` selects one of them. */
+function guessesOf(groups, pick) {
+  if (!groups.length) return [part("div", "bad", element("p", {}, "This frame is not valid for any order code."))];
+  const withCrc = groups.filter((group) => group.decoded.crc);
+  const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
+    const { at } = group.decoded;
+    const size = at.layout.bytes ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
+    const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
+    const codes = group.codes.map((code) => {
+      const button = element("button", { type: "button" }, code);
+      button.addEventListener("click", () => pick(code, group.sender));
+      return button;
+    });
+    const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}`;
+    return [element("p", {}, text), part("div", "codes", codes)];
+  });
+  return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];
+}

@@ -1,0 +1,162 @@
+// Licence 0BSD: use, modify and distribute this file without any condition.
+// Parsing of frames and labels, and inference of order codes from a frame.
+
+class FrameText extends Error {}
+
+const quoted = (text) => (text.length <= TABLE.limits.quote ? `'${text}'` : `'${text.slice(0, TABLE.limits.quote - 3)}...'`);
+
+/** Spellings of programs and logs, and their replacement. The command line has the same list. */
+const PASTED = [
+  [/\bb(?=['"])/g, ""],
+  [/\\x([0-9A-Fa-f]{2})/g, " 0x$1 "],
+  [/[[\](){}<>"',;:]/g, " "],
+  [/(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))/g, "$1 "],
+  [/(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])/g, "0x$1"],
+  [/(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])/g, "$1"],
+];
+/** A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. */
+const TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+  + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
+
+/** The frames in a text, one per line. Comments after # and empty lines are skipped. */
+function linesOf(text) {
+  return text.split(/\r\n|\r|\n/).flatMap((line, place) => {
+    const kept = line.split("#")[0].trim();
+    const time = TIME.exec(kept);
+    return kept ? [{ number: place + 1, time: time ? time[1] : "", text: time ? kept.slice(time[0].length) : kept }] : [];
+  });
+}
+
+/** The text of a frame without brackets, quotes and other marks of the program that it was copied from. */
+function checked(text) {
+  if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
+  const plain = PASTED.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
+  if (!plain) throw new FrameText(said("frame_empty"));
+  return plain;
+}
+
+/** Hex bytes, in pieces of whole bytes. */
+function bytesIn(text) {
+  return text.split(/\s+/).flatMap((piece) => {
+    const digits = piece.replace(/^0x/i, "");
+    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoted(piece)));
+    const whole = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
+    if (whole.length === 1) throw new FrameText(said("one_digit", quoted(piece), digits));
+    if (whole.length % 2) throw new FrameText(said("odd", quoted(piece)));
+    return whole.match(/../g).map((byte) => parseInt(byte, 16));
+  });
+}
+
+/** One number of so many bits: 0b with every digit, or 0x or hex bytes, which imply leading zeros. */
+function numberIn(text, size) {
+  let compact = text.replace(/[\s_]/g, "");
+  if (/^0b[01]+$/i.test(compact)) return { number: BigInt(compact), bits: compact.length - 2, exact: true };
+  const pieces = text.split(/\s+/);
+  if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
+    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
+    compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
+  }
+  if (/^0x[0-9a-f]+$/i.test(compact)) {
+    const number = BigInt(compact);
+    return { number, bits: bitLength(number), exact: false };
+  }
+  const isHex = pieces.length === 1 && /^[0-9a-f]{1,40}$/i.test(compact);
+  const remedy = isHex ? said("write_hex", compact) + (/^[01]+$/.test(compact) ? said("or_bits", compact) : "")
+    : said("write_number", size);
+  throw new FrameText(said("no_bits", quoted(text), size, remedy));
+}
+
+/** The parameters of a code with the register contents ``held`` and the answers of the user. */
+function parametersOf(found, held = {}, answers = {}) {
+  const given = named(found.given, held);
+  for (const item of found.family.alternatives ?? []) {
+    const taken = item.answers.find(([name]) => name === answers[item.name]);
+    for (const [name, one] of Object.entries(taken?.[2] ?? {})) given[name] = big(one);
+  }
+  return resolved(found.family, given);
+}
+
+function placedFor(found, layout, held, answers) {
+  return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
+}
+
+/** The frame in a text for an order code. */
+function decodeFrame(found, sender, text, held, answers) {
+  const layouts = found.interface.frames.filter((item) => item.sender === sender);
+  if (!layouts.length) {
+    throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
+  }
+  const trimmed = checked(text);
+  if (!layouts[0].bytes) {
+    const at = placedFor(found, layouts[0], held, answers);
+    return decodeBits(at, numberIn(trimmed, at.bits));
+  }
+  const bytes = bytesIn(trimmed);
+  const told = toldApart(found.interface, sender, bytes);
+  const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
+  return { ...made, data: bytes };
+}
+
+/** A frame of bits; ``given`` is its text as a number. */
+function decodeBits(at, given) {
+  const hasOthers = given.exact && given.bits !== at.bits;
+  return { ...(hasOthers ? otherLength(at, `${at.bits} bits`, given.bits) : decode(at, given.number)), given };
+}
+
+/** The frame of a sender that the selector in these bytes identifies, or the error if there is none. */
+function toldApart(interface_, sender, bytes) {
+  const told = (interface_.told ?? []).find((item) => item.sender === sender);
+  if (!told) return { layout: interface_.frames.find((item) => item.sender === sender) };
+  const fallback = interface_.frames[told.fallback];
+  if (bytes.length < told.needs) {
+    const message = said("too_few_bytes", counted(bytes.length, "byte"));
+    return fallback ? { layout: fallback } : fault("length", "", message);
+  }
+  const found = told.pieces.reduce(
+    (sum, [byte, right, mask, left]) => sum | (((bytes[byte] >> right) & mask) << left), 0);
+  const place = told.frames.find(([, ...values]) => values.includes(found));
+  if (place || fallback) return { layout: place ? interface_.frames[place[0]] : fallback };
+  const upper = (number) => number.toString(16).toUpperCase();
+  const choices = told.frames.flatMap(([, ...values]) => values).sort((one, other) => one - other).map(upper);
+  return fault("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
+}
+
+const fault = (kind, field, message) => ({ ...nothing(null, 0n), problems: [{ fault: kind, field, message }] });
+
+/** The bytes of a register, decoded. */
+function decodeRegister(found, register, text, held, answers) {
+  const bytes = bytesIn(checked(text));
+  if (bytes.length !== register.length) {
+    const [needed, given] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
+    throw new FrameText(said("register_length", register.name, needed, given));
+  }
+  return decodeBytes(placedFor(found, register, held, answers), bytes);
+}
+
+/** All order codes for which a text is a valid frame, grouped by the places of its fields. */
+function inferred(text) {
+  const groups = new Map();
+  for (const family of TABLE.families.filter((item) => !item.base)) {
+    for (const found of family.codes.map((row) => ofRow(family, row))) {
+      for (const sender of ["encoder", "master"]) infer(groups, found, sender, text);
+    }
+  }
+  return [...groups.values()];
+}
+
+function infer(groups, found, sender, text) {
+  let decoded;
+  try {
+    decoded = decodeFrame(found, sender, text);
+  } catch (error) {
+    if (error instanceof FrameText) return;
+    throw error;
+  }
+  if (decoded.problems.length) return;
+  const { at } = decoded;
+  const places = at.fields.map((item) => [item.name, item.low, item.width]);
+  const key = JSON.stringify([found.family.name, at.name, at.gray !== null, places]);
+  const { family, interface: over } = found;
+  if (!groups.has(key)) groups.set(key, { decoded, sender, over, family, codes: [] });
+  groups.get(key).codes.push(found.code);
+}
