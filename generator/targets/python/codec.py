@@ -29,8 +29,8 @@ from ...say.words import sentence
 from . import text
 from .context import Asked, Context
 from .decode import Decoder, Once, assigned
-from .joins import Maker
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
+from .joins import Maker
 from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports

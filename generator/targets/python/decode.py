@@ -15,7 +15,6 @@ from .bits import Reader
 from .expr import Atom, Expr, Operation, Scope, call, coded, grouped, mask, number
 from .names import ClassNames
 
-
 #: Number of bits per CRC table.
 TABLE_BITS = 16
 #: Maximum length of a frame, in bytes, whose bytes have a name each.

@@ -16,7 +16,7 @@ from ...plan.values import (
     ZeroMeans,
     meaning_of,
 )
-from .expr import Atom, Expr, Not, Operation, Scope, call, joined, moved, number, times
+from .expr import Atom, Expr, Not, Operation, Scope, call, joined, moved, times
 from .names import ClassNames
 
 

@@ -70,8 +70,8 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
 
 #: Modules of the package that do not belong to a device.
 SHARED = tuple(
-    """__main__ _arrow _codec _codes _encoder _facts _frames _input _make _many _order_codes _registers _reports _run _shape
-    _sinks _sources _steps _stream _table _text _why""".split()
+    """__main__ _arrow _codec _codes _encoder _facts _frames _input _make _many _order_codes _registers _reports _run
+    _shape _sinks _sources _steps _stream _table _text _why""".split()
 )
 #: Subpackages whose modules, one per device, are loaded on first use.
 FOLDERS = ("facts", "_shapes")
