@@ -111,10 +111,8 @@ def reading() -> Candidates:
     def as_in_the_readme() -> None:
         for word in words:
             reply = encoder.try_decode(word)
-            if isinstance(reply, FrameError):
-                raise reply
-            if (position := reply.usable_position) is None:
-                raise ValueError(position)
+            if reply.usable_position is None:
+                raise reply if isinstance(reply, FrameError) else ValueError(reply)
 
     return {"floor: shifts into a tuple, inline, no CRC": floor, "ours: try_decode, usable_position": as_in_the_readme}
 
