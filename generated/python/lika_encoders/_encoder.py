@@ -144,9 +144,10 @@ def _restored(kind: type[_Same], state: dict[str, Any]) -> _Same:
     return kind(**state)
 
 
-def fact(module: str, name: str, names: tuple[str, ...]) -> object:
+def fact(module: str, name: str) -> object:
     """Return a table of facts of a module. The first access loads all tables."""
-    if name not in names:
-        raise AttributeError(f"module '{module}' has no attribute '{name}'")
     package, _, family = module.rpartition(".")
-    return getattr(import_module(f"{package}.facts.{family}"), name)
+    facts = import_module(f"{package}.facts.{family}") if name.isupper() else None
+    if facts is None or name not in vars(facts):
+        raise AttributeError(f"module '{module}' has no attribute '{name}'")
+    return getattr(facts, name)

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import IntEnum
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
+from ._codec import BitField
 from ._reports import Verdict
 from ._table import Fault
 
@@ -16,7 +18,8 @@ class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
     ``kind`` is the type of value that the bits encode. ``runs`` has the name, divisor and modulus of each group of
-    decimal digits.
+    decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` are the only
+    values of the field, if it has such.
     """
 
     name: str
@@ -26,6 +29,8 @@ class Column(NamedTuple):
     zero_means: int = 0
     power_of_two: bool = False
     runs: tuple[tuple[str, int, int], ...] = ()
+    field: str = ""
+    values: type[IntEnum] | tuple[int, ...] = ()
 
 
 class Check(NamedTuple):
@@ -118,10 +123,12 @@ class Tells(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """Description of a frame. ``length`` is its number of bytes, or 0 if it is a number of ``bits`` bits.
+    """Description of a frame or register. ``length`` is its number of bytes, or 0 if it is a number of ``bits`` bits.
 
     ``fixed`` has the bits that are 1 in every such frame. ``position`` is the column of the position, if there is one,
-    and ``otherwise`` the verdict if no condition applies.
+    and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
+    ``others`` is the mask of the bits of a register that belong to no field, if they are kept. ``limited`` is the name
+    of a value with limits, and its attribute.
     """
 
     bits: int
@@ -139,6 +146,9 @@ class Shape(NamedTuple):
     otherwise: Verdict | None = None
     speaks: tuple[Speaks, ...] = ()
     tells: tuple[Tells, ...] = ()
+    fields: tuple[BitField, ...] = ()
+    others: int | None = None
+    limited: tuple[str, str] | None = None
 
 
 def kinds(shape: Shape) -> dict[str, str]:

@@ -48,7 +48,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from ._codec import (
-    BitField,
     ConstantError,
     CrcError,
     Data,
@@ -59,28 +58,35 @@ from ._codec import (
     Words,
     as_bytes,
     as_word,
-    by_class,
-    check_bits,
     check_encoder,
-    check_limits,
-    check_power_of_two,
     check_width,
     choice,
     crc_of_bits,
     crc_tables,
     from_gray,
     made,
-    text_number,
-    to_gray,
     too_long,
     unwrap,
     wrong_encoder,
-    zero_for,
 )
 from ._encoder import Encoder, fact
+from ._frames import (
+    BitsOf,
+    Failed,
+    FixedRegister,
+    RegisterOf,
+    Sent,
+    bound,
+    decode_many,
+    decoder,
+    encode_many,
+    raised,
+    reported,
+    returned,
+)
 from ._order_codes import checked
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
-from ._reports import Family, Movement, Report, Verdict
+from ._reports import Family, Movement, Verdict
 from ._steps import Modify, Read, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
@@ -109,7 +115,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name, _FACTS)
+        return fact(__name__, name)
 
 
 __all__ = [
@@ -167,26 +173,6 @@ __all__ = [
     "set_resolution",
     "store_preset",
 ]
-
-_FACTS: Final = (
-    "ALARMS",
-    "BISS",
-    "CHARACTERISTICS",
-    "CONNECTORS",
-    "CRCS",
-    "DOCUMENTS",
-    "ERRATA",
-    "FRAMES",
-    "INPUTS",
-    "LEDS",
-    "LOST_FIGURES",
-    "MANUAL",
-    "ORDER_CODE",
-    "REGISTERS",
-    "REPORTS",
-    "SSI",
-    "TIMINGS",
-)
 
 FAMILY: Final = Family("am36", "AM36 and AMC36 absolute multiturn encoders", Movement.ROTARY, "Lika Electronic")
 
@@ -282,7 +268,8 @@ class Variant(Encoder):
         49h.
 
         Args:
-            held: Bytes keyed by address. Other registers keep their contents, initially the factory default.
+            held: Register bytes by address. Other registers keep their contents, which are the factory defaults at
+                first.
 
         Returns:
             The encoder.
@@ -350,8 +337,8 @@ class Variant(Encoder):
         half of ``modulus``.
 
         Args:
-            previous: Result of the previous call. For the first call, the first ``position``.
-            position: The position of a frame, in counts.
+            previous: Result of the previous call. On the first call, pass the first ``position``.
+            position: Value of ``position`` in a frame.
 
         Returns:
             The count.
@@ -399,21 +386,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_ssi_word(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SsiWord.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -430,10 +404,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -444,7 +415,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SsiWord.decode_many(frames, self)
+        return decode_many(frames, SsiWord, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -459,7 +430,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SsiWord.encode_many(columns, self)
+        return encode_many(columns, SsiWord, self)
 
 
 class BissEncoder(Variant):
@@ -481,21 +452,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SingleCycleData.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -512,10 +470,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -526,7 +481,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SingleCycleData.decode_many(frames, self)
+        return decode_many(frames, SingleCycleData, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -541,7 +496,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SingleCycleData.encode_many(columns, self)
+        return encode_many(columns, SingleCycleData, self)
 
 
 @overload
@@ -604,9 +559,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -624,9 +578,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -636,23 +589,6 @@ def crc_biss_4(number: int, bits: int) -> int:
         The CRC.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
-
-
-def _remainder_biss_6_44(word: int) -> int:
-    """Return the remainder of up to 44 bits, CRC included, modulo x^6 + x + 1.
-
-    The word is folded at multiples of the polynomial that have no more terms than the polynomial. This replaces a
-    table.
-    """
-    high = word >> 24
-    word = word & 0xFFFFFF ^ high ^ high << 4
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    return word
 
 
 # Values of fields
@@ -692,12 +628,17 @@ class EnablePreset(IntEnum):
 # SSI
 
 
-@by_class
-class SsiWord(NamedTuple):
+class _SsiWord(NamedTuple):
+    variant: SsiEncoder
+    multiturn: int
+    singleturn: int
+
+
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
@@ -711,32 +652,14 @@ class SsiWord(NamedTuple):
     read zeros after the word. There is no error bit, no warning bit and no CRC. In Gray code, multiturn and singleturn
     are coded as one word.
 
-    Erratum output_letters (open, wrong data) [5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2]:
-        Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark that the output code can be Gray or
-            Binary, see the order code.
-        Used: BG is binary, GG is Gray.
-        Why: The manual does not say which is which. The AMM5 manual calls the output of its BG1 models binary. The
-            SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. The same meaning of the
-            letters in this manual is an inference. To check, turn the shaft slowly. If neighbouring positions jump, the
-            other code is in use.
-
-    Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]:
-        Printed: SSI word with bits 28 ... 1 and 31 ... 1.
-        Used: The words have bits 27:0 and 30:0.
-        Why: The table counts from 1. Section 6 of the same manual counts from 0, as this spec does everywhere.
-
-    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
-        Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits.
-        Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
-
-    Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
-        Printed: Only the length of the position, without the order of singleturn and multiturn.
-        Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one word.
+    Errata (full text in ERRATA):
+        output_letters (open, wrong data): BG is binary, GG is Gray.
+        ssi_bit_numbers (settled, wrong data): The words have bits 27:0 and 30:0.
+        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule. n + 1 clocks satisfy both.
+        position_order (open, omission): Multiturn comes first, as the more significant part.
     """
 
-    variant: SsiEncoder
-    multiturn: int
-    singleturn: int
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -746,12 +669,8 @@ class SsiWord(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: none in this frame."""
-        return ()
+        # Fields by index, which is faster than by name.
+        return self[1] << self[0].singleturn_bits | self[2]
 
     @property
     def position(self) -> int:
@@ -772,12 +691,6 @@ class SsiWord(NamedTuple):
             singleturn=position & ((1 << variant.singleturn_bits) - 1),
         )
 
-    @staticmethod
-    def frame_bits(variant: SsiEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _SSI)
-        return variant.singleturn_bits + variant.multiturn_bits
-
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
         """Decode the frame.
@@ -794,98 +707,49 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
-        if word >> (variant.singleturn_bits + variant.multiturn_bits):
-            raise too_long(word, variant.singleturn_bits + variant.multiturn_bits)
-        if variant.ssi_gray:
-            word = from_gray(word, 0, variant.multiturn_bits + variant.singleturn_bits)
-        values = (
-            variant,
-            word >> variant.singleturn_bits,
-            word & ((1 << variant.singleturn_bits) - 1),
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.singleturn_bits + variant.multiturn_bits
+        size_1 = variant.multiturn_bits + variant.singleturn_bits
+        size_2 = variant.singleturn_bits
+        ones_3 = (1 << variant.singleturn_bits) - 1
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                if variant.ssi_gray:
+                    word = from_gray(word, 0, size_1)
+                return made(cls, (variant, word >> size_2, word & ones_3))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
-        from ._shapes.am36 import shape_of_ssi_word
-
-        return decode_many(frames, shape_of_ssi_word(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
-        from ._shapes.am36 import shape_of_ssi_word
-
-        return encode_many(columns, shape_of_ssi_word(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        number = multiturn << variant.singleturn_bits | singleturn
-        if variant.ssi_gray:
-            number = to_gray(number, 0, variant.multiturn_bits + variant.singleturn_bits)
-        return number
-
-    @staticmethod
-    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _SSI)
-        return (
-            BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
-            BitField("singleturn", 0, variant.singleturn_bits),
-        )
+        return decode
 
 
 # BiSS C-mode
 
 
-@by_class
-class SingleCycleData(NamedTuple):
+class _SingleCycleData(NamedTuple):
+    variant: BissEncoder
+    multiturn: int
+    singleturn: int
+    unused: int = 0
+
+
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
     most significant first [6.3 p.21, 6.3.1 p.21].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Single Cycle Data SCD.
 
@@ -900,26 +764,13 @@ class SingleCycleData(NamedTuple):
     word. If the number of revolutions is not a power of two, the step from the last position to the first then changes
     several bits at once.
 
-    Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
-        Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
-            maximum in all BiSS models.
-        Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.
-        Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the same
-            two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
-
-    Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
-        Printed: Only the length of the position, without the order of singleturn and multiturn.
-        Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one word.
-
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
-
-    Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
-        Printed: Error and warning: not used, always 1.
-        Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0.
-            If nW is 0, it is usable with a warning.
+    Errata (full text in ERRATA):
+        biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
+            defaults, regardless of the order code.
+        position_order (open, omission): Multiturn comes first, as the more significant part.
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
+        error_and_warning_unused (open, omission): A frame with either bit at 0 is decoded, and the bit is reported.
 
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,
@@ -931,14 +782,11 @@ class SingleCycleData(NamedTuple):
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: BissEncoder
-    multiturn: int
-    singleturn: int
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: no unused bit differs."""
+        """True if all values match the manual: no unused bit differs."""
         return self.unused == 0
 
     @property
@@ -951,18 +799,10 @@ class SingleCycleData(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: unused bits that differ from the manual."""
-        from .facts.am36 import REPORTS
-
-        told = {
-            "warning": self.unused & 0x1,
-            "error": self.unused & 0x2,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
+        # Fields by index, which is faster than by name.
+        if self[3] & 0x2:
+            return None
+        return self[1] << self[0].used_singleturn_bits | self[2]
 
     @property
     def position(self) -> int:
@@ -984,12 +824,6 @@ class SingleCycleData(NamedTuple):
             unused=unused,
         )
 
-    @staticmethod
-    def frame_bits(variant: BissEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _BISS)
-        return variant.used_singleturn_bits + variant.used_multiturn_bits + 8
-
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
         """Decode the frame.
@@ -1007,152 +841,33 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.used_singleturn_bits + variant.used_multiturn_bits + 8, bits)
-        if word >> (variant.used_singleturn_bits + variant.used_multiturn_bits + 8):
-            raise too_long(word, variant.used_singleturn_bits + variant.used_multiturn_bits + 8)
-        if remainder := _remainder_biss_6_44(word ^ 0x3F):
-            raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
-        if variant.biss_gray:
-            word = from_gray(word, 8, variant.used_multiturn_bits + variant.used_singleturn_bits)
-        values = (
-            variant,
-            word >> (variant.used_singleturn_bits + 8),
-            word >> 8 & ((1 << variant.used_singleturn_bits) - 1),
-            word >> 6 & 0x3 ^ 0x3,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
+        size_1 = variant.used_multiturn_bits + variant.used_singleturn_bits
+        size_2 = variant.used_singleturn_bits + 8
+        ones_3 = (1 << variant.used_singleturn_bits) - 1
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, 38, 6, 3)
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                low = word & 0xFFFF
+                high = word >> 16
+                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
+                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
+                if variant.biss_gray:
+                    word = from_gray(word, 8, size_1)
+                return made(cls, (variant, word >> size_2, word >> 8 & ones_3, word >> 6 & 0x3 ^ 0x3))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        from ._many import decode_many
-        from ._shapes.am36 import shape_of_single_cycle_data
-
-        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        from ._make import encode_many
-        from ._shapes.am36 import shape_of_single_cycle_data
-
-        return encode_many(columns, shape_of_single_cycle_data(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
-        singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
-        unused = check_bits("unused", self.unused, 0x3)
-        number = (
-            multiturn << (variant.used_singleturn_bits + 8)
-            | singleturn << 8
-            | ((unused >> 1 ^ 0x1) & 0x1) << 7
-            | ((unused ^ 0x1) & 0x1) << 6
-        )
-        if variant.biss_gray:
-            number = to_gray(number, 8, variant.used_multiturn_bits + variant.used_singleturn_bits)
-        return number | _remainder_biss_6_44(number) ^ 0x3F
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (
-            BitField("multiturn", variant.used_singleturn_bits + 8, variant.used_multiturn_bits),
-            BitField("singleturn", 8, variant.used_singleturn_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
-        )
-
-
-def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    if variant.ssi_gray:
-        return careful
-    size_0 = variant.singleturn_bits + variant.multiturn_bits
-    size_1 = variant.singleturn_bits
-    ones_2 = (1 << variant.singleturn_bits) - 1
-
-    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        return made(
-            SsiWord,
-            (
-                variant,
-                word >> size_1,
-                word & ones_2,
-            ),
-        )
-
-    return decode
-
-
-def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    if variant.biss_gray:
-        return careful
-    size_0 = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
-    size_1 = variant.used_singleturn_bits + 8
-    ones_2 = (1 << variant.used_singleturn_bits) - 1
-    tables = crc_tables(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6, 3)
-    table_0, table_1, table_2 = tables
-
-    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        low = word & 0xFFFF
-        high = word >> 16
-        if table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
-            return careful(frame)
-        return made(
-            SingleCycleData,
-            (
-                variant,
-                word >> size_1,
-                word >> 8 & ones_2,
-                word >> 6 & 0x3 ^ 0x3,
-            ),
-        )
-
-    return decode
+        return decode
 
 
 #: Any frame that an encoder of this family sends.
@@ -1166,7 +881,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
+    """Address of each register, or of the first byte of a longer register. Two registers may share an address."""
 
     PROFILE_ID: Final = 0x42
     SERIAL_NUMBER: Final = 0x44
@@ -1182,8 +897,11 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-@by_class
-class ProfileId(NamedTuple):
+class _ProfileId(NamedTuple):
+    profile: int
+
+
+class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
@@ -1196,26 +914,18 @@ class ProfileId(NamedTuple):
 
     Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant 0-24".
 
-    Erratum profile_id_variant (open, wrong data) [6.5 p.24, 6.3.1 p.21, prot: p.14, sma21: 6.4, asc85: 6.4]:
-        Printed: Profile ID 00 00. See Standard encoder profile, Variant 0-24.
-        Used: The value is 00 00. The outputs do not derive a data length from it.
-        Why: In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the
-            data length in the low byte, for variants 0-24 and similar ones. A position of up to 36 bits does not fit 24
-            either.
-
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-        Not known: register profile_id, register serial_number, register command, register device_type, register
-            device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
-        Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
-            known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No
-            procedure is known to be correct.
+    Errata (full text in ERRATA):
+        profile_id_variant (open, wrong data): The value is 00 00. The outputs do not derive a data length from it.
+        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
+            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
+            more.
     """
 
-    profile: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: profile 0."""
+        """True if all values match the manual: profile 0."""
         return self.profile == 0
 
     @classmethod
@@ -1223,7 +933,7 @@ class ProfileId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1232,28 +942,16 @@ class ProfileId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0] << 8 | data[1],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        profile = check_width("profile", self.profile, 16)
-        return profile.to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("profile", 0, 16),)
+        return made(cls, (data[0] << 8 | data[1],))
 
 
-@by_class
-class SerialNumber(NamedTuple):
+class _SerialNumber(NamedTuple):
+    year: int
+    week: int
+    number: int
+
+
+class SerialNumber(FixedRegister, _SerialNumber):
     """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
@@ -1265,33 +963,22 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_coding (open, wrong data) [6.5 p.24, amm5: 6.4 p.38, asc85: 6.4, amm36: p.38]:
-        Printed: In hexadecimal notation. Register 44: year, register 45: week, registers 46 and 47: serial number.
-        Used: The values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of the
-            serial number.
-        Why: The manual does not say whether year and week are binary or packed decimal digits, or from which year the
-            year counts. It does not say which of 46h and 47h is the high byte. There is no example. In the AMM5, the
-            same registers contain decimal digits of one number. In the ASC85, they contain one serial number. Both have
-            the high byte first. The AMM36 manual prints the AMM5's example with its four bytes in reverse.
-
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-        Not known: register profile_id, register serial_number, register command, register device_type, register
-            device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
-        Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
-            known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No
-            procedure is known to be correct.
+    Errata (full text in ERRATA):
+        serial_number_coding (open, wrong data): The values are plain binary numbers. The year is the plain value of its
+            byte. 46h is the high byte of the serial number.
+        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
+            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
+            more.
     """
 
-    year: int
-    week: int
-    number: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> SerialNumber:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1300,33 +987,7 @@ class SerialNumber(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            data[0],
-            data[1],
-            data[2] << 8 | data[3],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        year = check_width("year", self.year, 8)
-        week = check_width("week", self.week, 8)
-        number_ = check_width("number", self.number, 16)
-        number = year << 24 | week << 16 | number_
-        return number.to_bytes(4, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("year", 24, 8),
-            BitField("week", 16, 8),
-            BitField("number", 0, 16),
-        )
+        return made(cls, (data[0], data[1], data[2] << 8 | data[3]))
 
 
 class Command(IntEnum):
@@ -1341,18 +1002,12 @@ class Command(IntEnum):
     the command Save parameters and activate Preset stores the resolution but sets the preset to zero. The preset must
     then be written again.
 
-    Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
-        Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
-            and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the
-            preset.
-        Used: set_resolution saves the resolution first, and only then writes and activates the preset.
-
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-        Not known: register profile_id, register serial_number, register command, register device_type, register
-            device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
-        Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
-            known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No
-            procedure is known to be correct.
+    Errata (full text in ERRATA):
+        preset_cleared_when (open, omission): set_resolution saves the resolution first, and only then writes and
+            activates the preset.
+        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
+            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
+            more.
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1373,11 +1028,11 @@ class Command(IntEnum):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The register has none of these values.
+            RangeError: The value of the register is not one of these.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -1389,8 +1044,13 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
-@by_class
-class Configuration(NamedTuple):
+class _Configuration(NamedTuple):
+    counting_direction: CountingDirection
+    output_code: OutputCode
+    enable_preset: EnablePreset
+
+
+class Configuration(FixedRegister, _Configuration):
     """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
 
     Attributes:
@@ -1408,31 +1068,12 @@ class Configuration(NamedTuple):
     A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are not
     used. According to the list of defaults they are 0.
 
-    Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
-    p.30]:
-        Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1".
-            The table of Configuration: 0 is Enable, 1 is Disable.
-        Used: 0 enables the preset function. 1 disables it.
-        Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The
-            same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset.
-
-    Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]:
-        Printed: Bit 8 Counting direction, in the list of the configuration example.
-        Used: Counting direction is bit 6.
-        Why: In the list, it is between bits 5 and 7. The register has 8 bits. The table has bit 6. The result 60h =
-            01100000 has bit 6 set.
-
-    Erratum preset_example_bit (settled, wrong data) [6.5]:
-        Printed: Table of the preset example: address 49, bit 2, data 0.
-        Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
-        Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
-
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.30]:
-        Instead of: the note on register configuration.
-        Text: For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be 1
-            before a preset can be entered. Edition 1.0 prints the same sentence, where it is an erratum. The meaning of
-            the bits is that of edition 1.0. One of them sets the code of the position.
-        Why: The page that describes it is not public.
+    Errata (full text in ERRATA):
+        enable_preset_polarity (settled, wrong data): 0 enables the preset function. 1 disables it.
+        example_bit_8 (settled, wrong data): Counting direction is bit 6.
+        preset_example_bit (settled, wrong data): The value is 20h in register 49h, with bit 2 at 0 and the other bits
+            at their defaults.
+        In edition 1.1: Instead of: the note on register configuration.
 
     Checked by decode():
         zero_above_counting_direction: Always zero.
@@ -1440,20 +1081,18 @@ class Configuration(NamedTuple):
         zero_below_enable_preset: Always zero.
     """
 
-    counting_direction: CountingDirection
-    output_code: OutputCode
-    enable_preset: EnablePreset
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> Configuration:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
         if type(data) is not bytes:
@@ -1469,40 +1108,14 @@ class Configuration(NamedTuple):
         counting_direction = choice(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)
         output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
         enable_preset = choice(EnablePreset, "enable_preset", data[0] >> 2 & 0x1)
-        values = (
-            counting_direction,
-            output_code,
-            enable_preset,
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        counting_direction = choice(CountingDirection, "counting_direction", self.counting_direction)
-        output_code = choice(OutputCode, "output_code", self.output_code)
-        enable_preset = choice(EnablePreset, "enable_preset", self.enable_preset)
-        number = counting_direction << 6 | output_code << 5 | enable_preset << 2
-        return number.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("zero_above_counting_direction", 7, 1),
-            BitField("counting_direction", 6, 1),
-            BitField("output_code", 5, 1),
-            BitField("zero_below_output_code", 3, 2),
-            BitField("enable_preset", 2, 1),
-            BitField("zero_below_enable_preset", 0, 2),
-        )
+        return made(cls, (counting_direction, output_code, enable_preset))
 
 
-@by_class
-class InformationPerRevolution(NamedTuple):
+class _InformationPerRevolution(NamedTuple):
+    steps: int
+
+
+class InformationPerRevolution(FixedRegister, _InformationPerRevolution):
     """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27, 7 p.33].
 
     Attributes:
@@ -1518,36 +1131,24 @@ class InformationPerRevolution(NamedTuple):
     command Save parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the resulting number
     of bits.
 
-    Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
-        Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
-            maximum in all BiSS models.
-        Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.
-        Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the same
-            two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
-
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
-
-    Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
-        Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes.
-        Used: The high byte comes first.
-
-    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
-        Printed: A new value is active immediately after transmission. Values that are not a power of two cannot be
-            accepted.
-        Used: The bytes are written in ascending order of address, without another access in between.
+    Errata (full text in ERRATA):
+        biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
+            defaults, regardless of the order code.
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
+        resolution_byte_order (open, omission): The high byte comes first.
+        resolution_byte_by_byte (open, omission): The bytes are written in ascending order of address, without another
+            access in between.
     """
 
-    steps: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> InformationPerRevolution:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1556,26 +1157,7 @@ class InformationPerRevolution(NamedTuple):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        values = (
-            data[0] << 16 | data[1] << 8 | data[2],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        steps = check_width("steps", self.steps, 24)
-        check_power_of_two("steps", self.steps)
-        check_limits("steps", self.steps, self.limits())
-        return steps.to_bytes(3, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("steps", 0, 24),)
+        return made(cls, (data[0] << 16 | data[1] << 8 | data[2],))
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1583,8 +1165,11 @@ class InformationPerRevolution(NamedTuple):
         return 1, 1_048_576
 
 
-@by_class
-class NumberOfRevolutions(NamedTuple):
+class _NumberOfRevolutions(NamedTuple):
+    revolutions: int
+
+
+class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
     """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28, 7 p.33].
 
     Attributes:
@@ -1601,34 +1186,24 @@ class NumberOfRevolutions(NamedTuple):
     must not turn by more than 2,047 revolutions either way while the encoder is off. Otherwise the absolute position is
     lost.
 
-    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
-            than 4,096 set, at most 2,047 revolutions either way while switched off.
-        Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
-
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
-
-    Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
-        Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes.
-        Used: The high byte comes first.
-
-    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
-        Printed: A new value is active immediately after transmission. Values that are not a power of two cannot be
-            accepted.
-        Used: The bytes are written in ascending order of address, without another access in between.
+    Errata (full text in ERRATA):
+        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only as the text on
+            the label.
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
+        resolution_byte_order (open, omission): The high byte comes first.
+        resolution_byte_by_byte (open, omission): The bytes are written in ascending order of address, without another
+            access in between.
     """
 
-    revolutions: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> NumberOfRevolutions:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1637,25 +1212,7 @@ class NumberOfRevolutions(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            (data[0] << 8 | data[1]) or 65_536,
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        revolutions = zero_for("revolutions", self.revolutions, 65_536, 16)
-        check_limits("revolutions", self.revolutions, self.limits())
-        return revolutions.to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("revolutions", 0, 16),)
+        return made(cls, ((data[0] << 8 | data[1]) or 65_536,))
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1663,12 +1220,16 @@ class NumberOfRevolutions(NamedTuple):
         return 1, 65_536
 
 
-@by_class
-class Preset(NamedTuple):
+class _Preset(NamedTuple):
+    variant: BissEncoder
+    position: int
+
+
+class Preset(RegisterOf["BissEncoder"], _Preset):
     """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
 
     Attributes:
-        variant: Encoder of the register.
+        variant: Encoder that the register belongs to.
         position: Position as one number, with the revolutions above the singleturn position. Unit: counts.
 
     Value that the encoder reports at the current shaft position once the preset is activated.
@@ -1684,44 +1245,29 @@ class Preset(NamedTuple):
     Information per revolution or of Number of revolutions. The preset can be used, for instance, to align the zero
     points of encoder and application.
 
-    Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
-        Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
-            and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the
-            preset.
-        Used: set_resolution saves the resolution first, and only then writes and activates the preset.
-
-    Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33, sma21: 6.4, am36_1_1:
-    p.30]:
-        Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1".
-            The table of Configuration: 0 is Enable, 1 is Disable.
-        Used: 0 enables the preset function. 1 disables it.
-        Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable. The
-            same bit in the SMA21 manual has it too. Edition 1.1 repeats the warning in Preset.
-
-    Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]:
-        Printed: Default = 00 00 00 00 00 00h.
-        Used: The default is five bytes of 00.
-        Why: The register has five bytes, 50h to 54h. The list of defaults and both limits have five. The next byte is
-            Device type.
+    Errata (full text in ERRATA):
+        preset_cleared_when (open, omission): set_resolution saves the resolution first, and only then writes and
+            activates the preset.
+        enable_preset_polarity (settled, wrong data): 0 enables the preset function. 1 disables it.
+        preset_default_length (settled, wrong data): The default is five bytes of 00.
 
     Checked by decode():
         zero_above_position: Always zero.
     """
 
-    variant: BissEncoder
-    position: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data, variant: BissEncoder) -> Preset:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -1733,33 +1279,7 @@ class Preset(NamedTuple):
             raise LengthError(5, len(data))
         if data[0] >> 4:
             raise ConstantError("zero_above_position", data[0] >> 4, 0)
-        values = (
-            variant,
-            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        position = check_width("position", self.position, 36)
-        check_limits("position", self.position, self.limits(variant))
-        return position.to_bytes(5, "big")
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (
-            BitField("zero_above_position", 36, 4),
-            BitField("position", 0, 36),
-        )
+        return made(cls, (variant, (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4]))
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -1768,8 +1288,11 @@ class Preset(NamedTuple):
         return 0, variant.used_information * variant.used_revolutions - 1
 
 
-@by_class
-class DeviceType(NamedTuple):
+class _DeviceType(NamedTuple):
+    device_type: int
+
+
+class DeviceType(FixedRegister, _DeviceType):
     """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
@@ -1780,19 +1303,17 @@ class DeviceType(NamedTuple):
 
     Default: ``02``.
 
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-        Not known: register profile_id, register serial_number, register command, register device_type, register
-            device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
-        Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
-            known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No
-            procedure is known to be correct.
+    Errata (full text in ERRATA):
+        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
+            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
+            more.
     """
 
-    device_type: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: device_type 2."""
+        """True if all values match the manual: device_type 2."""
         return self.device_type == 2
 
     @classmethod
@@ -1800,7 +1321,7 @@ class DeviceType(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1809,28 +1330,14 @@ class DeviceType(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        device_type = check_width("device_type", self.device_type, 8)
-        return device_type.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("device_type", 0, 8),)
+        return made(cls, (data[0],))
 
 
-@by_class
-class SingleturnBitsUsed(NamedTuple):
+class _SingleturnBitsUsed(NamedTuple):
+    bits: int
+
+
+class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
     """N° of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
@@ -1840,27 +1347,21 @@ class SingleturnBitsUsed(NamedTuple):
 
     Default: ``14``.
 
-    Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22, am36_1_1: p.29]:
-        Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and
-            maximum in all BiSS models.
-        Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.
-        Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the same
-            two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits.
-
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+    Errata (full text in ERRATA):
+        biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
+            defaults, regardless of the order code.
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
     """
 
-    bits: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> SingleturnBitsUsed:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1869,28 +1370,14 @@ class SingleturnBitsUsed(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        bits_ = check_width("bits", self.bits, 8)
-        return bits_.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("bits", 0, 8),)
+        return made(cls, (data[0],))
 
 
-@by_class
-class MultiturnBitsUsed(NamedTuple):
+class _MultiturnBitsUsed(NamedTuple):
+    bits: int
+
+
+class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
     """N° of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
@@ -1900,29 +1387,22 @@ class MultiturnBitsUsed(NamedTuple):
 
     Default: ``10``.
 
-    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
-            than 4,096 set, at most 2,047 revolutions either way while switched off.
-        Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
-
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
-
-    Erratum revolution_bits_rounding (open, omission) [6.5 p.28, 6.5 p.31]:
-        Printed: Number of revolutions may be any number. Register 57h shows the bits used for it.
-        Used: The number of bits is read from register 57h, not computed.
+    Errata (full text in ERRATA):
+        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only as the text on
+            the label.
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
+        revolution_bits_rounding (open, omission): The number of bits is read from register 57h, not computed.
     """
 
-    bits: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> MultiturnBitsUsed:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1931,28 +1411,17 @@ class MultiturnBitsUsed(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        bits_ = check_width("bits", self.bits, 8)
-        return bits_.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("bits", 0, 8),)
+        return made(cls, (data[0],))
 
 
-@by_class
-class DeviceId(NamedTuple):
+class _DeviceId(NamedTuple):
+    model: str
+    interface_code: str
+    enclosure: str
+    software_version: str
+
+
+class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
@@ -1968,30 +1437,19 @@ class DeviceId(NamedTuple):
 
     Byte order: high byte first, at 78h.
 
-    Erratum order_code_17 (settled, wrong limit) [6, 6.5 p.31]:
-        Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-...
-        Used: I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
-
-    Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
-        Printed: One device ID, AM I7 2 with the software version, for all models.
-        Used: The device ID is used as printed.
-
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-        Not known: register profile_id, register serial_number, register command, register device_type, register
-            device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
-        Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
-            known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No
-            procedure is known to be correct.
+    Errata (full text in ERRATA):
+        order_code_17 (settled, wrong limit): I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
+        device_id_shared (open, omission): The device ID is used as printed.
+        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
+            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
+            more.
     """
 
-    model: str
-    interface_code: str
-    enclosure: str
-    software_version: str
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: model 'AM', interface_code 'I7', enclosure '2'."""
+        """True if all values match the manual: model 'AM', interface_code 'I7', enclosure '2'."""
         return self.model == "AM" and self.interface_code == "I7" and self.enclosure == "2"
 
     @classmethod
@@ -1999,7 +1457,7 @@ class DeviceId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2016,33 +1474,12 @@ class DeviceId(NamedTuple):
         )
         return made(cls, values)
 
-    def encode(self) -> bytes:
-        """Return the bytes.
 
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        number = (
-            text_number("model", self.model, 2) << 32
-            | text_number("interface_code", self.interface_code, 2) << 16
-            | text_number("enclosure", self.enclosure, 1) << 8
-            | text_number("software_version", self.software_version, 1)
-        )
-        return number.to_bytes(6, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("model", 32, 16),
-            BitField("interface_code", 16, 16),
-            BitField("enclosure", 8, 8),
-            BitField("software_version", 0, 8),
-        )
+class _ManufacturerId(NamedTuple):
+    name: str
 
 
-@by_class
-class ManufacturerId(NamedTuple):
+class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
 
     Attributes:
@@ -2053,19 +1490,17 @@ class ManufacturerId(NamedTuple):
 
     Byte order: high byte first, at 7Eh.
 
-    In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-        Not known: register profile_id, register serial_number, register command, register device_type, register
-            device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
-        Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is
-            known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No
-            procedure is known to be correct.
+    Errata (full text in ERRATA):
+        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
+            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
+            more.
     """
 
-    name: str
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'Li'."""
+        """True if all values match the manual: name 'Li'."""
         return self.name == "Li"
 
     @classmethod
@@ -2073,7 +1508,7 @@ class ManufacturerId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2082,23 +1517,7 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        return text_number("name", self.name, 2).to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("name", 0, 16),)
+        return made(cls, (data[0:2].decode("latin-1"),))
 
 
 #: Parameters that registers hold at run time.
@@ -2228,7 +1647,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        ConstantError: A number has a wrong value in constant bits of its register.
+        ConstantError: A number sets constant bits of its register to a wrong value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
     """
@@ -2255,10 +1674,9 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Result: The position at the moment of the command becomes the preset value. All other positions shift accordingly.
 
-    Erratum preset_example_bit (settled, wrong data) [6.5]:
-        Printed: Table of the preset example: address 49, bit 2, data 0.
-        Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
-        Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
+    Errata (full text in ERRATA):
+        preset_example_bit (settled, wrong data): The value is 20h in register 49h, with bit 2 at 0 and the other bits
+            at their defaults.
 
     Args:
         variant: The encoder.
@@ -2294,10 +1712,9 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The preset is saved. The position is the same as before. The Zero setting/Preset input or activate_preset
     activates the preset.
 
-    Erratum preset_example_bit (settled, wrong data) [6.5]:
-        Printed: Table of the preset example: address 49, bit 2, data 0.
-        Used: The value is 20h in register 49h, with bit 2 at 0 and the other bits at their defaults.
-        Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).
+    Errata (full text in ERRATA):
+        preset_example_bit (settled, wrong data): The value is 20h in register 49h, with bit 2 at 0 and the other bits
+            at their defaults.
 
     Args:
         variant: The encoder.
@@ -2385,15 +1802,11 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn by more than 2,047
     revolutions either way while the encoder is off. Otherwise the absolute position is lost.
 
-    Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
-        Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more
-            than 4,096 set, at most 2,047 revolutions either way while switched off.
-        Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
-
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
+    Errata (full text in ERRATA):
+        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only as the text on
+            the label.
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2429,21 +1842,13 @@ def set_resolution(
     The frame changes its length as soon as the resolution is written. The master must use the new length before it can
     read a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
-    Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
-        Printed: Position has a variable length according to the resolution of the encoder, 36 bits at the most.
-        Used: From the moment that a resolution is written, the position has the number of bits in registers 56h and
-            57h.
-
-    Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
-        Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution
-            and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the
-            preset.
-        Used: set_resolution saves the resolution first, and only then writes and activates the preset.
-
-    Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
-        Printed: A new value is active immediately after transmission. Values that are not a power of two cannot be
-            accepted.
-        Used: The bytes are written in ascending order of address, without another access in between.
+    Errata (full text in ERRATA):
+        scd_length_at_run_time (open, omission): From the moment that a resolution is written, the position has the
+            number of bits in registers 56h and 57h.
+        preset_cleared_when (open, omission): set_resolution saves the resolution first, and only then writes and
+            activates the preset.
+        resolution_byte_by_byte (open, omission): The bytes are written in ascending order of address, without another
+            access in between.
 
     Args:
         variant: The encoder.

@@ -55,7 +55,7 @@ from enum import Enum, IntEnum
 from math import tau
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from ._codec import (
     BitField,
@@ -71,11 +71,8 @@ from ._codec import (
     Words,
     as_bytes,
     as_word,
-    by_class,
-    check_bits,
     check_encoder,
     check_kind,
-    check_limits,
     check_width,
     choice,
     crc_by_xor,
@@ -83,16 +80,33 @@ from ._codec import (
     crc_tables,
     decided,
     made,
-    text_number,
     too_long,
     unwrap,
-    whole_number,
     wrong_encoder,
 )
 from ._encoder import Encoder, fact
+from ._frames import (
+    BitsOf,
+    BytesOf,
+    Failed,
+    FixedBytes,
+    FixedRegister,
+    InBytes,
+    RegisterOf,
+    Sent,
+    bound,
+    decode_many,
+    decoder,
+    encode_many,
+    needed_by,
+    raised,
+    reported,
+    returned,
+    shape_of,
+)
 from ._order_codes import checked
 from ._registers import agrees, held_bytes
-from ._reports import Family, Movement, Report, Verdict
+from ._reports import Family, Movement, Verdict
 from ._steps import Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
@@ -121,7 +135,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name, _FACTS)
+        return fact(__name__, name)
 
 
 __all__ = [
@@ -186,26 +200,6 @@ __all__ = [
     "set_preset",
     "store_preset",
 ]
-
-_FACTS: Final = (
-    "ALARMS",
-    "BISS",
-    "CHARACTERISTICS",
-    "CONNECTORS",
-    "CRCS",
-    "DOCUMENTS",
-    "ERRATA",
-    "FRAMES",
-    "LEDS",
-    "LOST_FIGURES",
-    "MANUAL",
-    "ORDER_CODE",
-    "REGISTERS",
-    "REPORTS",
-    "RS485",
-    "SSI",
-    "TIMINGS",
-)
 
 FAMILY: Final = Family("amm5", "AMM5A and AMM5B absolute kit encoders", Movement.ROTARY, "Lika Electronic")
 
@@ -296,8 +290,8 @@ class Variant(Encoder):
         half of ``modulus``.
 
         Args:
-            previous: Result of the previous call. For the first call, the first ``position``.
-            position: The position of a frame, in counts.
+            previous: Result of the previous call. On the first call, pass the first ``position``.
+            position: Value of ``position`` in a frame.
 
         Returns:
             The count.
@@ -348,21 +342,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_ssi_word(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SsiWord.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -379,10 +360,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -393,7 +371,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SsiWord.decode_many(frames, self)
+        return decode_many(frames, SsiWord, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -408,7 +386,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SsiWord.encode_many(columns, self)
+        return encode_many(columns, SsiWord, self)
 
 
 class BissEncoder(Variant):
@@ -430,21 +408,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SingleCycleData.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -461,10 +426,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -475,7 +437,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SingleCycleData.decode_many(frames, self)
+        return decode_many(frames, SingleCycleData, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -490,7 +452,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SingleCycleData.encode_many(columns, self)
+        return encode_many(columns, SingleCycleData, self)
 
 
 class Rs485Encoder(Variant):
@@ -513,21 +475,8 @@ class Rs485Encoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        decode: Callable[..., Reply] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _decode_reply_fast(self)
-        return decode(frame, eeprom_address=eeprom_address)
 
-    def _decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return decode_reply(frame, self, eeprom_address=eeprom_address)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", _decode_replyr, reported)(frame, eeprom_address)
 
     def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -545,10 +494,7 @@ class Rs485Encoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        try:
-            return self.decode(frame, eeprom_address=eeprom_address)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", _decode_replyr, returned)(frame, eeprom_address)
 
     def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
@@ -563,20 +509,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        if kind is SingleturnReply:
-            return SingleturnReply.decode_many(frames, self)
-        if kind is MultiturnReply:
-            return MultiturnReply.decode_many(frames, self)
-        if kind is CompleteReply:
-            return CompleteReply.decode_many(frames, self)
-        if kind is EepromWriteReply:
-            return EepromWriteReply.decode_many(frames, cast(EepromAddress, eeprom_address))
-        if kind is EepromReadReply:
-            return EepromReadReply.decode_many(frames, cast(EepromAddress, eeprom_address))
-        many: Callable[[Rows], Table] = getattr(kind, "decode_many")
-        table = many(frames)
-        table.encoder = self
-        return table
+        return decode_many(frames, kind, self, *needed_by(kind, self, eeprom_address=eeprom_address))
 
     def encode_many(
         self,
@@ -601,18 +534,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        if kind is SingleturnReply:
-            return SingleturnReply.encode_many(columns, self)
-        if kind is MultiturnReply:
-            return MultiturnReply.encode_many(columns, self)
-        if kind is CompleteReply:
-            return CompleteReply.encode_many(columns, self)
-        if kind is EepromWriteReply:
-            return EepromWriteReply.encode_many(columns, cast(EepromAddress, eeprom_address))
-        if kind is EepromReadReply:
-            return EepromReadReply.encode_many(columns, cast(EepromAddress, eeprom_address))
-        make: Callable[[Mapping[str, Any]], Any] = getattr(kind, "encode_many")
-        return make(columns)
+        return encode_many(columns, kind, *needed_by(kind, self, eeprom_address=eeprom_address))
 
 
 @overload
@@ -679,9 +601,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -699,9 +620,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -719,11 +639,9 @@ def crc_rs485_8(data: bytes) -> int:
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value 0.
 
-    Erratum crc_code_bit_order (settled, wrong data) [7.6]:
-        Printed: Data is configured LSB first. The printed code takes the bits of a string in order.
-        Used: The CRC is the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.
-        Why: With the bits of the example LSB first, the code returns CDh, which is the printed B3h with its bits
-            reversed. It returns B3h only if each byte is passed MSB first.
+    Errata (full text in ERRATA):
+        crc_code_bit_order (settled, wrong data): The CRC is the XOR of all bytes before it, which is x^8 + 1 with input
+            and output reflected.
 
     Args:
         data: Bytes that the CRC covers.
@@ -732,25 +650,6 @@ def crc_rs485_8(data: bytes) -> int:
         The CRC.
     """
     return crc_by_xor(data)
-
-
-def _remainder_biss_6_47(word: int) -> int:
-    """Return the remainder of up to 47 bits, CRC included, modulo x^6 + x + 1.
-
-    The word is folded at multiples of the polynomial that have no more terms than the polynomial. This replaces a
-    table.
-    """
-    high = word >> 24
-    word = word & 0xFFFFFF ^ high ^ high << 4
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    return word
 
 
 # Values of fields
@@ -787,15 +686,10 @@ class EepromAddress(Enum):
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
-    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
-        Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
-            4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
-            them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
-            for address 5, where this manual has EA 0A E0. Only address 0 is the same in both.
+    Errata (full text in ERRATA):
+        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
+            default. The wrong choice accesses twice the address or half of it, and a write destroys other data there.
+            Read and compare before you write.
     """
 
     AS_PRINTED = (1, 0)
@@ -814,13 +708,18 @@ class EepromAddress(Enum):
 # SSI
 
 
-@by_class
-class SsiWord(NamedTuple):
+class _SsiWord(NamedTuple):
+    variant: SsiEncoder
+    multiturn: int
+    singleturn: int
+
+
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2
     p.28].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
@@ -831,31 +730,14 @@ class SsiWord(NamedTuple):
     The word has as many bits as the position, 17 to 39, and starts with the most significant bit. Further clock pulses
     read zeros after the word. There is no error bit, no warning bit and no CRC.
 
-    Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]:
-        Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the
-            order code.
-        Used: Binary.
-        Why: 5.1 describes SSI in general, 5.2 this encoder. The order code has no part for the output code and only one
-            SSI variant, BG1.
-
-    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2, it: 5.1]:
-        Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least
-            as many clocks as data bits.
-        Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
-
-    Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2, it: 5.2]:
-        Printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
-        Used: 65KBG1.
-        Why: The table just below it and the Italian edition have 65KBG1. No model has KG1.
-
-    Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
-        Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the position.
-        Used: Multiturn comes first, as the more significant part. Singleturn follows.
+    Errata (full text in ERRATA):
+        ssi_output_code (settled, wrong data): Binary.
+        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule. n + 1 clocks satisfy both.
+        ssi_table_65kkg1 (settled, wrong limit): 65KBG1.
+        position_order (open, omission): Multiturn comes first, as the more significant part.
     """
 
-    variant: SsiEncoder
-    multiturn: int
-    singleturn: int
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -865,12 +747,8 @@ class SsiWord(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: none in this frame."""
-        return ()
+        # Fields by index, which is faster than by name.
+        return self[1] << self[0].singleturn_bits | self[2]
 
     @property
     def position(self) -> int:
@@ -891,12 +769,6 @@ class SsiWord(NamedTuple):
             singleturn=position & ((1 << variant.singleturn_bits) - 1),
         )
 
-    @staticmethod
-    def frame_bits(variant: SsiEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _SSI)
-        return variant.singleturn_bits + variant.multiturn_bits
-
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
         """Decode the frame.
@@ -913,90 +785,44 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
-        if word >> (variant.singleturn_bits + variant.multiturn_bits):
-            raise too_long(word, variant.singleturn_bits + variant.multiturn_bits)
-        values = (
-            variant,
-            word >> variant.singleturn_bits,
-            word & ((1 << variant.singleturn_bits) - 1),
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.singleturn_bits + variant.multiturn_bits
+        size_1 = variant.singleturn_bits
+        ones_2 = (1 << variant.singleturn_bits) - 1
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                return made(cls, (variant, word >> size_1, word & ones_2))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_ssi_word
-
-        return decode_many(frames, shape_of_ssi_word(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_ssi_word
-
-        return encode_many(columns, shape_of_ssi_word(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return multiturn << variant.singleturn_bits | singleturn
-
-    @staticmethod
-    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _SSI)
-        return (
-            BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
-            BitField("singleturn", 0, variant.singleturn_bits),
-        )
+        return decode
 
 
 # BiSS C-mode
 
 
-@by_class
-class SingleCycleData(NamedTuple):
+class _SingleCycleData(NamedTuple):
+    variant: BissEncoder
+    multiturn: int
+    singleturn: int
+    error: bool = False
+    warning: bool = False
+
+
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
     significant first [6.2.1 p.32].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
         error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
@@ -1019,75 +845,37 @@ class SingleCycleData(NamedTuple):
     The manual uses Position (it: Posizione) for multiturn and singleturn together: 17 to 39 bits, most significant bit
     first.
 
-    Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
-        Printed: Only "17 + 16 bits" and the like, without the order of singleturn and multiturn in the position.
-        Used: Multiturn comes first, as the more significant part. Singleturn follows.
-
-    Erratum scd_length (settled, wrong data) [6.2.1 p.32, it: 6.2.1 p.32]:
-        Printed: SCD data is nbitres+7 long.
-        Used: The length is position_bits + 8.
-        Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8. nbitres+7 is the number of the
-            top bit in the table.
-
-    Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44, 9 p.51]:
-        Printed: nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the
-            magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for BUSY flag,
-            PS error, Battery alarm and MT error.
-        Used: Each is used as printed. None is derived from another.
-
-    Erratum position_under_error (open, omission) [6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24, 7.3.2 p.42, 7.4.1
-    p.44]:
-        Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low battery (warning
-            alone): the position is kept. The effect of the other errors on the position is not given.
-        Used: The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors
-            count until they are reset. In multiturn models, the MT error or the warning bit also makes the position not
-            usable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, battery
-            alarm and MT error, makes the position not usable. If the frame also carries these four flags (data ID 3),
-            they decide instead.
-
-    Erratum singleturn_without_battery (open, omission) [4.3 p.23, 3.4, 6.2.1 p.33, 7.4 p.43, 7.4.1 p.44, 9 p.51]:
-        Printed: "Battery power supply is only available in multiturn encoder versions (.../65K... order code)". The
-            warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step Connect the battery (3.4) are
-            printed for all models.
-        Used: In singleturn models (.../1...), nW, BATT and MTERR have no explanation. An active bit is reported, and
-            the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the position not usable,
-            since it may be BUSY. The step is left out. Only with .../1...
+    Errata (full text in ERRATA):
+        position_order (open, omission): Multiturn comes first, as the more significant part.
+        scd_length (settled, wrong data): The length is position_bits + 8.
+        error_bits_leds_alarms (open, omission): Each is used as printed.
+        position_under_error (open, omission): The position is not usable if any of these is active: error, BUSY, PS
+            error or ST error.
+        singleturn_without_battery (open, omission): In singleturn models (.../1...), nW, BATT and MTERR have no
+            explanation.
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: BissEncoder
-    multiturn: int
-    singleturn: int
-    error: bool = False
-    warning: bool = False
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
-        if self.error or (self.variant.multiturn_bits and self.warning):
+        if self.error or (self.warning and self.variant.multiturn_bits):
             return Verdict.NOT_USABLE
-        if (not self.variant.multiturn_bits and self.warning):
+        if (self.warning and not self.variant.multiturn_bits):
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "error": self.error,
-            "warning": self.variant.multiturn_bits and self.warning,
-            "warning_unexplained": not self.variant.multiturn_bits and self.warning,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
+        # Fields by index, which is faster than by name.
+        if self[3] or (self[4] and self[0].multiturn_bits):
+            return None
+        return self[1] << self[0].singleturn_bits | self[2]
 
     @property
     def position(self) -> int:
@@ -1116,12 +904,6 @@ class SingleCycleData(NamedTuple):
             warning=warning,
         )
 
-    @staticmethod
-    def frame_bits(variant: BissEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _BISS)
-        return variant.singleturn_bits + variant.multiturn_bits + 8
-
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
         """Decode the frame.
@@ -1139,98 +921,40 @@ class SingleCycleData(NamedTuple):
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.singleturn_bits + variant.multiturn_bits + 8, bits)
-        if word >> (variant.singleturn_bits + variant.multiturn_bits + 8):
-            raise too_long(word, variant.singleturn_bits + variant.multiturn_bits + 8)
-        if remainder := _remainder_biss_6_47(word ^ 0x3F):
-            raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
-        values = (
-            variant,
-            word >> (variant.singleturn_bits + 8),
-            word >> 8 & ((1 << variant.singleturn_bits) - 1),
-            not word & 0x80,
-            not word & 0x40,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.singleturn_bits + variant.multiturn_bits + 8
+        size_1 = variant.singleturn_bits + 8
+        ones_2 = (1 << variant.singleturn_bits) - 1
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, 41, 6, 3)
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                low = word & 0xFFFF
+                high = word >> 16
+                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
+                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
+                return made(cls, (variant, word >> size_1, word >> 8 & ones_2, not low & 0x80, not low & 0x40))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_single_cycle_data
-
-        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_single_cycle_data
-
-        return encode_many(columns, shape_of_single_cycle_data(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        number = (
-            multiturn << (variant.singleturn_bits + 8)
-            | singleturn << 8
-            | (not self.error) << 7
-            | (not self.warning) << 6
-        )
-        return number | _remainder_biss_6_47(number) ^ 0x3F
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (
-            BitField("multiturn", variant.singleturn_bits + 8, variant.multiturn_bits),
-            BitField("singleturn", 8, variant.singleturn_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
-        )
+        return decode
 
 
 # RS-485
 
 
-@by_class
-class DataRequest(NamedTuple):
+class _DataRequest(NamedTuple):
+    data_id: DataId
+
+
+class DataRequest(FixedBytes, _DataRequest):
     """Data request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
 
     Attributes:
@@ -1250,93 +974,51 @@ class DataRequest(NamedTuple):
         parity: Even parity of ``data_id``.
     """
 
-    data_id: DataId
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> DataRequest:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 1:
-            raise LengthError(1, len(data))
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (data_id := data[0] >> 3 & 0xF) not in (0, 1, 2, 3, 7, 8, 0xC):
-            raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
-        values = (
-            DataId(data_id),
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., DataRequest]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
 
-        Args:
-            frames: The frames, as rows of bytes.
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> DataRequest:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 1:
+                    raise LengthError(1, len(data))
+                if (data[0] & 0x7) != 0x2:
+                    raise ConstantError("sync", data[0] & 0x7, 0x2)
+                if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
+                    raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
+                if (of_data_id := data[0] >> 3 & 0xF) not in (0, 1, 2, 3, 7, 8, 0xC):
+                    raise RangeError("data_id", of_data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
+                return made(cls, (DataId(of_data_id),))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_data_request
-
-        return decode_many(frames, shape_of_data_request(), None)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_data_request
-
-        return encode_many(columns, shape_of_data_request())
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        data_id = whole_number("data_id", self.data_id)
-        if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
-            raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
-        number = 0x2 | data_id << 3 | (data_id.bit_count() & 1) << 7
-        return number.to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-        )
+        return decode
 
 
-@by_class
-class EepromWriteRequest(NamedTuple):
+class _EepromWriteRequest(NamedTuple):
+    eeprom_address: EepromAddress
+    address: int
+    data: int
+
+
+class EepromWriteRequest(InBytes, _EepromWriteRequest):
     """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
@@ -1350,15 +1032,10 @@ class EepromWriteRequest(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
-    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
-        Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
-            4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
-            them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
-            for address 5, where this manual has EA 0A E0. Only address 0 is the same in both.
+    Errata (full text in ERRATA):
+        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
+            default. The wrong choice accesses twice the address or half of it, and a write destroys other data there.
+            Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
 
@@ -1369,9 +1046,7 @@ class EepromWriteRequest(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    eeprom_address: EepromAddress
-    address: int
-    data: int
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -1383,38 +1058,54 @@ class EepromWriteRequest(NamedTuple):
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 4:
-            raise LengthError(4, len(data))
-        computed = data[0] ^ data[1] ^ data[2]
-        if computed != data[3]:
-            raise CrcError(data[3], computed)
-        decided(EepromAddress, eeprom_address)
-        number = int.from_bytes(data, "little")
-        if (number & 0x7) != 0x2:
-            raise ConstantError("sync", number & 0x7, 0x2)
-        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-        if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
-            raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
-        if (number >> 3 & 0xF) != 6:
-            raise RangeError("data_id", number >> 3 & 0xF, "6h")
-        values = (
-            eeprom_address,
-            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-            number >> 16 & 0xFF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+
+    @classmethod
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromWriteRequest]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromWriteRequest:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 4:
+                    raise LengthError(4, len(data))
+                computed = data[0] ^ data[1] ^ data[2]
+                if computed != data[3]:
+                    raise CrcError(data[3], computed)
+                eeprom_address = decided(EepromAddress, eeprom_address)
+                number = int.from_bytes(data, "little")
+                if (number & 0x7) != 0x2:
+                    raise ConstantError("sync", number & 0x7, 0x2)
+                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+                if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
+                    raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
+                if (number >> 3 & 0xF) != 6:
+                    raise RangeError("data_id", number >> 3 & 0xF, "6h")
+                values = (
+                    eeprom_address,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
+                    number >> 16 & 0xFF,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
+
+        return decode
+
+    @classmethod
+    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+        """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
+        return shape_of(cls, eeprom_address).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
@@ -1427,11 +1118,7 @@ class EepromWriteRequest(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_eeprom_write_request
-
-        return decode_many(frames, shape_of_eeprom_write_request(eeprom_address), None)
+        return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
@@ -1445,45 +1132,18 @@ class EepromWriteRequest(NamedTuple):
             The frames, as rows of bytes.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_eeprom_write_request
-
-        return encode_many(columns, shape_of_eeprom_write_request(eeprom_address))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        eeprom_address = decided(EepromAddress, self.eeprom_address)
-        address = check_width("address", self.address, 7)
-        data_ = check_width("data", self.data, 8)
-        number = 0x32 | address << (eeprom_address.eeprom_address_bit + 8) | data_ << 16
-        body = number.to_bytes(3, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        decided(EepromAddress, eeprom_address)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("data", 16, 8),
-            BitField("crc", 24, 8),
-        )
+        return encode_many(columns, cls, eeprom_address)
 
 
-@by_class
-class EepromReadRequest(NamedTuple):
+class _EepromReadRequest(NamedTuple):
+    eeprom_address: EepromAddress
+    address: int
+
+
+class EepromReadRequest(InBytes, _EepromReadRequest):
     """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
@@ -1496,15 +1156,10 @@ class EepromReadRequest(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
-    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
-        Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
-            4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
-            them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
-            for address 5, where this manual has EA 0A E0. Only address 0 is the same in both.
+    Errata (full text in ERRATA):
+        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
+            default. The wrong choice accesses twice the address or half of it, and a write destroys other data there.
+            Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
 
@@ -1515,8 +1170,7 @@ class EepromReadRequest(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    eeprom_address: EepromAddress
-    address: int
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -1528,37 +1182,49 @@ class EepromReadRequest(NamedTuple):
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 3:
-            raise LengthError(3, len(data))
-        computed = data[0] ^ data[1]
-        if computed != data[2]:
-            raise CrcError(data[2], computed)
-        decided(EepromAddress, eeprom_address)
-        number = int.from_bytes(data, "little")
-        if (number & 0x7) != 0x2:
-            raise ConstantError("sync", number & 0x7, 0x2)
-        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-        if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
-            raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
-        if (number >> 3 & 0xF) != 0xD:
-            raise RangeError("data_id", number >> 3 & 0xF, "Dh")
-        values = (
-            eeprom_address,
-            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+
+    @classmethod
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromReadRequest]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromReadRequest:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 3:
+                    raise LengthError(3, len(data))
+                computed = data[0] ^ data[1]
+                if computed != data[2]:
+                    raise CrcError(data[2], computed)
+                eeprom_address = decided(EepromAddress, eeprom_address)
+                number = int.from_bytes(data, "little")
+                if (number & 0x7) != 0x2:
+                    raise ConstantError("sync", number & 0x7, 0x2)
+                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+                if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
+                    raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
+                if (number >> 3 & 0xF) != 0xD:
+                    raise RangeError("data_id", number >> 3 & 0xF, "Dh")
+                return made(cls, (eeprom_address, number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
+
+        return decode
+
+    @classmethod
+    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+        """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
+        return shape_of(cls, eeprom_address).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
@@ -1571,11 +1237,7 @@ class EepromReadRequest(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_eeprom_read_request
-
-        return decode_many(frames, shape_of_eeprom_read_request(eeprom_address), None)
+        return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
@@ -1589,47 +1251,26 @@ class EepromReadRequest(NamedTuple):
             The frames, as rows of bytes.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_eeprom_read_request
-
-        return encode_many(columns, shape_of_eeprom_read_request(eeprom_address))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        eeprom_address = decided(EepromAddress, self.eeprom_address)
-        address = check_width("address", self.address, 7)
-        number = 0xEA | address << (eeprom_address.eeprom_address_bit + 8)
-        body = number.to_bytes(2, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        decided(EepromAddress, eeprom_address)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("crc", 16, 8),
-        )
+        return encode_many(columns, cls, eeprom_address)
 
 
-@by_class
-class SingleturnReply(NamedTuple):
+class _SingleturnReply(NamedTuple):
+    variant: Rs485Encoder
+    data_id: DataId
+    status_st_error: bool
+    status_other_error: bool
+    singleturn: int
+    unused: int = 0
+
+
+class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         data_id: Data ID: Type of the request, repeated in the reply.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
@@ -1640,7 +1281,7 @@ class SingleturnReply(NamedTuple):
             Its ALMC shows the active error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
@@ -1649,15 +1290,9 @@ class SingleturnReply(NamedTuple):
 
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
-    Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
-        Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
-        Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.
-
-    Erratum crc_example_frame (settled, wrong data) [7.6]:
-        Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF, DF0 to DF3, CRC.
-        Used: The bytes are used only as a check of the CRC. As a reply, they are rejected because of their length.
-        Why: The CRC is correct. A reply begins with the control field of its request. 32h is the control field of data
-            ID 6, whose reply has four bytes and no SF. No data ID has four data bytes.
+    Errata (full text in ERRATA):
+        busy_and_errors_in_one_bit (open, omission): EE_1 is one flag, status_other_error.
+        crc_example_frame (settled, wrong data): The bytes are used only as a check of the CRC.
 
     See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     power_on_twice, singleturn_without_battery.
@@ -1674,16 +1309,11 @@ class SingleturnReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Rs485Encoder
-    data_id: DataId
-    status_st_error: bool
-    status_other_error: bool
-    singleturn: int
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: no unused bit differs."""
+        """True if all values match the manual: no unused bit differs."""
         return self.unused == 0
 
     @property
@@ -1695,153 +1325,75 @@ class SingleturnReply(NamedTuple):
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "status_st_error": self.status_st_error,
-            "status_other_error": self.status_other_error,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> SingleturnReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 6:
-            raise LengthError(6, len(data))
-        computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4]
-        if computed != data[5]:
-            raise CrcError(data[5], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (singleturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.singleturn_bits:
-            raise ConstantError("singleturn_padding", singleturn >> variant.singleturn_bits, 0)
-        if (data_id := data[0] >> 3 & 0xF) not in (0, 7, 8, 0xC):
-            raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
-        values = (
-            variant,
-            DataId(data_id),
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            singleturn,
-            data[1] & 0xCF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., SingleturnReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.singleturn_bits
+        heads = {
+            0x02: DataId.SINGLETURN,
+            0x62: DataId.RESET_MULTITURN_AND_ERRORS,
+            0xBA: DataId.RESET_ERRORS,
+            0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
+        }
 
-        Args:
-            frames: The frames, as rows of bytes.
-            variant: The encoder.
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> SingleturnReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 6:
+                    raise LengthError(6, len(data))
+                b0, b1, b2, b3, b4, b5 = data
+                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4
+                if computed != b5:
+                    raise CrcError(b5, computed)
+                if (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0 or b0 not in heads:
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+                        raise ConstantError("singleturn_padding", of_singleturn >> size_0, 0)
+                    if (of_data_id := b0 >> 3 & 0xF) not in (0, 7, 8, 0xC):
+                        raise RangeError("data_id", of_data_id, "one of 0h, 7h, 8h, Ch")
+                return made(cls, (variant, heads[b0], (b1 & 0x10) != 0, (b1 & 0x20) != 0, of_singleturn, b1 & 0xCF))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_singleturn_reply
-
-        return decode_many(frames, shape_of_singleturn_reply(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_singleturn_reply
-
-        return encode_many(columns, shape_of_singleturn_reply(variant))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        data_id = whole_number("data_id", self.data_id)
-        if data_id not in (0, 7, 8, 0xC):
-            raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
-        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        unused = check_bits("unused", self.unused, 0xCF)
-        number = (
-            0x2
-            | data_id << 3
-            | (data_id.bit_count() & 1) << 7
-            | (unused & 0xF) << 8
-            | bool(self.status_st_error) << 12
-            | bool(self.status_other_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | singleturn << 16
-        )
-        body = number.to_bytes(5, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _RS485)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("singleturn", 16, variant.singleturn_bits),
-            BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
-            BitField("crc", 40, 8),
-        )
+        return decode
 
 
-@by_class
-class MultiturnReply(NamedTuple):
+class _MultiturnReply(NamedTuple):
+    variant: Rs485Encoder
+    status_st_error: bool
+    status_other_error: bool
+    multiturn: int
+    unused: int = 0
+
+
+class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
@@ -1851,7 +1403,7 @@ class MultiturnReply(NamedTuple):
             Its ALMC shows the active error.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
             Right-aligned in 24 bits, with zeros above it.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
@@ -1859,9 +1411,8 @@ class MultiturnReply(NamedTuple):
 
     In singleturn models, no bit of the three bytes is used. Unused high bits are 0.
 
-    Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
-        Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
-        Used: EE_1 is one flag, status_other_error. Do not trust the position next to it until ALMC has been read.
+    Errata (full text in ERRATA):
+        busy_and_errors_in_one_bit (open, omission): EE_1 is one flag, status_other_error.
 
     See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     power_on_twice, singleturn_without_battery.
@@ -1878,11 +1429,7 @@ class MultiturnReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Rs485Encoder
-    status_st_error: bool
-    status_other_error: bool
-    multiturn: int
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -1891,7 +1438,7 @@ class MultiturnReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: no unused bit differs."""
+        """True if all values match the manual: no unused bit differs."""
         return self.unused == 0
 
     @property
@@ -1903,143 +1450,64 @@ class MultiturnReply(NamedTuple):
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "status_st_error": self.status_st_error,
-            "status_other_error": self.status_other_error,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> MultiturnReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 6:
-            raise LengthError(6, len(data))
-        computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4]
-        if computed != data[5]:
-            raise CrcError(data[5], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (multiturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.multiturn_bits:
-            raise ConstantError("multiturn_padding", multiturn >> variant.multiturn_bits, 0)
-        if (data[0] >> 3 & 0xF) != 1:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "1h")
-        values = (
-            variant,
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            multiturn,
-            data[1] & 0xCF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., MultiturnReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.multiturn_bits
 
-        Args:
-            frames: The frames, as rows of bytes.
-            variant: The encoder.
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> MultiturnReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 6:
+                    raise LengthError(6, len(data))
+                b0, b1, b2, b3, b4, b5 = data
+                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4
+                if computed != b5:
+                    raise CrcError(b5, computed)
+                if (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0 or b0 != 0x8A:
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+                        raise ConstantError("multiturn_padding", of_multiturn >> size_0, 0)
+                    if (b0 >> 3 & 0xF) != 1:
+                        raise RangeError("data_id", b0 >> 3 & 0xF, "1h")
+                return made(cls, (variant, (b1 & 0x10) != 0, (b1 & 0x20) != 0, of_multiturn, b1 & 0xCF))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_multiturn_reply
-
-        return decode_many(frames, shape_of_multiturn_reply(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_multiturn_reply
-
-        return encode_many(columns, shape_of_multiturn_reply(variant))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        unused = check_bits("unused", self.unused, 0xCF)
-        number = (
-            0x8A
-            | (unused & 0xF) << 8
-            | bool(self.status_st_error) << 12
-            | bool(self.status_other_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | multiturn << 16
-        )
-        body = number.to_bytes(5, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _RS485)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("multiturn", 16, variant.multiturn_bits),
-            BitField("multiturn_padding", variant.multiturn_bits + 16, 24 - variant.multiturn_bits),
-            BitField("crc", 40, 8),
-        )
+        return decode
 
 
-@by_class
-class EncoderIdReply(NamedTuple):
+class _EncoderIdReply(NamedTuple):
+    status_st_error: bool = False
+    status_other_error: bool = False
+    encoder_id: int = 0x23
+    unused: int = 0
+
+
+class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
@@ -2052,19 +1520,15 @@ class EncoderIdReply(NamedTuple):
             Its ALMC shows the active error.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
             identifies the encoder. Decoding accepts other values too.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
     Its ``data_id`` is 2 (encoder_id).
 
-    Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
-    samples/drivers/sei/slave/tamagawa/README_en.rst]:
-        Printed: ENID: encoder ID, fixed value = 23h.
-        Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
-        Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID 0x17.
-            The 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is
-            valid. Sync code, data ID, length and CRC do.
+    Errata (full text in ERRATA):
+        encoder_id_23h (open, wrong data): 23h is the expected encoder ID. A frame with another ID is decoded, and the
+            ID is reported.
 
     See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery.
@@ -2081,10 +1545,7 @@ class EncoderIdReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    status_st_error: bool = False
-    status_other_error: bool = False
-    encoder_id: int = 0x23
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -2093,131 +1554,71 @@ class EncoderIdReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: encoder_id 0x23, no unused bit differs."""
+        """True if all values match the manual: encoder_id 0x23, no unused bit differs."""
         return self.encoder_id == 0x23 and self.unused == 0
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "status_st_error": self.status_st_error,
-            "status_other_error": self.status_other_error,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data) -> EncoderIdReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 4:
-            raise LengthError(4, len(data))
-        computed = data[0] ^ data[1] ^ data[2]
-        if computed != data[3]:
-            raise CrcError(data[3], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (data[0] >> 3 & 0xF) != 2:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "2h")
-        values = (
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            data[2],
-            data[1] & 0xCF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EncoderIdReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
 
-        Args:
-            frames: The frames, as rows of bytes.
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EncoderIdReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 4:
+                    raise LengthError(4, len(data))
+                b0, b1, b2, b3 = data
+                computed = b0 ^ b1 ^ b2
+                if computed != b3:
+                    raise CrcError(b3, computed)
+                if b0 != 0x92:
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (b0 >> 3 & 0xF) != 2:
+                        raise RangeError("data_id", b0 >> 3 & 0xF, "2h")
+                return made(cls, ((b1 & 0x10) != 0, (b1 & 0x20) != 0, b2, b1 & 0xCF))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_encoder_id_reply
-
-        return decode_many(frames, shape_of_encoder_id_reply(), None)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_encoder_id_reply
-
-        return encode_many(columns, shape_of_encoder_id_reply())
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        encoder_id = check_width("encoder_id", self.encoder_id, 8)
-        unused = check_bits("unused", self.unused, 0xCF)
-        number = (
-            0x92
-            | (unused & 0xF) << 8
-            | bool(self.status_st_error) << 12
-            | bool(self.status_other_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | encoder_id << 16
-        )
-        body = number.to_bytes(3, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("encoder_id", 16, 8),
-            BitField("crc", 24, 8),
-        )
+        return decode
 
 
-@by_class
-class CompleteReply(NamedTuple):
+class _CompleteReply(NamedTuple):
+    variant: Rs485Encoder
+    status_st_error: bool
+    status_other_error: bool
+    singleturn: int
+    encoder_id: int
+    multiturn: int
+    busy: bool = False
+    st_error: bool = False
+    ps_error: bool = False
+    mt_error: bool = False
+    battery_alarm: bool = False
+    unused: int = 0
+
+
+class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply):
     """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
             the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
@@ -2243,7 +1644,7 @@ class CompleteReply(NamedTuple):
         battery_alarm: BATT. True at 1: external battery below 3.15 V. False at 0: no battery alarm. While it is True,
             the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes the
             manual does not explain the flag, and the position is usable, with a warning.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
@@ -2251,13 +1652,9 @@ class CompleteReply(NamedTuple):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
-    samples/drivers/sei/slave/tamagawa/README_en.rst]:
-        Printed: ENID: encoder ID, fixed value = 23h.
-        Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
-        Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID 0x17.
-            The 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is
-            valid. Sync code, data ID, length and CRC do.
+    Errata (full text in ERRATA):
+        encoder_id_23h (open, wrong data): 23h is the expected encoder ID. A frame with another ID is decoded, and the
+            ID is reported.
 
     See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery, battery_alarm_reset, busy_clear.
@@ -2278,18 +1675,7 @@ class CompleteReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Rs485Encoder
-    status_st_error: bool
-    status_other_error: bool
-    singleturn: int
-    encoder_id: int
-    multiturn: int
-    busy: bool = False
-    st_error: bool = False
-    ps_error: bool = False
-    mt_error: bool = False
-    battery_alarm: bool = False
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -2298,7 +1684,7 @@ class CompleteReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: encoder_id 0x23, no unused bit differs."""
+        """True if all values match the manual: encoder_id 0x23, no unused bit differs."""
         return self.encoder_id == 0x23 and self.unused == 0
 
     @property
@@ -2310,39 +1696,27 @@ class CompleteReply(NamedTuple):
             or self.busy
             or self.st_error
             or self.ps_error
-            or (self.variant.multiturn_bits and self.mt_error)
+            or (self.mt_error and self.variant.multiturn_bits)
         ):
             return Verdict.NOT_USABLE
-        if (not self.variant.multiturn_bits and self.mt_error) or self.battery_alarm or self.unused:
+        if (self.mt_error and not self.variant.multiturn_bits) or self.battery_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "status_st_error": self.status_st_error,
-            "status_other_error": self.status_other_error,
-            "busy": self.busy,
-            "st_error": self.st_error,
-            "ps_error": self.ps_error,
-            "mt_error": self.variant.multiturn_bits and self.mt_error,
-            "mt_error_unexplained": not self.variant.multiturn_bits and self.mt_error,
-            "battery_alarm": self.variant.multiturn_bits and self.battery_alarm,
-            "battery_alarm_unexplained": not self.variant.multiturn_bits and self.battery_alarm,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-            "alarm_zero_0": self.unused & 0x100,
-            "alarm_zero_3_4": self.unused & 0x1800,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
+        # Fields by index, which is faster than by name.
+        if (
+            self[1]
+            or (self[2] and not (self[10] or self[9]))
+            or self[6]
+            or self[7]
+            or self[8]
+            or (self[9] and self[0].multiturn_bits)
+        ):
+            return None
+        return self[5] << self[0].singleturn_bits | self[3]
 
     @property
     def position(self) -> int:
@@ -2390,155 +1764,80 @@ class CompleteReply(NamedTuple):
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 11:
-            raise LengthError(11, len(data))
-        computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5] ^ data[6] ^ data[7] ^ data[8] ^ data[9]
-        if computed != data[10]:
-            raise CrcError(data[10], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (singleturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.singleturn_bits:
-            raise ConstantError("singleturn_padding", singleturn >> variant.singleturn_bits, 0)
-        if (multiturn := data[6] | data[7] << 8 | data[8] << 16) >> variant.multiturn_bits:
-            raise ConstantError("multiturn_padding", multiturn >> variant.multiturn_bits, 0)
-        if (data[0] >> 3 & 0xF) != 3:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "3h")
-        values = (
-            variant,
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            singleturn,
-            data[5],
-            multiturn,
-            bool(data[9] & 0x02),
-            bool(data[9] & 0x04),
-            bool(data[9] & 0x20),
-            bool(data[9] & 0x40),
-            bool(data[9] & 0x80),
-            data[1] & 0xCF | (data[9] & 0x19) << 8,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., CompleteReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.singleturn_bits
+        size_1 = variant.multiturn_bits
 
-        Args:
-            frames: The frames, as rows of bytes.
-            variant: The encoder.
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> CompleteReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 11:
+                    raise LengthError(11, len(data))
+                b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10 = data
+                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9
+                if computed != b10:
+                    raise CrcError(b10, computed)
+                if (
+                    (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0
+                    or (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1
+                    or b0 != 0x1A
+                ):
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+                        raise ConstantError("singleturn_padding", of_singleturn >> size_0, 0)
+                    if (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1:
+                        raise ConstantError("multiturn_padding", of_multiturn >> size_1, 0)
+                    if (b0 >> 3 & 0xF) != 3:
+                        raise RangeError("data_id", b0 >> 3 & 0xF, "3h")
+                values = (
+                    variant,
+                    (b1 & 0x10) != 0,
+                    (b1 & 0x20) != 0,
+                    of_singleturn,
+                    b5,
+                    of_multiturn,
+                    (b9 & 0x02) != 0,
+                    (b9 & 0x04) != 0,
+                    (b9 & 0x20) != 0,
+                    (b9 & 0x40) != 0,
+                    (b9 & 0x80) != 0,
+                    b1 & 0xCF | (b9 & 0x19) << 8,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_complete_reply
-
-        return decode_many(frames, shape_of_complete_reply(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_complete_reply
-
-        return encode_many(columns, shape_of_complete_reply(variant))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        encoder_id = check_width("encoder_id", self.encoder_id, 8)
-        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        unused = check_bits("unused", self.unused, 0x19CF)
-        number = (
-            0x1A
-            | (unused & 0xF) << 8
-            | bool(self.status_st_error) << 12
-            | bool(self.status_other_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | singleturn << 16
-            | encoder_id << 40
-            | multiturn << 48
-            | (unused >> 8 & 0x1) << 72
-            | bool(self.busy) << 73
-            | bool(self.st_error) << 74
-            | (unused >> 11 & 0x3) << 75
-            | bool(self.ps_error) << 77
-            | bool(self.mt_error) << 78
-            | bool(self.battery_alarm) << 79
-        )
-        body = number.to_bytes(10, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _RS485)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("singleturn", 16, variant.singleturn_bits),
-            BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
-            BitField("encoder_id", 40, 8),
-            BitField("multiturn", 48, variant.multiturn_bits),
-            BitField("multiturn_padding", variant.multiturn_bits + 48, 24 - variant.multiturn_bits),
-            BitField("alarm_zero_0", 72, 1),
-            BitField("busy", 73, 1),
-            BitField("st_error", 74, 1),
-            BitField("alarm_zero_3_4", 75, 2),
-            BitField("ps_error", 77, 1),
-            BitField("mt_error", 78, 1),
-            BitField("battery_alarm", 79, 1),
-            BitField("crc", 80, 8),
-        )
+        return decode
 
 
-@by_class
-class EepromWriteReply(NamedTuple):
+class _EepromWriteReply(NamedTuple):
+    eeprom_address: EepromAddress
+    address: int
+    mem_busy: bool
+    data: int
+
+
+class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
@@ -2554,15 +1853,10 @@ class EepromWriteReply(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
-    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
-        Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
-            4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
-            them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
-            for address 5, where this manual has EA 0A E0. Only address 0 is the same in both.
+    Errata (full text in ERRATA):
+        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
+            default. The wrong choice accesses twice the address or half of it, and a write destroys other data there.
+            Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
 
@@ -2572,62 +1866,65 @@ class EepromWriteReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    eeprom_address: EepromAddress
-    address: int
-    mem_busy: bool
-    data: int
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
         """Data ID: Type of the request, repeated in the reply."""
         return DataId.EEPROM_WRITE
 
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "eeprom_write_reply_mem_busy": self.mem_busy,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
     @classmethod
     def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromWriteReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 4:
-            raise LengthError(4, len(data))
-        computed = data[0] ^ data[1] ^ data[2]
-        if computed != data[3]:
-            raise CrcError(data[3], computed)
-        decided(EepromAddress, eeprom_address)
-        number = int.from_bytes(data, "little")
-        if (number & 0x7) != 0x2:
-            raise ConstantError("sync", number & 0x7, 0x2)
-        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-        if (number >> 3 & 0xF) != 6:
-            raise RangeError("data_id", number >> 3 & 0xF, "6h")
-        values = (
-            eeprom_address,
-            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-            bool(number >> (eeprom_address.mem_busy_bit + 8) & 1),
-            number >> 16 & 0xFF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+
+    @classmethod
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromWriteReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromWriteReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 4:
+                    raise LengthError(4, len(data))
+                computed = data[0] ^ data[1] ^ data[2]
+                if computed != data[3]:
+                    raise CrcError(data[3], computed)
+                eeprom_address = decided(EepromAddress, eeprom_address)
+                number = int.from_bytes(data, "little")
+                if (number & 0x7) != 0x2:
+                    raise ConstantError("sync", number & 0x7, 0x2)
+                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+                if (number >> 3 & 0xF) != 6:
+                    raise RangeError("data_id", number >> 3 & 0xF, "6h")
+                values = (
+                    eeprom_address,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
+                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,
+                    number >> 16 & 0xFF,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
+
+        return decode
+
+    @classmethod
+    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+        """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
+        return shape_of(cls, eeprom_address).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
@@ -2640,11 +1937,7 @@ class EepromWriteReply(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_eeprom_write_reply
-
-        return decode_many(frames, shape_of_eeprom_write_reply(eeprom_address), None)
+        return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
@@ -2658,50 +1951,20 @@ class EepromWriteReply(NamedTuple):
             The frames, as rows of bytes.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_eeprom_write_reply
-
-        return encode_many(columns, shape_of_eeprom_write_reply(eeprom_address))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        eeprom_address = decided(EepromAddress, self.eeprom_address)
-        address = check_width("address", self.address, 7)
-        data_ = check_width("data", self.data, 8)
-        number = (
-            0x32
-            | address << (eeprom_address.eeprom_address_bit + 8)
-            | bool(self.mem_busy) << (eeprom_address.mem_busy_bit + 8)
-            | data_ << 16
-        )
-        body = number.to_bytes(3, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        decided(EepromAddress, eeprom_address)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("data", 16, 8),
-            BitField("crc", 24, 8),
-        )
+        return encode_many(columns, cls, eeprom_address)
 
 
-@by_class
-class EepromReadReply(NamedTuple):
+class _EepromReadReply(NamedTuple):
+    eeprom_address: EepromAddress
+    address: int
+    mem_busy: bool
+    data: int
+
+
+class EepromReadReply(Sent, InBytes, _EepromReadReply):
     """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
@@ -2717,15 +1980,10 @@ class EepromReadReply(NamedTuple):
 
     The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst,
-    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
-        Printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.
-        Used: Either position is possible. The user must choose, and there is no default. The wrong choice accesses
-            twice the address or half of it, and a write destroys other data there. Read and compare before you write.
-        Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01
-            4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in all of
-            them, but according to this manual it is 0 from a master. TI's driver sends the address as given, EA 05 EF
-            for address 5, where this manual has EA 0A E0. Only address 0 is the same in both.
+    Errata (full text in ERRATA):
+        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
+            default. The wrong choice accesses twice the address or half of it, and a write destroys other data there.
+            Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
 
@@ -2735,62 +1993,65 @@ class EepromReadReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    eeprom_address: EepromAddress
-    address: int
-    mem_busy: bool
-    data: int
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
         """Data ID: Type of the request, repeated in the reply."""
         return DataId.EEPROM_READ
 
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags."""
-        from .facts.amm5 import REPORTS
-
-        told = {
-            "eeprom_read_reply_mem_busy": self.mem_busy,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
     @classmethod
     def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromReadReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 4:
-            raise LengthError(4, len(data))
-        computed = data[0] ^ data[1] ^ data[2]
-        if computed != data[3]:
-            raise CrcError(data[3], computed)
-        decided(EepromAddress, eeprom_address)
-        number = int.from_bytes(data, "little")
-        if (number & 0x7) != 0x2:
-            raise ConstantError("sync", number & 0x7, 0x2)
-        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-        if (number >> 3 & 0xF) != 0xD:
-            raise RangeError("data_id", number >> 3 & 0xF, "Dh")
-        values = (
-            eeprom_address,
-            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-            bool(number >> (eeprom_address.mem_busy_bit + 8) & 1),
-            number >> 16 & 0xFF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+
+    @classmethod
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromReadReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+
+        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromReadReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 4:
+                    raise LengthError(4, len(data))
+                computed = data[0] ^ data[1] ^ data[2]
+                if computed != data[3]:
+                    raise CrcError(data[3], computed)
+                eeprom_address = decided(EepromAddress, eeprom_address)
+                number = int.from_bytes(data, "little")
+                if (number & 0x7) != 0x2:
+                    raise ConstantError("sync", number & 0x7, 0x2)
+                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+                if (number >> 3 & 0xF) != 0xD:
+                    raise RangeError("data_id", number >> 3 & 0xF, "Dh")
+                values = (
+                    eeprom_address,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
+                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,
+                    number >> 16 & 0xFF,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
+
+        return decode
+
+    @classmethod
+    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+        """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
+        return shape_of(cls, eeprom_address).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
@@ -2803,11 +2064,7 @@ class EepromReadReply(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._many import decode_many
-        from ._shapes.amm5 import shape_of_eeprom_read_reply
-
-        return decode_many(frames, shape_of_eeprom_read_reply(eeprom_address), None)
+        return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
@@ -2821,46 +2078,10 @@ class EepromReadReply(NamedTuple):
             The frames, as rows of bytes.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        decided(EepromAddress, eeprom_address)
-        from ._make import encode_many
-        from ._shapes.amm5 import shape_of_eeprom_read_reply
-
-        return encode_many(columns, shape_of_eeprom_read_reply(eeprom_address))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        eeprom_address = decided(EepromAddress, self.eeprom_address)
-        address = check_width("address", self.address, 7)
-        data_ = check_width("data", self.data, 8)
-        number = (
-            0xEA
-            | address << (eeprom_address.eeprom_address_bit + 8)
-            | bool(self.mem_busy) << (eeprom_address.mem_busy_bit + 8)
-            | data_ << 16
-        )
-        body = number.to_bytes(3, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        decided(EepromAddress, eeprom_address)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("data", 16, 8),
-            BitField("crc", 24, 8),
-        )
+        return encode_many(columns, cls, eeprom_address)
 
 
 Request: TypeAlias = Union[
@@ -2885,26 +2106,38 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
     Raises:
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
-        ConstantError: Constant bits or a parity bit have a wrong value.
-        RangeError: There is no such Data ID, or a field has an undefined value.
+        ConstantError: A constant or a parity bit has the wrong value.
+        RangeError: The Data ID or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
         TypeError: The request needs an answer that is missing.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
-    if type(data) is not bytes:
-        data = as_bytes(data)
-    if len(data) < 1:
-        raise LengthError(1, len(data))
-    data_id = data[0] >> 3 & 0xF
-    if data_id in (0, 1, 2, 3, 7, 8, 0xC):
-        return DataRequest.decode(data)
-    if data_id == 6:
-        return EepromWriteRequest.decode(data, cast(EepromAddress, eeprom_address))
-    if data_id == 0xD:
-        return EepromReadRequest.decode(data, cast(EepromAddress, eeprom_address))
-    raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+    return decoder(_decode_requestr, variant, raised)(data, eeprom_address)
+
+
+def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Request]:
+    """Return the decoder for an encoder. It chooses the class of a frame."""
+    kinds: dict[int, Callable[..., Request]] = {
+        **dict.fromkeys((0, 1, 2, 3, 7, 8, 0xC), DataRequest._decoder(variant, failed)),
+        6: EepromWriteRequest._decoder(variant, failed),
+        0xD: EepromReadRequest._decoder(variant, failed),
+    }
+
+    def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Request:
+        try:
+            data = frame if type(frame) is bytes else as_bytes(frame)
+            if len(data) < 1:
+                raise LengthError(1, len(data))
+            found = kinds.get(data[0] >> 3 & 0xF)
+            if found is None:
+                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+        except (FrameError, TypeError) as error:
+            return failed(error, frame, variant)
+        return found(frame, eeprom_address)
+
+    return decode
 
 
 Reply: TypeAlias = Union[
@@ -2932,221 +2165,39 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
     Raises:
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
-        ConstantError: Constant bits or a parity bit have a wrong value.
-        RangeError: There is no such Data ID, or a field has an undefined value.
+        ConstantError: A constant or a parity bit has the wrong value.
+        RangeError: The Data ID or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
         TypeError: The reply needs an answer that is missing.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
-    if type(data) is not bytes:
-        data = as_bytes(data)
-    if len(data) < 1:
-        raise LengthError(1, len(data))
-    data_id = data[0] >> 3 & 0xF
-    if data_id in (0, 7, 8, 0xC):
-        return SingleturnReply.decode(data, variant)
-    if data_id == 1:
-        return MultiturnReply.decode(data, variant)
-    if data_id == 2:
-        return EncoderIdReply.decode(data)
-    if data_id == 3:
-        return CompleteReply.decode(data, variant)
-    if data_id == 6:
-        return EepromWriteReply.decode(data, cast(EepromAddress, eeprom_address))
-    if data_id == 0xD:
-        return EepromReadReply.decode(data, cast(EepromAddress, eeprom_address))
-    raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+    return decoder(_decode_replyr, variant, raised)(data, eeprom_address)
 
 
-def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    size_0 = variant.singleturn_bits + variant.multiturn_bits
-    size_1 = variant.singleturn_bits
-    ones_2 = (1 << variant.singleturn_bits) - 1
-
-    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        return made(
-            SsiWord,
-            (
-                variant,
-                word >> size_1,
-                word & ones_2,
-            ),
-        )
-
-    return decode
-
-
-def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    size_0 = variant.singleturn_bits + variant.multiturn_bits + 8
-    size_1 = variant.singleturn_bits + 8
-    ones_2 = (1 << variant.singleturn_bits) - 1
-    tables = crc_tables(crc_biss_6, variant.singleturn_bits + variant.multiturn_bits + 2, 6, 3)
-    table_0, table_1, table_2 = tables
-
-    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        low = word & 0xFFFF
-        high = word >> 16
-        if table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
-            return careful(frame)
-        return made(
-            SingleCycleData,
-            (
-                variant,
-                word >> size_1,
-                word >> 8 & ones_2,
-                not low & 0x80,
-                not low & 0x40,
-            ),
-        )
-
-    return decode
-
-
-def _fast_singleturn_reply(variant: Rs485Encoder) -> Callable[[bytes], SingleturnReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], SingleturnReply], variant._decode)
-    size_0 = variant.singleturn_bits
-    heads = {
-        0x02: DataId.SINGLETURN,
-        0x62: DataId.RESET_MULTITURN_AND_ERRORS,
-        0xBA: DataId.RESET_ERRORS,
-        0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
+def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply]:
+    """Return the decoder for an encoder. It chooses the class of a frame."""
+    kinds: dict[int, Callable[..., Reply]] = {
+        **dict.fromkeys((0, 7, 8, 0xC), SingleturnReply._decoder(variant, failed)),
+        1: MultiturnReply._decoder(variant, failed),
+        2: EncoderIdReply._decoder(variant, failed),
+        3: CompleteReply._decoder(variant, failed),
+        6: EepromWriteReply._decoder(variant, failed),
+        0xD: EepromReadReply._decoder(variant, failed),
     }
 
-    def decode(data: bytes) -> SingleturnReply:
-        if len(data) != 6:
-            return careful(data)
-        b0, b1, b2, b3, b4, b5 = data
-        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 or (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
-            return careful(data)
-        return made(
-            SingleturnReply,
-            (
-                variant,
-                heads[b0],
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                of_singleturn,
-                b1 & 0xCF,
-            ),
-        )
-
-    return decode
-
-
-def _fast_multiturn_reply(variant: Rs485Encoder) -> Callable[[bytes], MultiturnReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], MultiturnReply], variant._decode)
-    size_0 = variant.multiturn_bits
-
-    def decode(data: bytes) -> MultiturnReply:
-        if len(data) != 6:
-            return careful(data)
-        b0, b1, b2, b3, b4, b5 = data
-        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 or (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0:
-            return careful(data)
-        return made(
-            MultiturnReply,
-            (
-                variant,
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                of_multiturn,
-                b1 & 0xCF,
-            ),
-        )
-
-    return decode
-
-
-def _fast_encoder_id_reply(variant: Rs485Encoder) -> Callable[[bytes], EncoderIdReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], EncoderIdReply], variant._decode)
-
-    def decode(data: bytes) -> EncoderIdReply:
-        if len(data) != 4:
-            return careful(data)
-        b0, b1, b2, b3 = data
-        if b0 ^ b1 ^ b2 ^ b3:
-            return careful(data)
-        return made(
-            EncoderIdReply,
-            (
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                b2,
-                b1 & 0xCF,
-            ),
-        )
-
-    return decode
-
-
-def _fast_complete_reply(variant: Rs485Encoder) -> Callable[[bytes], CompleteReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], CompleteReply], variant._decode)
-    size_0 = variant.singleturn_bits
-    size_1 = variant.multiturn_bits
-
-    def decode(data: bytes) -> CompleteReply:
-        if len(data) != 11:
-            return careful(data)
-        b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10 = data
-        if (
-            b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9 ^ b10
-            or (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0
-            or (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1
-        ):
-            return careful(data)
-        return made(
-            CompleteReply,
-            (
-                variant,
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                of_singleturn,
-                b5,
-                of_multiturn,
-                (b9 & 0x02) != 0,
-                (b9 & 0x04) != 0,
-                (b9 & 0x20) != 0,
-                (b9 & 0x40) != 0,
-                (b9 & 0x80) != 0,
-                b1 & 0xCF | (b9 & 0x19) << 8,
-            ),
-        )
-
-    return decode
-
-
-def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
-    """Return a fast decoder that chooses the kind of a frame by its first byte. Other frames go to `_decode`."""
-    careful = variant._decode
-    kinds: dict[int, Callable[[bytes], Reply]] = {
-        **dict.fromkeys([0x02, 0x62, 0xBA, 0xC2], _fast_singleturn_reply(variant)),
-        **dict.fromkeys([0x8A], _fast_multiturn_reply(variant)),
-        **dict.fromkeys([0x92], _fast_encoder_id_reply(variant)),
-        **dict.fromkeys([0x1A], _fast_complete_reply(variant)),
-    }
-
-    def decode(frame: Any, *, eeprom_address: EepromAddress | None = None) -> Reply:
-        if type(frame) is bytes and frame:
-            fast = kinds.get(frame[0])
-            if fast is not None:
-                return fast(frame)
-        return careful(frame, eeprom_address=eeprom_address)
+    def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Reply:
+        try:
+            data = frame if type(frame) is bytes else as_bytes(frame)
+            if len(data) < 1:
+                raise LengthError(1, len(data))
+            found = kinds.get(data[0] >> 3 & 0xF)
+            if found is None:
+                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+        except (FrameError, TypeError) as error:
+            return failed(error, frame, variant)
+        return found(frame, eeprom_address)
 
     return decode
 
@@ -3168,7 +2219,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
+    """Address of each register, or of the first byte of a longer register. Two registers may share an address."""
 
     PRESET: Final = 0x11
     PRESET_SETTING_ENABLE: Final = 0x40
@@ -3178,12 +2229,17 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-@by_class
-class Preset(NamedTuple):
+class _Preset(NamedTuple):
+    variant: BissEncoder
+    multiturn: int
+    singleturn: int
+
+
+class Preset(RegisterOf["BissEncoder"], _Preset):
     """Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
 
     Attributes:
-        variant: Encoder of the register.
+        variant: Encoder that the register belongs to.
         multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
@@ -3198,29 +2254,12 @@ class Preset(NamedTuple):
     activating it at a standstill. The preset can be used, for instance, to align the zero points of encoder and
     application.
 
-    Erratum preset_limit (settled, wrong limit) [6.4, it: 6.4]:
-        Printed: English: less than the total hardware resolution. Italian: less than or equal to it (minore o uguale).
-        Used: The maximum is 2^position_bits − 1.
-        Why: The total resolution itself needs one bit more than the register has for it.
-
-    Erratum preset_revolutions (settled, wrong limit) [6.4, it: 6.4]:
-        Printed: English: the number of revolutions is always 65,536 in all models. Italian: in all multiturn models.
-        Used: Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.
-
-    Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]:
-        Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 at 21 bits and 16 at 17
-            bits.
-        Used: All bits below the lowest singleturn bit are 0.
-
-    Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
-        Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
-        Used: The registers are used as printed.
-
-    Erratum preset_default_length (settled, wrong data) [10 p.52, it: 10 p.53]:
-        Printed: Default of Preset: 00 00 00 00 00.
-        Used: The default is seven bytes of 00.
-        Why: The register has seven bytes, 11h to 17h. Five bytes written from 11h on would leave 16h and 17h, most of
-            the multiturn part, unchanged.
+    Errata (full text in ERRATA):
+        preset_limit (settled, wrong limit): The maximum is 2^position_bits − 1.
+        preset_revolutions (settled, wrong limit): Singleturn models have no multiturn bits.
+        preset_bits_below_lsb (open, omission): All bits below the lowest singleturn bit are 0.
+        biss_bank_select (open, omission): The registers are used as printed.
+        preset_default_length (settled, wrong data): The default is seven bytes of 00.
 
     Checked by decode():
         zero_above_multiturn: Always zero.
@@ -3228,9 +2267,7 @@ class Preset(NamedTuple):
         zero_below_singleturn: Always zero.
     """
 
-    variant: BissEncoder
-    multiturn: int
-    singleturn: int
+    __slots__ = ()
 
     @property
     def position(self) -> int:
@@ -3256,12 +2293,12 @@ class Preset(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -3285,36 +2322,6 @@ class Preset(NamedTuple):
         )
         return made(cls, values)
 
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        check_limits("position", self.position, self.limits(variant))
-        number = (
-            multiturn << (49 - variant.multiturn_bits)
-            | singleturn << (33 - variant.singleturn_bits)
-        )
-        return number.to_bytes(7, "little")
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (
-            BitField("zero_above_multiturn", 49, 7),
-            BitField("multiturn", 49 - variant.multiturn_bits, variant.multiturn_bits),
-            BitField("zero_below_multiturn", 33, 16 - variant.multiturn_bits),
-            BitField("singleturn", 33 - variant.singleturn_bits, variant.singleturn_bits),
-            BitField("zero_below_singleturn", 0, 33 - variant.singleturn_bits),
-        )
-
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
         """Return the lowest and highest value of ``position`` that may be written."""
@@ -3332,9 +2339,8 @@ class PresetSettingEnable(IntEnum):
 
     The list of defaults (section 10) gives 00, although the register cannot be read.
 
-    Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
-        Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
-        Used: The registers are used as printed.
+    Errata (full text in ERRATA):
+        biss_bank_select (open, omission): The registers are used as printed.
     """
 
     DISABLE = 0
@@ -3347,11 +2353,11 @@ class PresetSettingEnable(IntEnum):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The register has none of these values.
+            RangeError: The value of the register is not one of these.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -3363,8 +2369,13 @@ class PresetSettingEnable(IntEnum):
         return self.to_bytes(1, "big")
 
 
-@by_class
-class SerialNumber(NamedTuple):
+class _SerialNumber(NamedTuple):
+    year: int
+    week: int
+    number: int
+
+
+class SerialNumber(FixedRegister, _SerialNumber):
     """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38, it: 6.4 p.39].
 
     Attributes:
@@ -3376,23 +2387,12 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_order (open, wrong data) [6.4 p.38, amm36: p.38, amm80: 6.4 p.41]:
-        Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630.
-        Used: The high byte comes first, as printed.
-        Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and reverses
-            it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older AMM5 may
-            answer in the other order. An impossible year or week shows the wrong order.
-
-    Before edition 1.7 [Document release, amm36: p.38]:
-        Not known: register serial_number.
-        Why: Registers 44h to 47h were updated. The table does not give their earlier content. The manual of the AMM36,
-            a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be
-            reversed. An older AMM5 may do the same.
+    Errata (full text in ERRATA):
+        serial_number_order (open, wrong data): The high byte comes first, as printed.
+        Before edition 1.7: Not known: register serial_number.
     """
 
-    year: int
-    week: int
-    number: int
+    __slots__ = ()
 
     @property
     def serial(self) -> int:
@@ -3408,7 +2408,7 @@ class SerialNumber(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -3420,28 +2420,7 @@ class SerialNumber(NamedTuple):
             raise LengthError(4, len(data))
         if (serial := int.from_bytes(data, "big")) >= 1_000_000_000:
             raise RangeError("serial", serial, "at most 999999999")
-        values = (
-            serial // 10_000_000,
-            serial // 100_000 % 100,
-            serial % 100_000,
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        check_limits("year", self.year, (0, 99))
-        check_limits("week", self.week, (0, 99))
-        check_limits("number", self.number, (0, 99_999))
-        return (index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)).to_bytes(4, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("serial", 0, 32),)
+        return made(cls, (serial // 10_000_000, serial // 100_000 % 100, serial % 100_000))
 
 
 class Command(IntEnum):
@@ -3454,11 +2433,9 @@ class Command(IntEnum):
 
     After a command, the register automatically returns to 00.
 
-    Before edition 1.4 [Document release]:
-        Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
-            procedure save_parameters and procedure activate_preset.
-        Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure
-            ends with this register, so no procedure is known to be correct there.
+    Errata (full text in ERRATA):
+        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+            procedure store_preset, procedure save_parameters and procedure activate_preset.
     """
 
     SAVE_PARAMETERS = 1
@@ -3471,11 +2448,11 @@ class Command(IntEnum):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The register has none of these values.
+            RangeError: The value of the register is not one of these.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -3487,8 +2464,12 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
-@by_class
-class DeviceId(NamedTuple):
+class _DeviceId(NamedTuple):
+    name: str
+    release: int
+
+
+class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
 
     Attributes:
@@ -3500,23 +2481,16 @@ class DeviceId(NamedTuple):
 
     Byte order: high byte first, at 78h.
 
-    Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
-        Printed: One device ID, AMM5 with the release, for all models.
-        Used: The device ID is used as printed.
-
-    Before edition 1.7 [Document release, amm36_device_id: p.39]:
-        Not known: register device_id.
-        Why: Registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the AMM36,
-            a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the software release
-            in 7Dh. An older AMM5 may do the same.
+    Errata (full text in ERRATA):
+        device_id_shared (open, omission): The device ID is used as printed.
+        Before edition 1.7: Not known: register device_id.
     """
 
-    name: str
-    release: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'AMM5'."""
+        """True if all values match the manual: name 'AMM5'."""
         return self.name == "AMM5"
 
     @classmethod
@@ -3524,7 +2498,7 @@ class DeviceId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -3533,33 +2507,14 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:4].decode("latin-1"),
-            data[4] << 8 | data[5],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        release = check_width("release", self.release, 16)
-        number = text_number("name", self.name, 4) << 16 | release
-        return number.to_bytes(6, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
-        )
+        return made(cls, (data[0:4].decode("latin-1"), data[4] << 8 | data[5]))
 
 
-@by_class
-class ManufacturerId(NamedTuple):
+class _ManufacturerId(NamedTuple):
+    name: str
+
+
+class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
 
     Attributes:
@@ -3571,11 +2526,11 @@ class ManufacturerId(NamedTuple):
     Byte order: high byte first, at 7Eh.
     """
 
-    name: str
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'Li'."""
+        """True if all values match the manual: name 'Li'."""
         return self.name == "Li"
 
     @classmethod
@@ -3583,7 +2538,7 @@ class ManufacturerId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -3592,23 +2547,7 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        return text_number("name", self.name, 2).to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("name", 0, 16),)
+        return made(cls, (data[0:2].decode("latin-1"),))
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -3657,11 +2596,9 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
-    Before edition 1.4 [Document release]:
-        Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
-            procedure save_parameters and procedure activate_preset.
-        Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure
-            ends with this register, so no procedure is known to be correct there.
+    Errata (full text in ERRATA):
+        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+            procedure store_preset, procedure save_parameters and procedure activate_preset.
 
     Args:
         variant: The encoder.
@@ -3709,11 +2646,9 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Result: The preset is saved. The position is the same as before.
 
-    Before edition 1.4 [Document release]:
-        Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
-            procedure save_parameters and procedure activate_preset.
-        Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure
-            ends with this register, so no procedure is known to be correct there.
+    Errata (full text in ERRATA):
+        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+            procedure store_preset, procedure save_parameters and procedure activate_preset.
 
     Args:
         variant: The encoder.
@@ -3759,11 +2694,9 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: New register values are saved.
 
-    Before edition 1.4 [Document release]:
-        Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
-            procedure save_parameters and procedure activate_preset.
-        Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure
-            ends with this register, so no procedure is known to be correct there.
+    Errata (full text in ERRATA):
+        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+            procedure store_preset, procedure save_parameters and procedure activate_preset.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3790,11 +2723,9 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The position at the moment of the command becomes the preset value.
 
-    Before edition 1.4 [Document release]:
-        Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset,
-            procedure save_parameters and procedure activate_preset.
-        Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure
-            ends with this register, so no procedure is known to be correct there.
+    Errata (full text in ERRATA):
+        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+            procedure store_preset, procedure save_parameters and procedure activate_preset.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3824,21 +2755,10 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
-    docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
-        Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
-        Used: The table is followed. Data ID 8 resets singleturn and multiturn data.
-        Why: The table says it twice, the note only in passing. However, public T-format documents list three resets: of
-            the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first
-            would be this request.
-
-    Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
-        Printed: Ten times in succession, at transmission intervals of 40 µs or more.
-        Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
-
-    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
-        Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
-        Used: The condition is a standstill, that is 300 rpm or less, as printed.
+    Errata (full text in ERRATA):
+        data_id_8_scope (open, wrong data): The table is followed. Data ID 8 resets singleturn and multiturn data.
+        reset_interval (open, omission): No other request is sent in between.
+        reset_standstill (open, wrong limit): The condition is a standstill, that is 300 rpm or less, as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3868,18 +2788,10 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]:
-        Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS
-            error, ST error, MT error).
-        Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
-
-    Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
-        Printed: Ten times in succession, at transmission intervals of 40 µs or more.
-        Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
-
-    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
-        Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
-        Used: The condition is a standstill, that is 300 rpm or less, as printed.
+    Errata (full text in ERRATA):
+        battery_alarm_reset (open, omission): Data IDs 7 and C also clear the battery alarm.
+        reset_interval (open, omission): No other request is sent in between.
+        reset_standstill (open, wrong limit): The condition is a standstill, that is 300 rpm or less, as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3909,18 +2821,10 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]:
-        Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS
-            error, ST error, MT error).
-        Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
-
-    Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
-        Printed: Ten times in succession, at transmission intervals of 40 µs or more.
-        Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
-
-    Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
-        Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less).
-        Used: The condition is a standstill, that is 300 rpm or less, as printed.
+    Errata (full text in ERRATA):
+        battery_alarm_reset (open, omission): Data IDs 7 and C also clear the battery alarm.
+        reset_interval (open, omission): No other request is sent in between.
+        reset_standstill (open, wrong limit): The condition is a standstill, that is 300 rpm or less, as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

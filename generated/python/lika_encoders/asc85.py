@@ -42,7 +42,7 @@ from enum import Enum, IntEnum
 from math import tau
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from ._codec import (
     BitField,
@@ -56,25 +56,37 @@ from ._codec import (
     Words,
     as_bytes,
     as_word,
-    by_class,
-    check_bits,
     check_encoder,
-    check_width,
     choice,
     crc_of_bits,
+    crc_tables,
     decided,
     from_gray,
     made,
-    text_number,
-    to_gray,
     too_long,
     unwrap,
     wrong_encoder,
 )
 from ._encoder import Encoder, fact
+from ._frames import (
+    BitsOf,
+    Failed,
+    FixedRegister,
+    InBits,
+    RegisterOf,
+    Sent,
+    bound,
+    decode_many,
+    decoder,
+    encode_many,
+    raised,
+    reported,
+    returned,
+    shape_of,
+)
 from ._order_codes import checked
 from ._registers import agrees, held_bytes
-from ._reports import Family, Movement, Report, Verdict
+from ._reports import Family, Movement, Verdict
 from ._steps import Poll, Read, Step, writes
 
 if TYPE_CHECKING:
@@ -103,7 +115,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name, _FACTS)
+        return fact(__name__, name)
 
 
 __all__ = [
@@ -157,26 +169,6 @@ __all__ = [
     "software_reset",
     "verify_configuration",
 ]
-
-_FACTS: Final = (
-    "ALARMS",
-    "BISS",
-    "CHARACTERISTICS",
-    "CONNECTORS",
-    "CRCS",
-    "DOCUMENTS",
-    "ERRATA",
-    "FRAMES",
-    "LEDS",
-    "LOST_FIGURES",
-    "MANUAL",
-    "ORDER_CODE",
-    "REGISTERS",
-    "REPORTS",
-    "SSI",
-    "TABLES",
-    "TIMINGS",
-)
 
 FAMILY: Final = Family(
     "asc85",
@@ -257,8 +249,8 @@ class Variant(Encoder):
         half of ``modulus``.
 
         Args:
-            previous: Result of the previous call. For the first call, the first ``position``.
-            position: The position of a frame, in counts.
+            previous: Result of the previous call. On the first call, pass the first ``position``.
+            position: Value of ``position`` in a frame.
 
         Returns:
             The count.
@@ -307,21 +299,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_ssi_word(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SsiWord.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -338,10 +317,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -352,7 +328,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SsiWord.decode_many(frames, self)
+        return decode_many(frames, SsiWord, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -367,7 +343,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SsiWord.encode_many(columns, self)
+        return encode_many(columns, SsiWord, self)
 
 
 class BissEncoder(Variant):
@@ -391,13 +367,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        try:
-            return SingleCycleData.decode(frame, self, cast(ZeroBit, zero_bit), bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+
+        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits, zero_bit)
 
     def try_decode(
         self,
@@ -422,10 +393,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        try:
-            return self.decode(frame, bits=bits, zero_bit=zero_bit)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits, zero_bit)
 
     def decode_many(self, frames: Words, *, zero_bit: ZeroBit | None = None) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -438,7 +406,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SingleCycleData.decode_many(frames, self, cast(ZeroBit, zero_bit))
+        return decode_many(frames, SingleCycleData, self, self, zero_bit)
 
     def encode_many(self, columns: Mapping[str, Any], *, zero_bit: ZeroBit | None = None) -> Any:
         """Encode many frames. Needs NumPy.
@@ -455,7 +423,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SingleCycleData.encode_many(columns, self, cast(ZeroBit, zero_bit))
+        return encode_many(columns, SingleCycleData, self, zero_bit)
 
 
 @overload
@@ -519,10 +487,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (everything from the position to the warning bit, with the constant 0 where it
     is sent) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35,
-    onstepx: src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -540,10 +506,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet, icmr: p.35,
-    onstepx: src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -555,23 +519,6 @@ def crc_biss_4(number: int, bits: int) -> int:
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
 
-def _remainder_biss_6_34(word: int) -> int:
-    """Return the remainder of up to 34 bits, CRC included, modulo x^6 + x + 1.
-
-    The word is folded at multiples of the polynomial that have no more terms than the polynomial. This replaces a
-    table.
-    """
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    return word
-
-
 # Questions that the manual leaves open
 
 
@@ -580,20 +527,10 @@ class ZeroBit(Enum):
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
-    src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
-            information has 34 bits for 25.
-        Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9 bits with the
-            0 bit between position and error bit, or position_bits + 8 bits without it. If the CRC of every frame fails,
-            the other layout is likely.
-        Why: nbitres+8 is the number of the top bit in the table, and the profile ID also has 25 + 1 bits. However, the
-            one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0
-            bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
-            undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
-            word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
+    Errata (full text in ERRATA):
+        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
+            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+            If the CRC of every frame fails, the other layout is likely.
     """
 
     AS_PRINTED = (1,)
@@ -610,12 +547,16 @@ class ZeroBit(Enum):
 # SSI
 
 
-@by_class
-class SsiWord(NamedTuple):
+class _SsiWord(NamedTuple):
+    variant: SsiEncoder
+    position: int
+
+
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
     """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         position: Position within one revolution. Unit: counts.
 
     In the manual: Structure of the position information.
@@ -626,28 +567,13 @@ class SsiWord(NamedTuple):
     read zeros after the word. There is no error bit, no warning bit and no CRC. The constant 0 bit of the BiSS frame is
     not sent either.
 
-    Erratum ssi_code_letters (open, wrong data) [Cover, 5.2 p.16, amm5: 5.2, sma21: 4.1, sma21: 5]:
-        Printed: The output code can be Gray or binary, see the order code. The order codes are BG and GG, without their
-            meaning.
-        Used: BG is binary, GG is Gray.
-        Why: The AMM5 manual has one SSI code, BG1, and calls its output binary. The SMA21 manual calls the output of
-            its G1x models Gray and also lists BG and GG. The same meaning of the letters in this manual is an
-            inference. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use.
-
-    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
-        Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits.
-        Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
-
-    Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]:
-        Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
-        Used: The bits are 19:0 to 24:0, with bit 0 as the LSB.
-        Why: The table of lengths gives words of 20 to 25 bits, which leaves no room for a further bit at 0. Everything
-            else in the manual counts from 0. (The SMA21 manual also numbers its position n ... 1, and has an error bit
-            at 0.).
+    Errata (full text in ERRATA):
+        ssi_code_letters (open, wrong data): BG is binary, GG is Gray.
+        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule. n + 1 clocks satisfy both.
+        ssi_bit_numbers (settled, wrong data): The bits are 19:0 to 24:0, with bit 0 as the LSB.
     """
 
-    variant: SsiEncoder
-    position: int
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -657,18 +583,8 @@ class SsiWord(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: none in this frame."""
-        return ()
-
-    @staticmethod
-    def frame_bits(variant: SsiEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _SSI)
-        return variant.position_bits
+        # Fields by index, which is faster than by name.
+        return self[1]
 
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
@@ -686,90 +602,44 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.position_bits, bits)
-        if word >> variant.position_bits:
-            raise too_long(word, variant.position_bits)
-        if variant.ssi_gray:
-            word = from_gray(word, 0, variant.position_bits)
-        values = (
-            variant,
-            word,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.position_bits
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                if variant.ssi_gray:
+                    word = from_gray(word, 0, size_0)
+                return made(cls, (variant, word))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
-        from ._shapes.asc85 import shape_of_ssi_word
-
-        return decode_many(frames, shape_of_ssi_word(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
-        from ._shapes.asc85 import shape_of_ssi_word
-
-        return encode_many(columns, shape_of_ssi_word(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        position = check_width("position", self.position, variant.position_bits)
-        number = position
-        if variant.ssi_gray:
-            number = to_gray(number, 0, variant.position_bits)
-        return number
-
-    @staticmethod
-    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _SSI)
-        return (BitField("position", 0, variant.position_bits),)
+        return decode
 
 
 # BiSS C-mode
 
 
-@by_class
-class SingleCycleData(NamedTuple):
+class _SingleCycleData(NamedTuple):
+    variant: BissEncoder
+    zero_bit: ZeroBit
+    position: int
+    error: bool = False
+    warning: bool = False
+
+
+class SingleCycleData(Sent, InBits, _SingleCycleData):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
     first [6.2.1 p.20].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         zero_bit: Constant 0 bit between position and error bit of a BiSS frame.
         position: Position: Position within one revolution, most significant bit first. Unit: counts.
         error: Error, nE: Normal or fault status of the encoder. The error register shows the active error. True at 0:
@@ -783,48 +653,21 @@ class SingleCycleData(NamedTuple):
 
     The places of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
-    src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
-            information has 34 bits for 25.
-        Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9 bits with the
-            0 bit between position and error bit, or position_bits + 8 bits without it. If the CRC of every frame fails,
-            the other layout is likely.
-        Why: nbitres+8 is the number of the top bit in the table, and the profile ID also has 25 + 1 bits. However, the
-            one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0
-            bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
-            undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
-            word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
-
-    Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35]:
-        Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
-        Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero bit
-            of the frame.
-        Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21
-            manual, the same byte differs between models and is the data length. A different ID at a lower resolution is
-            likely. A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame
-            might differ instead.
-
-    Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
-        Printed: For the active warning refer to the Error register. Its six bits are all called errors.
-        Used: No bit of the error register is interpreted as a warning. All are active errors.
-
-    Erratum position_under_error (open, omission) [6.2.1 p.20, 6.4 p.29]:
-        Printed: nE and nW report an active error or warning. The effect on the position is not given.
-        Used: Error bit active: the position is not usable. Warning bit active: the position is usable with a warning.
+    Errata (full text in ERRATA):
+        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
+            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+            If the CRC of every frame fails, the other layout is likely.
+        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It determines
+            neither the resolution nor the zero bit of the frame.
+        warning_sources (open, omission): No bit of the error register is interpreted as a warning.
+        position_under_error (open, omission): Error bit active: the position is not usable.
 
     Checked by decode():
         zero: 0: Always 0, between position and error bit.
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: BissEncoder
-    zero_bit: ZeroBit
-    position: int
-    error: bool = False
-    warning: bool = False
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -838,25 +681,10 @@ class SingleCycleData(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags."""
-        from .facts.asc85 import REPORTS
-
-        told = {
-            "error": self.error,
-            "warning": self.warning,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
-    @staticmethod
-    def frame_bits(variant: BissEncoder, zero_bit: ZeroBit) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _BISS)
-        decided(ZeroBit, zero_bit)
-        return zero_bit.zero_bits + variant.position_bits + 8
+        # Fields by index, which is faster than by name.
+        if self[3]:
+            return None
+        return self[2]
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, zero_bit: ZeroBit, *, bits: int | None = None) -> SingleCycleData:
@@ -871,29 +699,47 @@ class SingleCycleData(NamedTuple):
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        decided(ZeroBit, zero_bit)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, zero_bit.zero_bits + variant.position_bits + 8, bits)
-        if word >> (zero_bit.zero_bits + variant.position_bits + 8):
-            raise too_long(word, zero_bit.zero_bits + variant.position_bits + 8)
-        if remainder := _remainder_biss_6_34(word ^ 0x3F):
-            raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
-        if word >> 8 & ((1 << zero_bit.zero_bits) - 1):
-            raise ConstantError("zero", word >> 8 & ((1 << zero_bit.zero_bits) - 1), 0)
-        values = (
-            variant,
-            zero_bit,
-            word >> (zero_bit.zero_bits + 8),
-            not word & 0x80,
-            not word & 0x40,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits, zero_bit=zero_bit)
+
+    @classmethod
+    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, 28, 6, 3)
+
+        def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
+            try:
+                zero_bit = decided(ZeroBit, zero_bit)
+                length = zero_bit.zero_bits + variant.position_bits + 8
+                word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
+                if word >> length:
+                    raise too_long(word, length)
+                low = word & 0xFFFF
+                high = word >> 16
+                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
+                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
+                if word >> 8 & ((1 << zero_bit.zero_bits) - 1):
+                    raise ConstantError("zero", word >> 8 & ((1 << zero_bit.zero_bits) - 1), 0)
+                return made(cls, (variant, zero_bit, word >> (zero_bit.zero_bits + 8), not low & 0x80, not low & 0x40))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
+
+        return decode
+
+    @classmethod
+    def bit_fields(cls, variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
+        """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
+        return shape_of(cls, variant, zero_bit).fields
+
+    @classmethod
+    def frame_bits(cls, variant: BissEncoder, zero_bit: ZeroBit) -> int:
+        """Return the number of bits in the frame, including the CRC if it has one."""
+        return shape_of(cls, variant, zero_bit).bits
 
     @classmethod
     def decode_many(cls, frames: Words, variant: BissEncoder, zero_bit: ZeroBit) -> Table:
@@ -907,13 +753,7 @@ class SingleCycleData(NamedTuple):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        decided(ZeroBit, zero_bit)
-        from ._many import decode_many
-        from ._shapes.asc85 import shape_of_single_cycle_data
-
-        return decode_many(frames, shape_of_single_cycle_data(variant, zero_bit), variant)
+        return decode_many(frames, cls, variant, variant, zero_bit)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder, zero_bit: ZeroBit) -> Any:
@@ -928,69 +768,10 @@ class SingleCycleData(NamedTuple):
             The frames, as numbers of 64 bits.
 
         Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        decided(ZeroBit, zero_bit)
-        from ._make import encode_many
-        from ._shapes.asc85 import shape_of_single_cycle_data
-
-        return encode_many(columns, shape_of_single_cycle_data(variant, zero_bit))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        zero_bit = decided(ZeroBit, self.zero_bit)
-        position = check_width("position", self.position, variant.position_bits)
-        number = (
-            position << (zero_bit.zero_bits + 8)
-            | (not self.error) << 7
-            | (not self.warning) << 6
-        )
-        return number | _remainder_biss_6_34(number) ^ 0x3F
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        decided(ZeroBit, zero_bit)
-        return (
-            BitField("position", zero_bit.zero_bits + 8, variant.position_bits),
-            BitField("zero", 8, zero_bit.zero_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
-        )
-
-
-def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    if variant.ssi_gray:
-        return careful
-    size_0 = variant.position_bits
-
-    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        return made(
-            SsiWord,
-            (
-                variant,
-                word,
-            ),
-        )
-
-    return decode
+        return encode_many(columns, cls, variant, zero_bit)
 
 
 #: Any frame that an encoder of this family sends.
@@ -1004,7 +785,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
+    """Address of each register, or of the first byte of a longer register. Two registers may share an address."""
 
     PROFILE_ID: Final = 0x42
     SERIAL_NUMBER: Final = 0x44
@@ -1017,8 +798,12 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-@by_class
-class ProfileId(NamedTuple):
+class _ProfileId(NamedTuple):
+    variant_: int
+    data_length: int
+
+
+class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
@@ -1034,37 +819,19 @@ class ProfileId(NamedTuple):
     therefore not used to identify the encoder. For the variant, the manual refers to the standard encoder profile, data
     format.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
-    src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
-            information has 34 bits for 25.
-        Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9 bits with the
-            0 bit between position and error bit, or position_bits + 8 bits without it. If the CRC of every frame fails,
-            the other layout is likely.
-        Why: nbitres+8 is the number of the top bit in the table, and the profile ID also has 25 + 1 bits. However, the
-            one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0
-            bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
-            undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
-            word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
-
-    Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr: p.34-35]:
-        Printed: Profile ID 28 1A, data length 25 + 1 bits, for all models.
-        Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero bit
-            of the frame.
-        Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the SMA21
-            manual, the same byte differs between models and is the data length. A different ID at a lower resolution is
-            likely. A public controller with the same registers supports only 24 or 26 singleturn bits, so the frame
-            might differ instead.
+    Errata (full text in ERRATA):
+        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
+            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+            If the CRC of every frame fails, the other layout is likely.
+        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It determines
+            neither the resolution nor the zero bit of the frame.
     """
 
-    variant_: int
-    data_length: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: variant 0x28."""
+        """True if all values match the manual: variant 0x28."""
         return self.variant_ == 0x28
 
     @classmethod
@@ -1072,7 +839,7 @@ class ProfileId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1081,34 +848,14 @@ class ProfileId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0],
-            data[1],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant_ = check_width("variant", self.variant_, 8)
-        data_length = check_width("data_length", self.data_length, 8)
-        number = variant_ << 8 | data_length
-        return number.to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("variant", 8, 8),
-            BitField("data_length", 0, 8),
-        )
+        return made(cls, (data[0], data[1]))
 
 
-@by_class
-class SerialNumber(NamedTuple):
+class _SerialNumber(NamedTuple):
+    serial: int
+
+
+class SerialNumber(FixedRegister, _SerialNumber):
     """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
@@ -1118,19 +865,18 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]:
-        Printed: Serial number in ascending order, with the example 171256846.
-        Used: The serial number is one number.
+    Errata (full text in ERRATA):
+        serial_number_digits (open, omission): The serial number is one number.
     """
 
-    serial: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> SerialNumber:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1139,28 +885,21 @@ class SerialNumber(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            int.from_bytes(data, "big"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        serial = check_width("serial", self.serial, 32)
-        return serial.to_bytes(4, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("serial", 0, 32),)
+        return made(cls, (int.from_bytes(data, "big"),))
 
 
-@by_class
-class DiagnosticData(NamedTuple):
+class _DiagnosticData(NamedTuple):
+    amplitude_control_maximum_current: bool = False
+    signal_level_maximum_amplitude: bool = False
+    dc_maximum_offset: bool = False
+    ac_maximum_amplitude: bool = False
+    amplitude_control_minimum_current: bool = False
+    signal_level_minimum_amplitude: bool = False
+    dc_minimum_offset: bool = False
+    ac_minimum_amplitude: bool = False
+
+
+class DiagnosticData(FixedRegister, _DiagnosticData):
     """Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
 
     Attributes:
@@ -1192,21 +931,14 @@ class DiagnosticData(NamedTuple):
     Cause of a Control error or Signal error in the error register.
     """
 
-    amplitude_control_maximum_current: bool = False
-    signal_level_maximum_amplitude: bool = False
-    dc_maximum_offset: bool = False
-    ac_maximum_amplitude: bool = False
-    amplitude_control_minimum_current: bool = False
-    signal_level_minimum_amplitude: bool = False
-    dc_minimum_offset: bool = False
-    ac_minimum_amplitude: bool = False
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> DiagnosticData:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1216,48 +948,16 @@ class DiagnosticData(NamedTuple):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            bool(data[0] & 0x80),
-            bool(data[0] & 0x40),
-            bool(data[0] & 0x20),
-            bool(data[0] & 0x10),
-            bool(data[0] & 0x08),
-            bool(data[0] & 0x04),
-            bool(data[0] & 0x02),
-            bool(data[0] & 0x01),
+            (data[0] & 0x80) != 0,
+            (data[0] & 0x40) != 0,
+            (data[0] & 0x20) != 0,
+            (data[0] & 0x10) != 0,
+            (data[0] & 0x08) != 0,
+            (data[0] & 0x04) != 0,
+            (data[0] & 0x02) != 0,
+            (data[0] & 0x01) != 0,
         )
         return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        number = (
-            bool(self.amplitude_control_maximum_current) << 7
-            | bool(self.signal_level_maximum_amplitude) << 6
-            | bool(self.dc_maximum_offset) << 5
-            | bool(self.ac_maximum_amplitude) << 4
-            | bool(self.amplitude_control_minimum_current) << 3
-            | bool(self.signal_level_minimum_amplitude) << 2
-            | bool(self.dc_minimum_offset) << 1
-            | bool(self.ac_minimum_amplitude)
-        )
-        return number.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("amplitude_control_maximum_current", 7, 1),
-            BitField("signal_level_maximum_amplitude", 6, 1),
-            BitField("dc_maximum_offset", 5, 1),
-            BitField("ac_maximum_amplitude", 4, 1),
-            BitField("amplitude_control_minimum_current", 3, 1),
-            BitField("signal_level_minimum_amplitude", 2, 1),
-            BitField("dc_minimum_offset", 1, 1),
-            BitField("ac_minimum_amplitude", 0, 1),
-        )
 
 
 class Command(IntEnum):
@@ -1267,10 +967,8 @@ class Command(IntEnum):
 
     Reading the same address accesses ``status`` instead.
 
-    Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
-        Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
-            interpolator.
-        Used: The command and the error are described as printed.
+    Errata (full text in ERRATA):
+        cycle_counter (open, omission): The command and the error are described as printed.
     """
 
     REQUEST_POSITION = 0
@@ -1308,11 +1006,11 @@ class Command(IntEnum):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The register has none of these values.
+            RangeError: The value of the register is not one of these.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -1324,8 +1022,18 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
-@by_class
-class Status(NamedTuple):
+class _Status(NamedTuple):
+    configuration_completed: bool = False
+    error_message: bool = False
+    warning_message: bool = False
+    conf_write_access: bool = False
+    eds_write_access: bool = False
+    internal_data_bus_busy: bool = False
+    absolute_data_valid: bool = False
+    position_data_valid: bool = False
+
+
+class Status(FixedRegister, _Status):
     """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
 
     Attributes:
@@ -1357,42 +1065,21 @@ class Status(NamedTuple):
     from the position register at another time. Before reading the position register, wait until Position data valid is
     1, as in the procedure request_position.
 
-    Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]:
-        Printed: Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1.
-        Used: Absolute data valid is bit 1.
-        Why: The list gives each of the eight bits once and has Internal data bus busy at bit 2. A public controller
-            with the same commands lists its status byte in the same order.
-
-    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
-        Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
-        Used: Internal data bus busy is bit 2.
-        Why: The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A
-            public controller with the same commands lists its status byte in the same order.
-
-    Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
-        Printed: For the active warning refer to the Error register. Its six bits are all called errors.
-        Used: No bit of the error register is interpreted as a warning. All are active errors.
-
-    Erratum eds_bank_missing (open, omission) [6.4 p.22, prot: p.14-15]:
-        Printed: Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.
-        Used: The outputs have no EDS.
+    Errata (full text in ERRATA):
+        absolute_data_valid_bit (settled, wrong data): Absolute data valid is bit 1.
+        internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
+        warning_sources (open, omission): No bit of the error register is interpreted as a warning.
+        eds_bank_missing (open, omission): The outputs have no EDS.
     """
 
-    configuration_completed: bool = False
-    error_message: bool = False
-    warning_message: bool = False
-    conf_write_access: bool = False
-    eds_write_access: bool = False
-    internal_data_bus_busy: bool = False
-    absolute_data_valid: bool = False
-    position_data_valid: bool = False
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> Status:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1402,56 +1089,29 @@ class Status(NamedTuple):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            bool(data[0] & 0x80),
-            bool(data[0] & 0x40),
-            bool(data[0] & 0x20),
-            bool(data[0] & 0x10),
-            bool(data[0] & 0x08),
-            bool(data[0] & 0x04),
-            bool(data[0] & 0x02),
-            bool(data[0] & 0x01),
+            (data[0] & 0x80) != 0,
+            (data[0] & 0x40) != 0,
+            (data[0] & 0x20) != 0,
+            (data[0] & 0x10) != 0,
+            (data[0] & 0x08) != 0,
+            (data[0] & 0x04) != 0,
+            (data[0] & 0x02) != 0,
+            (data[0] & 0x01) != 0,
         )
         return made(cls, values)
 
-    def encode(self) -> bytes:
-        """Return the bytes.
 
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        number = (
-            bool(self.configuration_completed) << 7
-            | bool(self.error_message) << 6
-            | bool(self.warning_message) << 5
-            | bool(self.conf_write_access) << 4
-            | bool(self.eds_write_access) << 3
-            | bool(self.internal_data_bus_busy) << 2
-            | bool(self.absolute_data_valid) << 1
-            | bool(self.position_data_valid)
-        )
-        return number.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("configuration_completed", 7, 1),
-            BitField("error_message", 6, 1),
-            BitField("warning_message", 5, 1),
-            BitField("conf_write_access", 4, 1),
-            BitField("eds_write_access", 3, 1),
-            BitField("internal_data_bus_busy", 2, 1),
-            BitField("absolute_data_valid", 1, 1),
-            BitField("position_data_valid", 0, 1),
-        )
+class _Position(NamedTuple):
+    variant: BissEncoder
+    position: int
+    unused: int = 0
 
 
-@by_class
-class Position(NamedTuple):
+class Position(RegisterOf["BissEncoder"], _Position):
     """Position, registers 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
-        variant: Encoder of the register.
+        variant: Encoder that the register belongs to.
         position: Position within one revolution. Unit: counts.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
@@ -1464,44 +1124,23 @@ class Position(NamedTuple):
     resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in the other
     registers of several bytes.
 
-    Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23, onstepx:
-    src/lib/encoder/bissc/Asc85.cpp]:
-        Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary
-            information has 34 bits for 25.
-        Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9 bits with the
-            0 bit between position and error bit, or position_bits + 8 bits without it. If the CRC of every frame fails,
-            the other layout is likely.
-        Why: nbitres+8 is the number of the top bit in the table, and the profile ID also has 25 + 1 bits. However, the
-            one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0
-            bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects every
-            undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. This does not hold for a
-            word that a master received with the correct length. The CRC does not detect leading zeros, so the wrong
-            layout accepts every second position and shows half or twice its value. The frame of 25 bits without the 0
-            bit is also as long as that of 24 bits with it.
-
-    Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]:
-        Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models.
-        Used: The exponents number the bits of the register. The position is left-aligned at bit 31 and position_bits
-            wide. The bits below it are unspecified.
-        Why: 26 bits are more than any model has. 25 bits and the constant 0 bit of the frame fill them. The manual does
-            not say whether the position remains left-aligned at 20 to 24 bits, or what the bits below it contain then.
-            A public controller with the same addresses has 26 singleturn bits there.
-
-    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
-        Printed: The reset is performed upon reading out position data.
-        Used: Reading the position register resets the messages.
+    Errata (full text in ERRATA):
+        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
+            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+            If the CRC of every frame fails, the other layout is likely.
+        position_register_bits (open, wrong data): The exponents number the bits of the register. The position is
+            left-aligned at bit 31 and position_bits wide. The bits below it are unspecified.
+        error_reset (open, omission): Reading the position register resets the messages.
     """
 
-    variant: BissEncoder
-    position: int
-    unused: int = 0
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data, variant: BissEncoder) -> Position:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
         Raises:
@@ -1523,33 +1162,18 @@ class Position(NamedTuple):
         )
         return made(cls, values)
 
-    def encode(self) -> bytes:
-        """Return the bytes.
 
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        position = check_width("position", self.position, variant.position_bits)
-        unused = check_bits(
-            "unused",
-            self.unused,
-            0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
-        )
-        number = position << (32 - variant.position_bits) | unused
-        return number.to_bytes(4, "little")
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (BitField("position", 32 - variant.position_bits, variant.position_bits),)
+class _ErrorRegister(NamedTuple):
+    absolute_data_error: bool = False
+    interpolation_error: bool = False
+    configuration_error: bool = False
+    synchronization_error: bool = False
+    signal_error: bool = False
+    control_error: bool = False
+    unused: int = 0
 
 
-@by_class
-class ErrorRegister(NamedTuple):
+class ErrorRegister(FixedRegister, _ErrorRegister):
     """Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
@@ -1575,34 +1199,20 @@ class ErrorRegister(NamedTuple):
     Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. Reading out
     position data resets a message. The message appears again while its cause persists.
 
-    Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
-        Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
-            interpolator.
-        Used: The command and the error are described as printed.
-
-    Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
-        Printed: For the active warning refer to the Error register. Its six bits are all called errors.
-        Used: No bit of the error register is interpreted as a warning. All are active errors.
-
-    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
-        Printed: The reset is performed upon reading out position data.
-        Used: Reading the position register resets the messages.
+    Errata (full text in ERRATA):
+        cycle_counter (open, omission): The command and the error are described as printed.
+        warning_sources (open, omission): No bit of the error register is interpreted as a warning.
+        error_reset (open, omission): Reading the position register resets the messages.
     """
 
-    absolute_data_error: bool = False
-    interpolation_error: bool = False
-    configuration_error: bool = False
-    synchronization_error: bool = False
-    signal_error: bool = False
-    control_error: bool = False
-    unused: int = 0
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> ErrorRegister:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1612,49 +1222,23 @@ class ErrorRegister(NamedTuple):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            bool(data[0] & 0x40),
-            bool(data[0] & 0x20),
-            bool(data[0] & 0x10),
-            bool(data[0] & 0x08),
-            bool(data[0] & 0x02),
-            bool(data[0] & 0x01),
+            (data[0] & 0x40) != 0,
+            (data[0] & 0x20) != 0,
+            (data[0] & 0x10) != 0,
+            (data[0] & 0x08) != 0,
+            (data[0] & 0x02) != 0,
+            (data[0] & 0x01) != 0,
             data[0] & 0x84,
         )
         return made(cls, values)
 
-    def encode(self) -> bytes:
-        """Return the bytes.
 
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        unused = check_bits("unused", self.unused, 0x84)
-        number = (
-            bool(self.absolute_data_error) << 6
-            | bool(self.interpolation_error) << 5
-            | bool(self.configuration_error) << 4
-            | bool(self.synchronization_error) << 3
-            | bool(self.signal_error) << 1
-            | bool(self.control_error)
-            | unused
-        )
-        return number.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("absolute_data_error", 6, 1),
-            BitField("interpolation_error", 5, 1),
-            BitField("configuration_error", 4, 1),
-            BitField("synchronization_error", 3, 1),
-            BitField("signal_error", 1, 1),
-            BitField("control_error", 0, 1),
-        )
+class _DeviceId(NamedTuple):
+    name: str
+    release: str
 
 
-@by_class
-class DeviceId(NamedTuple):
+class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
@@ -1668,17 +1252,15 @@ class DeviceId(NamedTuple):
 
     The revision table of the manual lists hardware 0 and software 1, which are the two characters of the release.
 
-    Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
-        Printed: One device ID, AS85 with the release 01, for all models.
-        Used: The device ID is used as printed.
+    Errata (full text in ERRATA):
+        device_id_shared (open, omission): The device ID is used as printed.
     """
 
-    name: str
-    release: str
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'AS85'."""
+        """True if all values match the manual: name 'AS85'."""
         return self.name == "AS85"
 
     @classmethod
@@ -1686,7 +1268,7 @@ class DeviceId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1695,32 +1277,14 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:4].decode("latin-1"),
-            data[4:6].decode("latin-1"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        number = text_number("name", self.name, 4) << 16 | text_number("release", self.release, 2)
-        return number.to_bytes(6, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
-        )
+        return made(cls, (data[0:4].decode("latin-1"), data[4:6].decode("latin-1")))
 
 
-@by_class
-class ManufacturerId(NamedTuple):
+class _ManufacturerId(NamedTuple):
+    name: str
+
+
+class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
     Attributes:
@@ -1732,11 +1296,11 @@ class ManufacturerId(NamedTuple):
     Byte order: high byte first, at 7Eh.
     """
 
-    name: str
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'Li'."""
+        """True if all values match the manual: name 'Li'."""
         return self.name == "Li"
 
     @classmethod
@@ -1744,7 +1308,7 @@ class ManufacturerId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1753,23 +1317,7 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        return text_number("name", self.name, 2).to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("name", 0, 16),)
+        return made(cls, (data[0:2].decode("latin-1"),))
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -1826,9 +1374,8 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The position register contains the requested position.
 
-    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
-        Printed: The reset is performed upon reading out position data.
-        Used: Reading the position register resets the messages.
+    Errata (full text in ERRATA):
+        error_reset (open, omission): Reading the position register resets the messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1858,11 +1405,8 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
-    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
-        Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
-        Used: Internal data bus busy is bit 2.
-        Why: The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A
-            public controller with the same commands lists its status byte in the same order.
+    Errata (full text in ERRATA):
+        internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1891,16 +1435,9 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The manual does not say how long the read takes, or whether Absolute data valid goes to 0 first. After a failed
     read, the bit does not become 1. Stop after a while and read the error register.
 
-    Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
-        Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the
-            interpolator.
-        Used: The command and the error are described as printed.
-
-    Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]:
-        Printed: Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1.
-        Used: Absolute data valid is bit 1.
-        Why: The list gives each of the eight bits once and has Internal data bus busy at bit 2. A public controller
-            with the same commands lists its status byte in the same order.
+    Errata (full text in ERRATA):
+        cycle_counter (open, omission): The command and the error are described as printed.
+        absolute_data_valid_bit (settled, wrong data): Absolute data valid is bit 1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1959,11 +1496,8 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
 
     Result: Configuration error shows whether the configuration registers agree with their check sum.
 
-    Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr: p.41]:
-        Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2.
-        Used: Internal data bus busy is bit 2.
-        Why: The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A
-            public controller with the same commands lists its status byte in the same order.
+    Errata (full text in ERRATA):
+        internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2035,9 +1569,8 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The messages are reset. Messages with a persistent cause appear again.
 
-    Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
-        Printed: The reset is performed upon reading out position data.
-        Used: Reading the position register resets the messages.
+    Errata (full text in ERRATA):
+        error_reset (open, omission): Reading the position register resets the messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2065,9 +1598,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The encoder is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies. Only
     the label shows the rest of the order code.
 
-    Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
-        Printed: One device ID, AS85 with the release 01, for all models.
-        Used: The device ID is used as printed.
+    Errata (full text in ERRATA):
+        device_id_shared (open, omission): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -50,10 +50,9 @@ from collections.abc import Callable, Mapping
 from enum import IntEnum
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from ._codec import (
-    BitField,
     ConstantError,
     CrcError,
     Data,
@@ -66,13 +65,9 @@ from ._codec import (
     Words,
     as_bytes,
     as_word,
-    by_class,
-    check_bits,
     check_encoder,
     check_kind,
     check_limits,
-    check_signed,
-    check_width,
     choice,
     crc_by_xor,
     crc_of_bits,
@@ -80,17 +75,31 @@ from ._codec import (
     from_gray,
     made,
     signed,
-    text_number,
-    to_gray,
     too_long,
     unwrap,
-    whole_number,
     wrong_encoder,
 )
 from ._encoder import Encoder, fact
+from ._frames import (
+    BitsOf,
+    BytesOf,
+    Failed,
+    FixedBytes,
+    FixedRegister,
+    RegisterOf,
+    Sent,
+    bound,
+    decode_many,
+    decoder,
+    encode_many,
+    needed_by,
+    raised,
+    reported,
+    returned,
+)
 from ._order_codes import checked
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
-from ._reports import Family, Movement, Report, Verdict
+from ._reports import Family, Movement, Verdict
 from ._steps import Modify, Read, Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
@@ -120,7 +129,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name, _FACTS)
+        return fact(__name__, name)
 
 
 __all__ = [
@@ -191,27 +200,6 @@ __all__ = [
     "set_offset",
     "set_preset",
 ]
-
-_FACTS: Final = (
-    "ALARMS",
-    "BISS",
-    "CHARACTERISTICS",
-    "CONNECTORS",
-    "CRCS",
-    "DOCUMENTS",
-    "ERRATA",
-    "FRAMES",
-    "LEDS",
-    "LOST_FIGURES",
-    "MANUAL",
-    "ORDER_CODE",
-    "REGISTERS",
-    "REPORTS",
-    "RS485",
-    "SSI",
-    "TABLES",
-    "TIMINGS",
-)
 
 FAMILY: Final = Family("sma21", "SMA21 absolute linear encoder", Movement.LINEAR, "Lika Electronic")
 
@@ -304,7 +292,8 @@ class Variant(Encoder):
         The following registers affect the decoding of frames or a limit: configuration at 49h.
 
         Args:
-            held: Bytes keyed by address. Other registers keep their contents, initially the factory default.
+            held: Register bytes by address. Other registers keep their contents, which are the factory defaults at
+                first.
 
         Returns:
             The encoder.
@@ -352,8 +341,8 @@ class Variant(Encoder):
         half of ``modulus``.
 
         Args:
-            previous: Result of the previous call. For the first call, the first ``position``.
-            position: The position of a frame, in counts.
+            previous: Result of the previous call. On the first call, pass the first ``position``.
+            position: Value of ``position`` in a frame.
 
         Returns:
             The count.
@@ -407,21 +396,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_ssi_word(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SsiWord.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -438,10 +414,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -452,7 +425,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SsiWord.decode_many(frames, self)
+        return decode_many(frames, SsiWord, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -467,7 +440,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SsiWord.encode_many(columns, self)
+        return encode_many(columns, SsiWord, self)
 
 
 class BissEncoder(Variant):
@@ -489,21 +462,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
-        return decode(frame, bits=bits)
 
-    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return SingleCycleData.decode(frame, self, bits=bits)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -520,10 +480,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame, bits=bits)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -534,7 +491,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return SingleCycleData.decode_many(frames, self)
+        return decode_many(frames, SingleCycleData, self, self)
 
     def encode_many(self, columns: Mapping[str, Any]) -> Any:
         """Encode many frames. Needs NumPy.
@@ -549,7 +506,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return SingleCycleData.encode_many(columns, self)
+        return encode_many(columns, SingleCycleData, self)
 
 
 class Rs485Encoder(Variant):
@@ -570,21 +527,8 @@ class Rs485Encoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        decode: Callable[..., Reply] | None = self.__dict__.get("decode")
-        if decode is None:
-            # From now on, the instance attribute replaces this method.
-            self.__dict__["decode"] = decode = _decode_reply_fast(self)
-        return decode(frame)
 
-    def _decode(self, frame: Data) -> Reply:
-        """Decode a frame with all checks, to find the error in it."""
-        try:
-            return decode_reply(frame, self)
-        except FrameError as fault:
-            fault.add(frame, self)
-            raise
-        except TypeError as error:
-            raise TypeError(f"{self.code}: {error}") from error
+        return bound(self, "decode", _decode_replyr, reported)(frame)
 
     def try_decode(self, frame: Data) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -600,10 +544,7 @@ class Rs485Encoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        try:
-            return self.decode(frame)
-        except FrameError as fault:
-            return fault
+        return bound(self, "try_decode", _decode_replyr, returned)(frame)
 
     def decode_many(self, frames: Rows, kind: type[Reply]) -> Table:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
@@ -616,14 +557,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        if kind is PositionReply:
-            return PositionReply.decode_many(frames, self)
-        if kind is IdentificationReply:
-            return IdentificationReply.decode_many(frames, self)
-        many: Callable[[Rows], Table] = getattr(kind, "decode_many")
-        table = many(frames)
-        table.encoder = self
-        return table
+        return decode_many(frames, kind, self, *needed_by(kind, self))
 
     def encode_many(self, columns: Mapping[str, Any], kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -640,12 +574,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        if kind is PositionReply:
-            return PositionReply.encode_many(columns, self)
-        if kind is IdentificationReply:
-            return IdentificationReply.encode_many(columns, self)
-        make: Callable[[Mapping[str, Any]], Any] = getattr(kind, "encode_many")
-        return make(columns)
+        return encode_many(columns, kind, *needed_by(kind, self))
 
 
 @overload
@@ -712,9 +641,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -732,9 +660,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet, icmu: p.30]:
-        Printed: Polynomials and inverted output of both CRCs, without a start value. The logic circuits are lost.
-        Used: The start value is 0.
+    Errata (full text in ERRATA):
+        biss_crc_start (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -761,23 +688,6 @@ def crc_rs485_8(data: bytes) -> int:
         The CRC.
     """
     return crc_by_xor(data)
-
-
-def _remainder_biss_6_33(word: int) -> int:
-    """Return the remainder of up to 33 bits, CRC included, modulo x^6 + x + 1.
-
-    The word is folded at multiples of the polynomial that have no more terms than the polynomial. This replaces a
-    table.
-    """
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    high = word >> 6
-    word = word & 0x3F ^ high ^ high << 1
-    return word
 
 
 # Values of fields
@@ -839,12 +749,17 @@ class SelectPresetOffset(IntEnum):
 # SSI
 
 
-@by_class
-class SsiWord(NamedTuple):
+class _SsiWord(NamedTuple):
+    variant: SsiEncoder
+    position: int
+    error: bool = False
+
+
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
     """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         position: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
         error: Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
             upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the
@@ -857,27 +772,14 @@ class SsiWord(NamedTuple):
     clock pulses read zeros after the word. There is no warning bit and no CRC. Bit 0 is the error bit. The LSB of the
     position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
 
-    Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]:
-        Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least as many clocks
-            as data bits.
-        Used: The outputs do not enforce either rule. One clock more than the word has bits satisfies both.
-
-    Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
-        Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
-        Used: Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.
-
-    Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
-        Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
-            has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
-            and of nW on the position is not given.
-        Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
-            errors count until they are reset. The position is usable with a warning if any of these is active: ea0, an
-            alarm that is part of ea0, or nW. It is usable while none is active (9.1).
+    Errata (full text in ERRATA):
+        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule.
+        gray_scope (open, omission): Only the position is coded.
+        position_under_error (open, omission): The position is not usable if any of these is active: nE, ea1 or an alarm
+            that is part of ea1.
     """
 
-    variant: SsiEncoder
-    position: int
-    error: bool = False
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -889,23 +791,10 @@ class SsiWord(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags."""
-        from .facts.sma21 import REPORTS
-
-        told = {
-            "error": self.error,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
-    @staticmethod
-    def frame_bits(variant: SsiEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _SSI)
-        return variant.position_bits + 1
+        # Fields by index, which is faster than by name.
+        if self[2]:
+            return None
+        return self[1]
 
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
@@ -923,94 +812,44 @@ class SsiWord(NamedTuple):
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.position_bits + 1, bits)
-        if word >> (variant.position_bits + 1):
-            raise too_long(word, variant.position_bits + 1)
-        if variant.ssi_gray:
-            word = from_gray(word, 1, variant.position_bits)
-        values = (
-            variant,
-            word >> 1,
-            not word & 0x01,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.position_bits + 1
+        size_1 = variant.position_bits
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                if variant.ssi_gray:
+                    word = from_gray(word, 1, size_1)
+                return made(cls, (variant, word >> 1, not word & 0x01))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._many import decode_many
-        from ._shapes.sma21 import shape_of_ssi_word
-
-        return decode_many(frames, shape_of_ssi_word(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        from ._make import encode_many
-        from ._shapes.sma21 import shape_of_ssi_word
-
-        return encode_many(columns, shape_of_ssi_word(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        position = check_width("position", self.position, variant.position_bits)
-        number = position << 1 | (not self.error)
-        if variant.ssi_gray:
-            number = to_gray(number, 1, variant.position_bits)
-        return number
-
-    @staticmethod
-    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _SSI)
-        return (
-            BitField("position", 1, variant.position_bits),
-            BitField("error", 0, 1),
-        )
+        return decode
 
 
 # BiSS C-mode
 
 
-@by_class
-class SingleCycleData(NamedTuple):
+class _SingleCycleData(NamedTuple):
+    variant: BissEncoder
+    position: int
+    error: bool = False
+    warning: bool = False
+
+
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
     significant first [6.2 p.25].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         position: Posizione: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
         error: nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside down,
             surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the tape). True at 0:
@@ -1029,45 +868,16 @@ class SingleCycleData(NamedTuple):
     register), the position takes the whole field. With the output code Gray, zeros above a number remain zeros, so it
     does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
-    Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
-        Printed: The output code can be binary or Gray, without saying which bits of the frame it covers.
-        Used: Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.
-
-    Erratum scd_length (settled, wrong data) [6.2 p.25]:
-        Printed: SCD (32 bit), with a position of 24 or 25 bits.
-        Used: The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm.
-        Why: Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm. The table below has bits 32 to 0
-            for it.
-
-    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
-        Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
-            of 20 bits.
-        Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field
-            of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
-            there is rejected.
-        Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
-            reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above
-            the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset
-            could confirm this.
-
-    Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
-        Printed: Positions before the preset get a value according to it. The values sent below zero or above the
-            maximum are not given.
-        Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
-            RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
-
-    Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
-        Printed: Warning, nW, without the level that means a warning.
-        Used: 0 means a warning, as with the error bit.
-        Why: The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.
-
-    Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
-        Printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor
-            has to stop. nE: the last valid position may be frozen, wrong data may be sent. The effect of single alarms
-            and of nW on the position is not given.
-        Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
-            errors count until they are reset. The position is usable with a warning if any of these is active: ea0, an
-            alarm that is part of ea0, or nW. It is usable while none is active (9.1).
+    Errata (full text in ERRATA):
+        gray_scope (open, omission): Only the position is coded.
+        scd_length (settled, wrong data): The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm.
+        offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
+            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above
+            the position, and a frame with another bit there is rejected.
+        position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
+        warning_level (open, omission): 0 means a warning, as with the error bit.
+        position_under_error (open, omission): The position is not usable if any of these is active: nE, ea1 or an alarm
+            that is part of ea1.
 
     Checked by decode():
         padding: Zeros above the position, part of the manual's Posizione. There are none while an offset is selected.
@@ -1075,10 +885,7 @@ class SingleCycleData(NamedTuple):
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: BissEncoder
-    position: int
-    error: bool = False
-    warning: bool = False
+    __slots__ = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -1092,24 +899,10 @@ class SingleCycleData(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags."""
-        from .facts.sma21 import REPORTS
-
-        told = {
-            "error": self.error,
-            "warning": self.warning,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
-
-    @staticmethod
-    def frame_bits(variant: BissEncoder) -> int:
-        """Return the number of bits in the frame, including the CRC if it has one."""
-        check_encoder(variant, Variant, _BISS)
-        return variant.position_bits + variant.scd_padding_bits + 8
+        # Fields by index, which is faster than by name.
+        if self[2]:
+            return None
+        return self[1]
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
@@ -1123,107 +916,51 @@ class SingleCycleData(NamedTuple):
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        if type(word) is not int or bits is not None:
-            word = as_word(word, variant.position_bits + variant.scd_padding_bits + 8, bits)
-        if word >> (variant.position_bits + variant.scd_padding_bits + 8):
-            raise too_long(word, variant.position_bits + variant.scd_padding_bits + 8)
-        if remainder := _remainder_biss_6_33(word ^ 0x3F):
-            raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
-        if variant.biss_gray:
-            word = from_gray(word, 8, variant.scd_value_bits)
-        if word >> (variant.scd_value_bits + 8):
-            raise ConstantError("padding", word >> (variant.scd_value_bits + 8), 0)
-        values = (
-            variant,
-            word >> 8 & ((1 << variant.scd_value_bits) - 1),
-            not word & 0x80,
-            not word & 0x40,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(word, bits)
 
     @classmethod
-    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.position_bits + variant.scd_padding_bits + 8
+        size_1 = variant.scd_value_bits
+        size_2 = variant.scd_value_bits + 8
+        ones_3 = (1 << variant.scd_value_bits) - 1
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, 27, 6, 3)
 
-        Args:
-            frames: The frames, as numbers.
-            variant: The encoder.
+        def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            try:
+                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
+                if word >> size_0:
+                    raise too_long(word, size_0)
+                low = word & 0xFFFF
+                high = word >> 16
+                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
+                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
+                if variant.biss_gray:
+                    word = from_gray(word, 8, size_1)
+                if word >> size_2:
+                    raise ConstantError("padding", word >> size_2, 0)
+                return made(cls, (variant, word >> 8 & ones_3, not word & 0x80, not word & 0x40))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        from ._many import decode_many
-        from ._shapes.sma21 import shape_of_single_cycle_data
-
-        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as numbers of 64 bits.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        from ._make import encode_many
-        from ._shapes.sma21 import shape_of_single_cycle_data
-
-        return encode_many(columns, shape_of_single_cycle_data(variant))
-
-    def encode(self) -> int:
-        """Return the word, with the first bit most significant, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        position = check_width("position", self.position, variant.scd_value_bits)
-        number = position << 8 | (not self.error) << 7 | (not self.warning) << 6
-        if variant.biss_gray:
-            number = to_gray(number, 8, variant.scd_value_bits)
-        return number | _remainder_biss_6_33(number) ^ 0x3F
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (
-            BitField(
-                "padding",
-                variant.scd_value_bits + 8,
-                variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
-            ),
-            BitField("position", 8, variant.scd_value_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
-        )
+        return decode
 
 
 # RS-485
 
 
-@by_class
-class DataRequest(NamedTuple):
+class _DataRequest(NamedTuple):
+    data_id: DataId
+
+
+class DataRequest(FixedBytes, _DataRequest):
     """Data request, sent by the master over RS-485: 1 byte [7.2 p.37, 7.2.1 p.37].
 
     Attributes:
@@ -1242,97 +979,66 @@ class DataRequest(NamedTuple):
         parity: cc4. Even parity of ``data_id``.
     """
 
-    data_id: DataId
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> DataRequest:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 1:
-            raise LengthError(1, len(data))
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (data_id := data[0] >> 3 & 0xF) not in (4, 5, 0xA, 0xB, 0xF):
-            raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
-        values = (
-            DataId(data_id),
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., DataRequest]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
 
-        Args:
-            frames: The frames, as rows of bytes.
+        def decode(frame: Any) -> DataRequest:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 1:
+                    raise LengthError(1, len(data))
+                if (data[0] & 0x7) != 0x2:
+                    raise ConstantError("sync", data[0] & 0x7, 0x2)
+                if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
+                    raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
+                if (of_data_id := data[0] >> 3 & 0xF) not in (4, 5, 0xA, 0xB, 0xF):
+                    raise RangeError("data_id", of_data_id, "one of 4h, 5h, Ah, Bh, Fh")
+                return made(cls, (DataId(of_data_id),))
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        from ._many import decode_many
-        from ._shapes.sma21 import shape_of_data_request
-
-        return decode_many(frames, shape_of_data_request(), None)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        from ._make import encode_many
-        from ._shapes.sma21 import shape_of_data_request
-
-        return encode_many(columns, shape_of_data_request())
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        data_id = whole_number("data_id", self.data_id)
-        if data_id not in (4, 5, 0xA, 0xB, 0xF):
-            raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
-        number = 0x2 | data_id << 3 | (data_id.bit_count() & 1) << 7
-        return number.to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-        )
+        return decode
 
 
-@by_class
-class PositionReply(NamedTuple):
+class _PositionReply(NamedTuple):
+    variant: Rs485Encoder
+    data_id: DataId
+    status_alarm: bool
+    status_error: bool
+    position: int
+    overspeed: bool = False
+    initialization_error: bool = False
+    hardware_error: bool = False
+    encoder_inharmonious_error: bool = False
+    higher_track_error: bool = False
+    low_amplitude_error: bool = False
+    signal_strength_alarm: bool = False
+    temperature_alarm: bool = False
+    unused: int = 0
+
+
+class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply):
     """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         data_id: cc0 ... cc3: Type of the request, repeated in the reply.
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
             the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
@@ -1358,7 +1064,7 @@ class PositionReply(NamedTuple):
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 DF3 CRC.
 
@@ -1367,27 +1073,12 @@ class PositionReply(NamedTuple):
     position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0: bit 23, bits 23:22 or
     bits 23:20.
 
-    Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
-        Printed: Positions before the preset get a value according to it. The values sent below zero or above the
-            maximum are not given.
-        Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
-            RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
-
-    Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
-        Printed: 24-bit position from 000000h to FFFFFFFh.
-        Used: The highest value is FFFFFFh.
-        Why: Seven digits are 28 bits.
-
-    Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]:
-        Printed: SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a
-            model, and at most 24 bits.
-        Used: The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-
-    Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
-        Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission.
-        Used: ABS0 is sent first.
-        Why: The text above both tables says that the position is sent from the least to the most significant byte. The
-            examples do so.
+    Errata (full text in ERRATA):
+        position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
+        abs_range_24 (settled, wrong limit): The highest value is FFFFFFh.
+        rs485_position_width (open, omission): The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2
+            µm and 1 µm.
+        position_sending_order (settled, wrong data): ABS0 is sent first.
 
     See also in ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level,
     edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
@@ -1404,24 +1095,11 @@ class PositionReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Rs485Encoder
-    data_id: DataId
-    status_alarm: bool
-    status_error: bool
-    position: int
-    overspeed: bool = False
-    initialization_error: bool = False
-    hardware_error: bool = False
-    encoder_inharmonious_error: bool = False
-    higher_track_error: bool = False
-    low_amplitude_error: bool = False
-    signal_strength_alarm: bool = False
-    temperature_alarm: bool = False
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: no unused bit differs."""
+        """True if all values match the manual: no unused bit differs."""
         return self.unused == 0
 
     @property
@@ -1444,183 +1122,94 @@ class PositionReply(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.sma21 import REPORTS
-
-        told = {
-            "status_alarm": self.status_alarm,
-            "status_error": self.status_error,
-            "overspeed": self.overspeed,
-            "initialization_error": self.initialization_error,
-            "hardware_error": self.hardware_error,
-            "encoder_inharmonious_error": self.encoder_inharmonious_error,
-            "higher_track_error": self.higher_track_error,
-            "low_amplitude_error": self.low_amplitude_error,
-            "signal_strength_alarm": self.signal_strength_alarm,
-            "temperature_alarm": self.temperature_alarm,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
+        # Fields by index, which is faster than by name.
+        if (
+            self[3]
+            or self[5]
+            or self[6]
+            or self[7]
+            or self[8]
+            or self[9]
+            or self[10]
+        ):
+            return None
+        return self[4]
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> PositionReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 7:
-            raise LengthError(7, len(data))
-        computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5]
-        if computed != data[6]:
-            raise CrcError(data[6], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (position := data[2] | data[3] << 8 | data[4] << 16) >> variant.rs485_position_bits:
-            raise ConstantError("position_padding", position >> variant.rs485_position_bits, 0)
-        if (data_id := data[0] >> 3 & 0xF) not in (4, 0xB, 0xF):
-            raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
-        values = (
-            variant,
-            DataId(data_id),
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            position,
-            bool(data[5] & 0x01),
-            bool(data[5] & 0x02),
-            bool(data[5] & 0x04),
-            bool(data[5] & 0x08),
-            bool(data[5] & 0x10),
-            bool(data[5] & 0x20),
-            bool(data[5] & 0x40),
-            bool(data[5] & 0x80),
-            data[1] & 0xCF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., PositionReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.rs485_position_bits
+        heads = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
 
-        Args:
-            frames: The frames, as rows of bytes.
-            variant: The encoder.
+        def decode(frame: Any) -> PositionReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 7:
+                    raise LengthError(7, len(data))
+                b0, b1, b2, b3, b4, b5, b6 = data
+                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5
+                if computed != b6:
+                    raise CrcError(b6, computed)
+                if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0 or b0 not in heads:
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
+                        raise ConstantError("position_padding", of_position >> size_0, 0)
+                    if (of_data_id := b0 >> 3 & 0xF) not in (4, 0xB, 0xF):
+                        raise RangeError("data_id", of_data_id, "one of 4h, Bh, Fh")
+                values = (
+                    variant,
+                    heads[b0],
+                    (b1 & 0x10) != 0,
+                    (b1 & 0x20) != 0,
+                    of_position,
+                    (b5 & 0x01) != 0,
+                    (b5 & 0x02) != 0,
+                    (b5 & 0x04) != 0,
+                    (b5 & 0x08) != 0,
+                    (b5 & 0x10) != 0,
+                    (b5 & 0x20) != 0,
+                    (b5 & 0x40) != 0,
+                    (b5 & 0x80) != 0,
+                    b1 & 0xCF,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
-        from ._shapes.sma21 import shape_of_position_reply
-
-        return decode_many(frames, shape_of_position_reply(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
-        from ._shapes.sma21 import shape_of_position_reply
-
-        return encode_many(columns, shape_of_position_reply(variant))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        data_id = whole_number("data_id", self.data_id)
-        if data_id not in (4, 0xB, 0xF):
-            raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
-        position = check_width("position", self.position, variant.rs485_position_bits)
-        unused = check_bits("unused", self.unused, 0xCF)
-        number = (
-            0x2
-            | data_id << 3
-            | (data_id.bit_count() & 1) << 7
-            | (unused & 0xF) << 8
-            | bool(self.status_alarm) << 12
-            | bool(self.status_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | position << 16
-            | bool(self.overspeed) << 40
-            | bool(self.initialization_error) << 41
-            | bool(self.hardware_error) << 42
-            | bool(self.encoder_inharmonious_error) << 43
-            | bool(self.higher_track_error) << 44
-            | bool(self.low_amplitude_error) << 45
-            | bool(self.signal_strength_alarm) << 46
-            | bool(self.temperature_alarm) << 47
-        )
-        body = number.to_bytes(6, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _RS485)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, variant.rs485_position_bits),
-            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
-            BitField("overspeed", 40, 1),
-            BitField("initialization_error", 41, 1),
-            BitField("hardware_error", 42, 1),
-            BitField("encoder_inharmonious_error", 43, 1),
-            BitField("higher_track_error", 44, 1),
-            BitField("low_amplitude_error", 45, 1),
-            BitField("signal_strength_alarm", 46, 1),
-            BitField("temperature_alarm", 47, 1),
-            BitField("crc", 48, 8),
-        )
+        return decode
 
 
-@by_class
-class WidePositionReply(NamedTuple):
+class _WidePositionReply(NamedTuple):
+    status_alarm: bool
+    status_error: bool
+    position: int
+    unused: int = 0
+
+
+class WidePositionReply(Sent, FixedBytes, _WidePositionReply):
     """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
@@ -1635,7 +1224,7 @@ class WidePositionReply(NamedTuple):
             usable. Remedy: Reset the errors with data ID B.
         position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it is a length. Unit: counts. Signed,
             in two's complement.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
@@ -1644,34 +1233,13 @@ class WidePositionReply(NamedTuple):
     The position is always binary, with negative values in two's complement. There is no error code. Only the status
     field reports errors.
 
-    Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
-        Printed: Positions before the preset get a value according to it. The values sent below zero or above the
-            maximum are not given.
-        Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over
-            RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
-
-    Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
-        Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh.
-        Used: The highest value is 7FFFFFFFFFFFh.
-        Why: Two digits are missing. The highest 48-bit number in two's complement has twelve.
-
-    Erratum wide_position_sign (open, omission) [7.3.3]:
-        Printed: Unused high bits are 0. The 48-bit position is signed.
-        Used: The position is signed, over all 48 bits.
-
-    Erratum data_id_5_example_status (open, wrong data) [7.3.4, 7.3.2 p.38]:
-        Printed: Reply to data ID 5 with SF = 02h.
-        Used: dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are reported.
-        Why: 02h sets dd1, which 7.3.2 fixes at 0. Alarm and error would be 10h and 20h. However, it is the only reply
-            to data ID 5 that the manual prints, and its CRC is correct. Only hardware can show whether the example is
-            wrong or an encoder may set these bits. The manual does not describe the position in this case. It is
-            treated as usable with a warning.
-
-    Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
-        Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission.
-        Used: ABS0 is sent first.
-        Why: The text above both tables says that the position is sent from the least to the most significant byte. The
-            examples do so.
+    Errata (full text in ERRATA):
+        position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
+        abs_range_48 (settled, wrong limit): The highest value is 7FFFFFFFFFFFh.
+        wide_position_sign (open, omission): The position is signed, over all 48 bits.
+        data_id_5_example_status (open, wrong data): dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values
+            is decoded, and the bits are reported.
+        position_sending_order (settled, wrong data): ABS0 is sent first.
 
     See also in ERRATA: control_field_structure, position_under_error, error_bit_level.
 
@@ -1687,10 +1255,7 @@ class WidePositionReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    status_alarm: bool
-    status_error: bool
-    position: int
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -1699,7 +1264,7 @@ class WidePositionReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: no unused bit differs."""
+        """True if all values match the manual: no unused bit differs."""
         return self.unused == 0
 
     @property
@@ -1714,130 +1279,80 @@ class WidePositionReply(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.sma21 import REPORTS
-
-        told = {
-            "status_alarm": self.status_alarm,
-            "status_error": self.status_error,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
+        # Fields by index, which is faster than by name.
+        if self[1]:
+            return None
+        return self[2]
 
     @classmethod
     def decode(cls, data: Data) -> WidePositionReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 9:
-            raise LengthError(9, len(data))
-        computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5] ^ data[6] ^ data[7]
-        if computed != data[8]:
-            raise CrcError(data[8], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (data[0] >> 3 & 0xF) != 5:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "5h")
-        values = (
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            signed(int.from_bytes(data[2:8], "little"), 48),
-            data[1] & 0xCF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, None, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., WidePositionReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
 
-        Args:
-            frames: The frames, as rows of bytes.
+        def decode(frame: Any) -> WidePositionReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 9:
+                    raise LengthError(9, len(data))
+                b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
+                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
+                if computed != b8:
+                    raise CrcError(b8, computed)
+                if b0 != 0x2A:
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (b0 >> 3 & 0xF) != 5:
+                        raise RangeError("data_id", b0 >> 3 & 0xF, "5h")
+                values = (
+                    (b1 & 0x10) != 0,
+                    (b1 & 0x20) != 0,
+                    signed(int.from_bytes(data[2:8], "little"), 48),
+                    b1 & 0xCF,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        from ._many import decode_many
-        from ._shapes.sma21 import shape_of_wide_position_reply
-
-        return decode_many(frames, shape_of_wide_position_reply(), None)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        from ._make import encode_many
-        from ._shapes.sma21 import shape_of_wide_position_reply
-
-        return encode_many(columns, shape_of_wide_position_reply())
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        position = check_signed("position", self.position, 48)
-        unused = check_bits("unused", self.unused, 0xCF)
-        number = (
-            0x2A
-            | (unused & 0xF) << 8
-            | bool(self.status_alarm) << 12
-            | bool(self.status_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | (position & 0xFFFFFFFFFFFF) << 16
-        )
-        body = number.to_bytes(8, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, 48),
-            BitField("crc", 64, 8),
-        )
+        return decode
 
 
-@by_class
-class IdentificationReply(NamedTuple):
+class _IdentificationReply(NamedTuple):
+    variant: Rs485Encoder
+    status_alarm: bool
+    status_error: bool
+    position: int
+    overspeed: bool = False
+    initialization_error: bool = False
+    hardware_error: bool = False
+    encoder_inharmonious_error: bool = False
+    higher_track_error: bool = False
+    low_amplitude_error: bool = False
+    signal_strength_alarm: bool = False
+    temperature_alarm: bool = False
+    unused: int = 0
+
+
+class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply):
     """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
-        variant: Encoder of the frame.
+        variant: Encoder that the frame belongs to.
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
             the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
             alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
@@ -1862,27 +1377,17 @@ class IdentificationReply(NamedTuple):
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
-        unused: Number in which each unused bit that differs from the manual is 1. 0 if none differs.
+        unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
     Its ``data_id`` is A (identification).
 
-    Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
-        Printed: 24-bit position from 000000h to FFFFFFFh.
-        Used: The highest value is FFFFFFh.
-        Why: Seven digits are 28 bits.
-
-    Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]:
-        Printed: SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a
-            model, and at most 24 bits.
-        Used: The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-
-    Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
-        Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission.
-        Used: ABS0 is sent first.
-        Why: The text above both tables says that the position is sent from the least to the most significant byte. The
-            examples do so.
+    Errata (full text in ERRATA):
+        abs_range_24 (settled, wrong limit): The highest value is FFFFFFh.
+        rs485_position_width (open, omission): The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2
+            µm and 1 µm.
+        position_sending_order (settled, wrong data): ABS0 is sent first.
 
     See also in ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level,
     edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
@@ -1901,19 +1406,7 @@ class IdentificationReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Rs485Encoder
-    status_alarm: bool
-    status_error: bool
-    position: int
-    overspeed: bool = False
-    initialization_error: bool = False
-    hardware_error: bool = False
-    encoder_inharmonious_error: bool = False
-    higher_track_error: bool = False
-    low_amplitude_error: bool = False
-    signal_strength_alarm: bool = False
-    temperature_alarm: bool = False
-    unused: int = 0
+    __slots__ = ()
 
     @property
     def data_id(self) -> DataId:
@@ -1922,7 +1415,7 @@ class IdentificationReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: no unused bit differs."""
+        """True if all values match the manual: no unused bit differs."""
         return self.unused == 0
 
     @property
@@ -1945,179 +1438,86 @@ class IdentificationReply(NamedTuple):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return None if self.verdict is Verdict.NOT_USABLE else self.position
-
-    @property
-    def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags and unused bits that differ from the manual."""
-        from .facts.sma21 import REPORTS
-
-        told = {
-            "status_alarm": self.status_alarm,
-            "status_error": self.status_error,
-            "overspeed": self.overspeed,
-            "initialization_error": self.initialization_error,
-            "hardware_error": self.hardware_error,
-            "encoder_inharmonious_error": self.encoder_inharmonious_error,
-            "higher_track_error": self.higher_track_error,
-            "low_amplitude_error": self.low_amplitude_error,
-            "signal_strength_alarm": self.signal_strength_alarm,
-            "temperature_alarm": self.temperature_alarm,
-            "status_info": self.unused & 0xF,
-            "status_zero": self.unused & 0xC0,
-        }
-        return tuple(REPORTS[name] for name, active in told.items() if active)
+        # Fields by index, which is faster than by name.
+        if (
+            self[2]
+            or self[4]
+            or self[5]
+            or self[6]
+            or self[7]
+            or self[8]
+            or self[9]
+        ):
+            return None
+        return self[3]
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> IdentificationReply:
         """Decode the frame.
 
         Args:
-            data: Its bytes, in the order in which they are sent.
+            data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        if type(data) is not bytes:
-            data = as_bytes(data)
-        if len(data) != 9:
-            raise LengthError(9, len(data))
-        computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5] ^ data[6] ^ data[7]
-        if computed != data[8]:
-            raise CrcError(data[8], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (position := data[2] | data[3] << 8 | data[4] << 16) >> variant.rs485_position_bits:
-            raise ConstantError("position_padding", position >> variant.rs485_position_bits, 0)
-        if data[5] != 0x51:
-            raise ConstantError("encoder_id_1", data[5], 0x51)
-        if data[6]:
-            raise ConstantError("encoder_id_2", data[6], 0)
-        if (data[0] >> 3 & 0xF) != 0xA:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "Ah")
-        values = (
-            variant,
-            bool(data[1] & 0x10),
-            bool(data[1] & 0x20),
-            position,
-            bool(data[7] & 0x01),
-            bool(data[7] & 0x02),
-            bool(data[7] & 0x04),
-            bool(data[7] & 0x08),
-            bool(data[7] & 0x10),
-            bool(data[7] & 0x20),
-            bool(data[7] & 0x40),
-            bool(data[7] & 0x80),
-            data[1] & 0xCF,
-        )
-        return made(cls, values)
+        return decoder(cls._decoder, variant, raised)(data)
 
     @classmethod
-    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
-        """Decode many frames into columns. Needs NumPy.
+    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., IdentificationReply]:
+        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+        size_0 = variant.rs485_position_bits
 
-        Args:
-            frames: The frames, as rows of bytes.
-            variant: The encoder.
+        def decode(frame: Any) -> IdentificationReply:
+            try:
+                data = frame if type(frame) is bytes else as_bytes(frame)
+                if len(data) != 9:
+                    raise LengthError(9, len(data))
+                b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
+                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
+                if computed != b8:
+                    raise CrcError(b8, computed)
+                if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0 or b5 != 0x51 or b6 or b0 != 0x52:
+                    if (b0 & 0x7) != 0x2:
+                        raise ConstantError("sync", b0 & 0x7, 0x2)
+                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
+                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
+                    if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
+                        raise ConstantError("position_padding", of_position >> size_0, 0)
+                    if b5 != 0x51:
+                        raise ConstantError("encoder_id_1", b5, 0x51)
+                    if b6:
+                        raise ConstantError("encoder_id_2", b6, 0)
+                    if (b0 >> 3 & 0xF) != 0xA:
+                        raise RangeError("data_id", b0 >> 3 & 0xF, "Ah")
+                values = (
+                    variant,
+                    (b1 & 0x10) != 0,
+                    (b1 & 0x20) != 0,
+                    of_position,
+                    (b7 & 0x01) != 0,
+                    (b7 & 0x02) != 0,
+                    (b7 & 0x04) != 0,
+                    (b7 & 0x08) != 0,
+                    (b7 & 0x10) != 0,
+                    (b7 & 0x20) != 0,
+                    (b7 & 0x40) != 0,
+                    (b7 & 0x80) != 0,
+                    b1 & 0xCF,
+                )
+                return made(cls, values)
+            except (FrameError, TypeError) as error:
+                return failed(error, frame, variant)
 
-        Returns:
-            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._many import decode_many
-        from ._shapes.sma21 import shape_of_identification_reply
-
-        return decode_many(frames, shape_of_identification_reply(variant), variant)
-
-    @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
-        """Encode many frames. Needs NumPy.
-
-        Args:
-            columns: Columns by name, as ``decode_many`` returns them.
-            variant: The encoder.
-
-        Returns:
-            The frames, as rows of bytes.
-
-        Raises:
-            RangeError: A value does not fit its field. ``row`` is the first such row.
-            TypeError: A column is missing or unknown.
-        """
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        from ._make import encode_many
-        from ._shapes.sma21 import shape_of_identification_reply
-
-        return encode_many(columns, shape_of_identification_reply(variant))
-
-    def encode(self) -> bytes:
-        """Return the bytes, including the CRC.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        variant = self.variant
-        if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        position = check_width("position", self.position, variant.rs485_position_bits)
-        unused = check_bits("unused", self.unused, 0xCF)
-        number = (
-            0x510000000052
-            | (unused & 0xF) << 8
-            | bool(self.status_alarm) << 12
-            | bool(self.status_error) << 13
-            | (unused >> 6 & 0x3) << 14
-            | position << 16
-            | bool(self.overspeed) << 56
-            | bool(self.initialization_error) << 57
-            | bool(self.hardware_error) << 58
-            | bool(self.encoder_inharmonious_error) << 59
-            | bool(self.higher_track_error) << 60
-            | bool(self.low_amplitude_error) << 61
-            | bool(self.signal_strength_alarm) << 62
-            | bool(self.temperature_alarm) << 63
-        )
-        body = number.to_bytes(8, "little")
-        return body + crc_rs485_8(body).to_bytes(1, "little")
-
-    @staticmethod
-    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _RS485)
-        return (
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, variant.rs485_position_bits),
-            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
-            BitField("encoder_id_1", 40, 8),
-            BitField("encoder_id_2", 48, 8),
-            BitField("overspeed", 56, 1),
-            BitField("initialization_error", 57, 1),
-            BitField("hardware_error", 58, 1),
-            BitField("encoder_inharmonious_error", 59, 1),
-            BitField("higher_track_error", 60, 1),
-            BitField("low_amplitude_error", 61, 1),
-            BitField("signal_strength_alarm", 62, 1),
-            BitField("temperature_alarm", 63, 1),
-            BitField("crc", 64, 8),
-        )
+        return decode
 
 
 Request: TypeAlias = DataRequest
@@ -2136,21 +1536,35 @@ def decode_request(data: Data, variant: Rs485Encoder) -> Request:
     Raises:
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
-        ConstantError: Constant bits or a parity bit have a wrong value.
-        RangeError: There is no such cc0 ... cc3, or a field has an undefined value.
+        ConstantError: A constant or a parity bit has the wrong value.
+        RangeError: The cc0 ... cc3 or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
-    if type(data) is not bytes:
-        data = as_bytes(data)
-    if len(data) < 1:
-        raise LengthError(1, len(data))
-    data_id = data[0] >> 3 & 0xF
-    if data_id in (4, 5, 0xA, 0xB, 0xF):
-        return DataRequest.decode(data)
-    raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+    return decoder(_decode_requestr, variant, raised)(data)
+
+
+def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Request]:
+    """Return the decoder for an encoder. It chooses the class of a frame."""
+    kinds: dict[int, Callable[..., Request]] = {
+        **dict.fromkeys((4, 5, 0xA, 0xB, 0xF), DataRequest._decoder(variant, failed)),
+    }
+
+    def decode(frame: Any) -> Request:
+        try:
+            data = frame if type(frame) is bytes else as_bytes(frame)
+            if len(data) < 1:
+                raise LengthError(1, len(data))
+            found = kinds.get(data[0] >> 3 & 0xF)
+            if found is None:
+                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 4h, 5h, Ah, Bh, Fh")
+        except (FrameError, TypeError) as error:
+            return failed(error, frame, variant)
+        return found(frame)
+
+    return decode
 
 
 Reply: TypeAlias = Union[
@@ -2173,193 +1587,35 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
     Raises:
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
-        ConstantError: Constant bits or a parity bit have a wrong value.
-        RangeError: There is no such cc0 ... cc3, or a field has an undefined value.
+        ConstantError: A constant or a parity bit has the wrong value.
+        RangeError: The cc0 ... cc3 or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
-    if type(data) is not bytes:
-        data = as_bytes(data)
-    if len(data) < 1:
-        raise LengthError(1, len(data))
-    data_id = data[0] >> 3 & 0xF
-    if data_id in (4, 0xB, 0xF):
-        return PositionReply.decode(data, variant)
-    if data_id == 5:
-        return WidePositionReply.decode(data)
-    if data_id == 0xA:
-        return IdentificationReply.decode(data, variant)
-    raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+    return decoder(_decode_replyr, variant, raised)(data)
 
 
-def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    if variant.ssi_gray:
-        return careful
-    size_0 = variant.position_bits + 1
-
-    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        return made(
-            SsiWord,
-            (
-                variant,
-                word >> 1,
-                not word & 0x01,
-            ),
-        )
-
-    return decode
-
-
-def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
-    """Return a fast decoder for valid frames. Encoder-specific values are computed once."""
-    careful = variant._decode
-    if variant.biss_gray:
-        return careful
-    size_0 = variant.position_bits + variant.scd_padding_bits + 8
-    size_1 = variant.scd_value_bits + 8
-    ones_2 = (1 << variant.scd_value_bits) - 1
-    tables = crc_tables(crc_biss_6, variant.position_bits + variant.scd_padding_bits + 2, 6, 3)
-    table_0, table_1, table_2 = tables
-
-    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
-        if type(frame) is not int or bits is not None or frame >> size_0:
-            return careful(frame, bits=bits)
-        word = frame
-        low = word & 0xFFFF
-        high = word >> 16
-        if table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16] or word >> size_1:
-            return careful(frame)
-        return made(
-            SingleCycleData,
-            (
-                variant,
-                word >> 8 & ones_2,
-                not low & 0x80,
-                not low & 0x40,
-            ),
-        )
-
-    return decode
-
-
-def _fast_position_reply(variant: Rs485Encoder) -> Callable[[bytes], PositionReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], PositionReply], variant._decode)
-    size_0 = variant.rs485_position_bits
-    heads = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
-
-    def decode(data: bytes) -> PositionReply:
-        if len(data) != 7:
-            return careful(data)
-        b0, b1, b2, b3, b4, b5, b6 = data
-        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 or (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
-            return careful(data)
-        return made(
-            PositionReply,
-            (
-                variant,
-                heads[b0],
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                of_position,
-                (b5 & 0x01) != 0,
-                (b5 & 0x02) != 0,
-                (b5 & 0x04) != 0,
-                (b5 & 0x08) != 0,
-                (b5 & 0x10) != 0,
-                (b5 & 0x20) != 0,
-                (b5 & 0x40) != 0,
-                (b5 & 0x80) != 0,
-                b1 & 0xCF,
-            ),
-        )
-
-    return decode
-
-
-def _fast_wide_position_reply(variant: Rs485Encoder) -> Callable[[bytes], WidePositionReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], WidePositionReply], variant._decode)
-
-    def decode(data: bytes) -> WidePositionReply:
-        if len(data) != 9:
-            return careful(data)
-        b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
-        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8:
-            return careful(data)
-        return made(
-            WidePositionReply,
-            (
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                signed(int.from_bytes(data[2:8], "little"), 48),
-                b1 & 0xCF,
-            ),
-        )
-
-    return decode
-
-
-def _fast_identification_reply(variant: Rs485Encoder) -> Callable[[bytes], IdentificationReply]:
-    """Return a fast decoder for valid frames with a valid first byte. Encoder-specific values are computed once."""
-    careful = cast(Callable[[bytes], IdentificationReply], variant._decode)
-    size_0 = variant.rs485_position_bits
-
-    def decode(data: bytes) -> IdentificationReply:
-        if len(data) != 9:
-            return careful(data)
-        b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
-        if (
-            b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8
-            or (of_position := b2 | b3 << 8 | b4 << 16) >> size_0
-            or (b5) != 0x51
-            or b6
-        ):
-            return careful(data)
-        return made(
-            IdentificationReply,
-            (
-                variant,
-                (b1 & 0x10) != 0,
-                (b1 & 0x20) != 0,
-                of_position,
-                (b7 & 0x01) != 0,
-                (b7 & 0x02) != 0,
-                (b7 & 0x04) != 0,
-                (b7 & 0x08) != 0,
-                (b7 & 0x10) != 0,
-                (b7 & 0x20) != 0,
-                (b7 & 0x40) != 0,
-                (b7 & 0x80) != 0,
-                b1 & 0xCF,
-            ),
-        )
-
-    return decode
-
-
-def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
-    """Return a fast decoder that chooses the kind of a frame by its first byte. Other frames go to `_decode`."""
-    careful = variant._decode
-    kinds: dict[int, Callable[[bytes], Reply]] = {
-        **dict.fromkeys([0x7A, 0xA2, 0xDA], _fast_position_reply(variant)),
-        **dict.fromkeys([0x2A], _fast_wide_position_reply(variant)),
-        **dict.fromkeys([0x52], _fast_identification_reply(variant)),
+def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply]:
+    """Return the decoder for an encoder. It chooses the class of a frame."""
+    kinds: dict[int, Callable[..., Reply]] = {
+        **dict.fromkeys((4, 0xB, 0xF), PositionReply._decoder(variant, failed)),
+        5: WidePositionReply._decoder(variant, failed),
+        0xA: IdentificationReply._decoder(variant, failed),
     }
 
     def decode(frame: Any) -> Reply:
-        if type(frame) is bytes and frame:
-            fast = kinds.get(frame[0])
-            if fast is not None:
-                return fast(frame)
-        return careful(frame)
+        try:
+            data = frame if type(frame) is bytes else as_bytes(frame)
+            if len(data) < 1:
+                raise LengthError(1, len(data))
+            found = kinds.get(data[0] >> 3 & 0xF)
+            if found is None:
+                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 4h, 5h, Ah, Bh, Fh")
+        except (FrameError, TypeError) as error:
+            return failed(error, frame, variant)
+        return found(frame)
 
     return decode
 
@@ -2378,7 +1634,7 @@ Frame: TypeAlias = Union[
 
 
 class Address:
-    """Addresses of the registers, or of their first bytes if they are longer. Two registers may share an address."""
+    """Address of each register, or of the first byte of a longer register. Two registers may share an address."""
 
     PROFILE_ID: Final = 0x42
     SERIAL_NUMBER: Final = 0x44
@@ -2393,12 +1649,16 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-@by_class
-class ProfileId(NamedTuple):
+class _ProfileId(NamedTuple):
+    variant: BissEncoder
+    profile_id: int
+
+
+class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
     """Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
 
     Attributes:
-        variant: Encoder of the register.
+        variant: Encoder that the register belongs to.
         profile_id: 28h and the number of bits of the position in decimal. Holds ``profile_id``, which identifies the
             encoder. Decoding accepts other values too.
 
@@ -2409,21 +1669,15 @@ class ProfileId(NamedTuple):
     The profile is the standard encoder profile, data format, with Variant 0-24 from 50 µm to 2 µm and Variant 0-24+++
     at 1 µm.
 
-    Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
-        Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a
-            field of 24 bits.
-        Used: Each is used as printed.
-        Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the
-            whole field, not of the position, and one more bit goes with one plus sign fewer. A master that takes the
-            length of the data from the profile ID would miss 4, 2 or 1 bits here.
+    Errata (full text in ERRATA):
+        profile_variants (open, wrong data): Each is used as printed.
     """
 
-    variant: BissEncoder
-    profile_id: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: profile_id profile_id."""
+        """True if all values match the manual: profile_id profile_id."""
         return self.profile_id == self.variant.profile_id
 
     @classmethod
@@ -2431,7 +1685,7 @@ class ProfileId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
         Raises:
@@ -2445,30 +1699,16 @@ class ProfileId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            variant,
-            data[0] << 8 | data[1],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        profile_id = check_width("profile_id", self.profile_id, 16)
-        return profile_id.to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (BitField("profile_id", 0, 16),)
+        return made(cls, (variant, data[0] << 8 | data[1]))
 
 
-@by_class
-class SerialNumber(NamedTuple):
+class _SerialNumber(NamedTuple):
+    year: int
+    week: int
+    number: int
+
+
+class SerialNumber(FixedRegister, _SerialNumber):
     """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
@@ -2480,21 +1720,19 @@ class SerialNumber(NamedTuple):
 
     Byte order: high byte first, at 44h.
 
-    Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
-        Printed: Year, week and number in hexadecimal (in esadecimale), without an example.
-        Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.
+    Errata (full text in ERRATA):
+        serial_number_coding (open, omission): The values are three binary numbers: one byte, one byte, and two bytes
+            with the high byte first.
     """
 
-    year: int
-    week: int
-    number: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> SerialNumber:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2503,33 +1741,7 @@ class SerialNumber(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            data[0],
-            data[1],
-            data[2] << 8 | data[3],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        year = check_width("year", self.year, 8)
-        week = check_width("week", self.week, 8)
-        number_ = check_width("number", self.number, 16)
-        number = year << 24 | week << 16 | number_
-        return number.to_bytes(4, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("year", 24, 8),
-            BitField("week", 16, 8),
-            BitField("number", 0, 16),
-        )
+        return made(cls, (data[0], data[1], data[2] << 8 | data[3]))
 
 
 class Command(IntEnum):
@@ -2559,11 +1771,11 @@ class Command(IntEnum):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The register has none of these values.
+            RangeError: The value of the register is not one of these.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -2575,8 +1787,14 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
-@by_class
-class Configuration(NamedTuple):
+class _Configuration(NamedTuple):
+    counting_direction: CountingDirection
+    output_code: OutputCode
+    enable_preset_offset: EnablePresetOffset
+    select_preset_offset: SelectPresetOffset
+
+
+class Configuration(FixedRegister, _Configuration):
     """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30, 12 p.51].
 
     Attributes:
@@ -2593,11 +1811,8 @@ class Configuration(NamedTuple):
 
     A new setting is active immediately after its transmission. Save it with the Command register.
 
-    Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35, 6.4 p.30]:
-        Printed: Bit 8 Direzione di conteggio.
-        Used: Counting direction is bit 6.
-        Why: The register has bits 7 to 0. 6.4 and section 12 have bit 6. The value 60h of the example sets bits 6 and
-            5.
+    Errata (full text in ERRATA):
+        configuration_bit_8 (settled, wrong data): Counting direction is bit 6.
 
     Checked by decode():
         unused_7: Non utilizzato: Not used. Always 0.
@@ -2605,21 +1820,18 @@ class Configuration(NamedTuple):
         unused_0: Non utilizzato: Not used. Always 0.
     """
 
-    counting_direction: CountingDirection
-    output_code: OutputCode
-    enable_preset_offset: EnablePresetOffset
-    select_preset_offset: SelectPresetOffset
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> Configuration:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
-            ConstantError: Constant bits or a parity bit have a wrong value.
+            ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
         if type(data) is not bytes:
@@ -2636,52 +1848,19 @@ class Configuration(NamedTuple):
         output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
         enable_preset_offset = choice(EnablePresetOffset, "enable_preset_offset", data[0] >> 2 & 0x1)
         select_preset_offset = choice(SelectPresetOffset, "select_preset_offset", data[0] >> 1 & 0x1)
-        values = (
-            counting_direction,
-            output_code,
-            enable_preset_offset,
-            select_preset_offset,
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        counting_direction = choice(CountingDirection, "counting_direction", self.counting_direction)
-        output_code = choice(OutputCode, "output_code", self.output_code)
-        enable_preset_offset = choice(EnablePresetOffset, "enable_preset_offset", self.enable_preset_offset)
-        select_preset_offset = choice(SelectPresetOffset, "select_preset_offset", self.select_preset_offset)
-        number = (
-            counting_direction << 6
-            | output_code << 5
-            | enable_preset_offset << 2
-            | select_preset_offset << 1
-        )
-        return number.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("unused_7", 7, 1),
-            BitField("counting_direction", 6, 1),
-            BitField("output_code", 5, 1),
-            BitField("unused_3_4", 3, 2),
-            BitField("enable_preset_offset", 2, 1),
-            BitField("select_preset_offset", 1, 1),
-            BitField("unused_0", 0, 1),
-        )
+        return made(cls, (counting_direction, output_code, enable_preset_offset, select_preset_offset))
 
 
-@by_class
-class AbsoluteResolution(NamedTuple):
+class _AbsoluteResolution(NamedTuple):
+    variant: BissEncoder
+    absolute_resolution: int
+
+
+class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
     """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
-        variant: Encoder of the register.
+        variant: Encoder that the register belongs to.
         absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which identifies the encoder.
             Decoding accepts other values too.
 
@@ -2691,12 +1870,11 @@ class AbsoluteResolution(NamedTuple):
     FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 bits).
     """
 
-    variant: BissEncoder
-    absolute_resolution: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: absolute_resolution resolution_um."""
+        """True if all values match the manual: absolute_resolution resolution_um."""
         return self.absolute_resolution == self.variant.resolution_um
 
     @classmethod
@@ -2704,7 +1882,7 @@ class AbsoluteResolution(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
         Raises:
@@ -2718,30 +1896,14 @@ class AbsoluteResolution(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            variant,
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        absolute_resolution = check_width("absolute_resolution", self.absolute_resolution, 8)
-        return absolute_resolution.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        check_encoder(variant, Variant, _BISS)
-        return (BitField("absolute_resolution", 0, 8),)
+        return made(cls, (variant, data[0]))
 
 
-@by_class
-class PresetOffset(NamedTuple):
+class _PresetOffset(NamedTuple):
+    preset_offset: int
+
+
+class PresetOffset(FixedRegister, _PresetOffset):
     """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
 
     Attributes:
@@ -2765,37 +1927,22 @@ class PresetOffset(NamedTuple):
     The highest offset is the number of positions of the 24-bit or 25-bit field minus the number of positions at that
     resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
-    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
-        Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
-            of 20 bits.
-        Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field
-            of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
-            there is rejected.
-        Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
-            reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above
-            the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset
-            could confirm this.
-
-    Erratum offset_meaning (open, wrong data) [6.4 p.32]:
-        Printed: An offset gives a position a wanted value, is applied to the position at its activation, and shifts all
-            values by its amount.
-        Used: All transmitted values are shifted by the offset.
-        Why: The range that the text gives, from the offset up, and the limit fit a simple shift, which does not depend
-            on the sensor position. A value given to a position would be a preset.
-
-    Erratum offset_range (settled, wrong limit) [6.4 p.32]:
-        Printed: The values run from the offset to the sum of offset and number of positions.
-        Used: The values end at that sum less 1.
+    Errata (full text in ERRATA):
+        offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
+            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above
+            the position, and a frame with another bit there is rejected.
+        offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
+        offset_range (settled, wrong limit): The values end at that sum less 1.
     """
 
-    preset_offset: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> PresetOffset:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2804,25 +1951,7 @@ class PresetOffset(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            int.from_bytes(data, "big"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        preset_offset = check_width("preset_offset", self.preset_offset, 32)
-        check_limits("preset_offset", self.preset_offset, self.limits())
-        return preset_offset.to_bytes(4, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("preset_offset", 0, 32),)
+        return made(cls, (int.from_bytes(data, "big"),))
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -2842,8 +1971,11 @@ class PresetOffset(NamedTuple):
         return 0, (1 << variant.scd_position_bits) - (1 << variant.position_bits)
 
 
-@by_class
-class DeviceType(NamedTuple):
+class _DeviceType(NamedTuple):
+    type: int
+
+
+class DeviceType(FixedRegister, _DeviceType):
     """Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
@@ -2855,11 +1987,11 @@ class DeviceType(NamedTuple):
     Default: ``08``.
     """
 
-    type: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: type 8."""
+        """True if all values match the manual: type 8."""
         return self.type == 8
 
     @classmethod
@@ -2867,7 +1999,7 @@ class DeviceType(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2876,28 +2008,14 @@ class DeviceType(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        type_ = check_width("type", self.type, 8)
-        return type_.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("type", 0, 8),)
+        return made(cls, (data[0],))
 
 
-@by_class
-class SineCosineResolution(NamedTuple):
+class _SineCosineResolution(NamedTuple):
+    period: int
+
+
+class SineCosineResolution(FixedRegister, _SineCosineResolution):
     """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
@@ -2909,11 +2027,11 @@ class SineCosineResolution(NamedTuple):
     Default: ``00``.
     """
 
-    period: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: period 0."""
+        """True if all values match the manual: period 0."""
         return self.period == 0
 
     @classmethod
@@ -2921,7 +2039,7 @@ class SineCosineResolution(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2930,28 +2048,14 @@ class SineCosineResolution(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        period = check_width("period", self.period, 8)
-        return period.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("period", 0, 8),)
+        return made(cls, (data[0],))
 
 
-@by_class
-class PositionCheck(NamedTuple):
+class _PositionCheck(NamedTuple):
+    position_check: int
+
+
+class PositionCheck(FixedRegister, _PositionCheck):
     """Position check (it: Controllo posizione), register 59h, read and write, over BiSS C-mode [6.4 p.33].
 
     Attributes:
@@ -2963,19 +2067,18 @@ class PositionCheck(NamedTuple):
 
     Do not change the value. It is only for Lika's technicians.
 
-    Erratum position_check_default (open, omission) [6.4 p.33, 12 p.51]:
-        Printed: Register 59h can be written and has the default 00h. The list of defaults leaves it out.
-        Used: 00h.
+    Errata (full text in ERRATA):
+        position_check_default (open, omission): 00h.
     """
 
-    position_check: int
+    __slots__ = ()
 
     @classmethod
     def decode(cls, data: Data) -> PositionCheck:
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2984,28 +2087,15 @@ class PositionCheck(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        position_check = check_width("position_check", self.position_check, 8)
-        return position_check.to_bytes(1, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("position_check", 0, 8),)
+        return made(cls, (data[0],))
 
 
-@by_class
-class DeviceId(NamedTuple):
+class _DeviceId(NamedTuple):
+    name: str
+    release: int
+
+
+class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
@@ -3017,17 +2107,15 @@ class DeviceId(NamedTuple):
 
     Byte order: high byte first, at 78h.
 
-    Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
-        Printed: One device ID, SM21 with the release, for all models.
-        Used: The device ID is used as printed.
+    Errata (full text in ERRATA):
+        device_id_shared (open, omission): The device ID is used as printed.
     """
 
-    name: str
-    release: int
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'SM21'."""
+        """True if all values match the manual: name 'SM21'."""
         return self.name == "SM21"
 
     @classmethod
@@ -3035,7 +2123,7 @@ class DeviceId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -3044,33 +2132,14 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:4].decode("latin-1"),
-            data[4] << 8 | data[5],
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        release = check_width("release", self.release, 16)
-        number = text_number("name", self.name, 4) << 16 | release
-        return number.to_bytes(6, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
-        )
+        return made(cls, (data[0:4].decode("latin-1"), data[4] << 8 | data[5]))
 
 
-@by_class
-class ManufacturerId(NamedTuple):
+class _ManufacturerId(NamedTuple):
+    name: str
+
+
+class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
@@ -3082,11 +2151,11 @@ class ManufacturerId(NamedTuple):
     Byte order: high byte first, at 7Eh.
     """
 
-    name: str
+    __slots__ = ()
 
     @property
     def is_as_documented(self) -> bool:
-        """True if values are as in the manual: name 'Li'."""
+        """True if all values match the manual: name 'Li'."""
         return self.name == "Li"
 
     @classmethod
@@ -3094,7 +2163,7 @@ class ManufacturerId(NamedTuple):
         """Decode the register.
 
         Args:
-            data: Its bytes, in ascending order of address.
+            data: Bytes of the register, in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -3103,23 +2172,7 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),
-        )
-        return made(cls, values)
-
-    def encode(self) -> bytes:
-        """Return the bytes.
-
-        Raises:
-            RangeError: A value does not fit its field.
-        """
-        return text_number("name", self.name, 2).to_bytes(2, "big")
-
-    @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
-        """Return the bit position of each field in the number that the bytes form. Absent fields are 0 bits wide."""
-        return (BitField("name", 0, 16),)
+        return made(cls, (data[0:2].decode("latin-1"),))
 
 
 #: Parameters that registers hold at run time.
@@ -3224,7 +2277,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        ConstantError: A number has a wrong value in constant bits of its register.
+        ConstantError: A number sets constant bits of its register to a wrong value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
     """
@@ -3314,23 +2367,11 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     Result: The transmitted positions are shifted by the offset. Once the offset is selected, the position takes up the
     whole field of the single cycle data, so a decoder must know the content of the Configuration register.
 
-    Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
-        Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions
-            of 20 bits.
-        Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field
-            of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
-            there is rejected.
-        Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
-            reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above
-            the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset
-            could confirm this.
-
-    Erratum offset_meaning (open, wrong data) [6.4 p.32]:
-        Printed: An offset gives a position a wanted value, is applied to the position at its activation, and shifts all
-            values by its amount.
-        Used: All transmitted values are shifted by the offset.
-        Why: The range that the text gives, from the offset up, and the limit fit a simple shift, which does not depend
-            on the sensor position. A value given to a position would be a preset.
+    Errata (full text in ERRATA):
+        offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
+            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above
+            the position, and a frame with another bit there is rejected.
+        offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
 
     Args:
         variant: The encoder.
@@ -3418,9 +2459,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: Manufacturer, device, resolution and serial number are known. The supply is not.
 
-    Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
-        Printed: One device ID, SM21 with the release, for all models.
-        Used: The device ID is used as printed.
+    Errata (full text in ERRATA):
+        device_id_shared (open, omission): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3451,14 +2491,9 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     the initialization, which is the same as after power-on, is complete. The manual does not say how long it takes.
     Reset an Initialization error only after the initialization is complete and normal operation has started again.
 
-    Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
-        Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more.
-        Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
-
-    Erratum rs485_reset_duration (open, omission) [7.3.3.2 p.41]:
-        Printed: Send no request until the initialization is over. None is accepted while the position is reset. No time
-            is given.
-        Used: The outputs give no waiting time.
+    Errata (full text in ERRATA):
+        reset_interval (open, omission): No other request is sent in between.
+        rs485_reset_duration (open, omission): The outputs give no waiting time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3488,19 +2523,10 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     accepted during the reset, since the absolute positions are composed and the EEPROM is written. The manual does not
     say how long it takes.
 
-    Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
-        Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and
-            RS-485. 7.3.3.2: data ID F resets the position to 0.
-        Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
-
-    Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
-        Printed: Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more.
-        Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
-
-    Erratum rs485_reset_duration (open, omission) [7.3.3.2 p.41]:
-        Printed: Send no request until the initialization is over. None is accepted while the position is reset. No time
-            is given.
-        Used: The outputs give no waiting time.
+    Errata (full text in ERRATA):
+        zero_setting_rs485 (open, wrong limit): Data ID F is used as described in 7.3.1 and 7.3.3.2.
+        reset_interval (open, omission): No other request is sent in between.
+        rs485_reset_duration (open, omission): The outputs give no waiting time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

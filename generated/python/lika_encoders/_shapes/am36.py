@@ -8,9 +8,30 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
+from .._codec import BitField
 from .._reports import Verdict
-from ..am36 import BissEncoder, SsiEncoder, crc_biss_6
+from .._shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
+from ..am36 import (
+    BissEncoder,
+    Configuration,
+    CountingDirection,
+    DeviceId,
+    DeviceType,
+    EnablePreset,
+    InformationPerRevolution,
+    ManufacturerId,
+    MultiturnBitsUsed,
+    NumberOfRevolutions,
+    OutputCode,
+    Preset,
+    ProfileId,
+    SerialNumber,
+    SingleCycleData,
+    SingleturnBitsUsed,
+    SsiEncoder,
+    SsiWord,
+    crc_biss_6,
+)
 
 
 @lru_cache(maxsize=None)
@@ -24,6 +45,10 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         joins=(
             Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+        ),
+        fields=(
+            BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
+            BitField("singleturn", 0, variant.singleturn_bits),
         ),
         gray=(0, variant.multiturn_bits + variant.singleturn_bits) if variant.ssi_gray else None,
         position="position",
@@ -54,6 +79,13 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Tells("warning", mask=1),
             Tells("error", mask=2),
         ),
+        fields=(
+            BitField("multiturn", variant.used_singleturn_bits + 8, variant.used_multiturn_bits),
+            BitField("singleturn", 8, variant.used_singleturn_bits),
+            BitField("error", 7, 1),
+            BitField("warning", 6, 1),
+            BitField("crc", 0, 6),
+        ),
         crc=CrcOf(
             low=0,
             width=6,
@@ -72,6 +104,204 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
     )
 
 
+@lru_cache(maxsize=None)
+def shape_of_register_profile_id() -> Shape:
+    """Return the shape of ``ProfileId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("profile", low=0, width=16),
+        ),
+        fields=(
+            BitField("profile", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_serial_number() -> Shape:
+    """Return the shape of ``SerialNumber``."""
+    return Shape(
+        bits=32,
+        length=4,
+        order="big",
+        columns=(
+            Column("year", low=24, width=8),
+            Column("week", low=16, width=8),
+            Column("number", low=0, width=16),
+        ),
+        fields=(
+            BitField("year", 24, 8),
+            BitField("week", 16, 8),
+            BitField("number", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_configuration() -> Shape:
+    """Return the shape of ``Configuration``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("counting_direction", low=6, width=1, kind="choice", values=CountingDirection),
+            Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
+            Column("enable_preset", low=2, width=1, kind="choice", values=EnablePreset),
+        ),
+        fields=(
+            BitField("zero_above_counting_direction", 7, 1),
+            BitField("counting_direction", 6, 1),
+            BitField("output_code", 5, 1),
+            BitField("zero_below_output_code", 3, 2),
+            BitField("enable_preset", 2, 1),
+            BitField("zero_below_enable_preset", 0, 2),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_information_per_revolution() -> Shape:
+    """Return the shape of ``InformationPerRevolution``."""
+    return Shape(
+        bits=24,
+        length=3,
+        order="big",
+        columns=(
+            Column("steps", low=0, width=24, power_of_two=True),
+        ),
+        fields=(
+            BitField("steps", 0, 24),
+        ),
+        limited=("steps", "steps"),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_number_of_revolutions() -> Shape:
+    """Return the shape of ``NumberOfRevolutions``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("revolutions", low=0, width=16, zero_means=65_536),
+        ),
+        fields=(
+            BitField("revolutions", 0, 16),
+        ),
+        limited=("revolutions", "revolutions"),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_preset(variant: BissEncoder) -> Shape:
+    """Return the shape of ``Preset``."""
+    return Shape(
+        bits=40,
+        length=5,
+        order="big",
+        columns=(
+            Column("position", low=0, width=36),
+        ),
+        fields=(
+            BitField("zero_above_position", 36, 4),
+            BitField("position", 0, 36),
+        ),
+        position="position",
+        limited=("position", "position"),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_device_type() -> Shape:
+    """Return the shape of ``DeviceType``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("device_type", low=0, width=8),
+        ),
+        fields=(
+            BitField("device_type", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_singleturn_bits_used() -> Shape:
+    """Return the shape of ``SingleturnBitsUsed``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("bits", low=0, width=8),
+        ),
+        fields=(
+            BitField("bits", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_multiturn_bits_used() -> Shape:
+    """Return the shape of ``MultiturnBitsUsed``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("bits", low=0, width=8),
+        ),
+        fields=(
+            BitField("bits", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_device_id() -> Shape:
+    """Return the shape of ``DeviceId``."""
+    return Shape(
+        bits=48,
+        length=6,
+        order="big",
+        columns=(
+            Column("model", low=32, width=16, kind="text"),
+            Column("interface_code", low=16, width=16, kind="text"),
+            Column("enclosure", low=8, width=8, kind="text"),
+            Column("software_version", low=0, width=8, kind="text"),
+        ),
+        fields=(
+            BitField("model", 32, 16),
+            BitField("interface_code", 16, 16),
+            BitField("enclosure", 8, 8),
+            BitField("software_version", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_manufacturer_id() -> Shape:
+    """Return the shape of ``ManufacturerId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("name", low=0, width=16, kind="text"),
+        ),
+        fields=(
+            BitField("name", 0, 16),
+        ),
+    )
+
+
 #: Frames by interface and sender, each with the function for its shape.
 FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("ssi", "encoder"): {
@@ -80,4 +310,21 @@ FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("biss", "encoder"): {
         "single_cycle_data": shape_of_single_cycle_data,
     },
+}
+
+#: Function for the description of each class.
+SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
+    SsiWord: shape_of_ssi_word,
+    SingleCycleData: shape_of_single_cycle_data,
+    ProfileId: shape_of_register_profile_id,
+    SerialNumber: shape_of_register_serial_number,
+    Configuration: shape_of_register_configuration,
+    InformationPerRevolution: shape_of_register_information_per_revolution,
+    NumberOfRevolutions: shape_of_register_number_of_revolutions,
+    Preset: shape_of_register_preset,
+    DeviceType: shape_of_register_device_type,
+    SingleturnBitsUsed: shape_of_register_singleturn_bits_used,
+    MultiturnBitsUsed: shape_of_register_multiturn_bits_used,
+    DeviceId: shape_of_register_device_id,
+    ManufacturerId: shape_of_register_manufacturer_id,
 }

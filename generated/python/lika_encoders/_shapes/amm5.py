@@ -8,10 +8,33 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Check, Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits, of_bytes
+from .._codec import BitField
 from .._reports import Verdict
+from .._shape import Check, Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits, of_bytes
 from .._table import Fault
-from ..amm5 import BissEncoder, EepromAddress, Rs485Encoder, SsiEncoder, crc_biss_6, crc_rs485_8
+from ..amm5 import (
+    BissEncoder,
+    CompleteReply,
+    DataRequest,
+    DeviceId,
+    EepromAddress,
+    EepromReadReply,
+    EepromReadRequest,
+    EepromWriteReply,
+    EepromWriteRequest,
+    EncoderIdReply,
+    ManufacturerId,
+    MultiturnReply,
+    Preset,
+    Rs485Encoder,
+    SerialNumber,
+    SingleCycleData,
+    SingleturnReply,
+    SsiEncoder,
+    SsiWord,
+    crc_biss_6,
+    crc_rs485_8,
+)
 
 
 @lru_cache(maxsize=None)
@@ -25,6 +48,10 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         joins=(
             Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+        ),
+        fields=(
+            BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
+            BitField("singleturn", 0, variant.singleturn_bits),
         ),
         position="position",
         otherwise=Verdict.UNKNOWN,
@@ -55,6 +82,13 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             *([Tells("warning", flag="warning")] if variant.multiturn_bits else []),
             *([Tells("warning_unexplained", flag="warning")] if not variant.multiturn_bits else []),
         ),
+        fields=(
+            BitField("multiturn", variant.singleturn_bits + 8, variant.multiturn_bits),
+            BitField("singleturn", 8, variant.singleturn_bits),
+            BitField("error", 7, 1),
+            BitField("warning", 6, 1),
+            BitField("crc", 0, 6),
+        ),
         crc=CrcOf(
             low=0,
             width=6,
@@ -81,7 +115,7 @@ def shape_of_data_request() -> Shape:
         length=1,
         order="little",
         columns=(
-            Column("data_id", low=3, width=4, kind="choice"),
+            Column("data_id", low=3, width=4, kind="choice", values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
@@ -90,6 +124,11 @@ def shape_of_data_request() -> Shape:
         ),
         parities=(
             Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+        ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
         ),
         fixed=0x2 << 0,
     )
@@ -111,6 +150,15 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
             Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
             Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=Fault.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(6,)),
+        ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
+            BitField("data", 16, 8),
+            BitField("crc", 24, 8),
         ),
         crc=CrcOf(
             low=24,
@@ -139,6 +187,14 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
             Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=Fault.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(13,)),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
+            BitField("crc", 16, 8),
+        ),
         crc=CrcOf(
             low=16,
             width=8,
@@ -158,7 +214,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
         length=6,
         order="little",
         columns=(
-            Column("data_id", low=3, width=4, kind="choice"),
+            Column("data_id", low=3, width=4, kind="choice", values=(0, 7, 8, 12)),
             Column("status_st_error", low=12, width=1, kind="flag"),
             Column("status_other_error", low=13, width=1, kind="flag"),
             Column("singleturn", low=16, width=variant.singleturn_bits),
@@ -192,6 +248,18 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             Tells("status_other_error", flag="status_other_error"),
             Tells("status_info", mask=15),
             Tells("status_zero", mask=192),
+        ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_st_error", 12, 1),
+            BitField("status_other_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("singleturn", 16, variant.singleturn_bits),
+            BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
+            BitField("crc", 40, 8),
         ),
         crc=CrcOf(
             low=40,
@@ -244,6 +312,18 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             Tells("status_info", mask=15),
             Tells("status_zero", mask=192),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_st_error", 12, 1),
+            BitField("status_other_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("multiturn", 16, variant.multiturn_bits),
+            BitField("multiturn_padding", variant.multiturn_bits + 16, 24 - variant.multiturn_bits),
+            BitField("crc", 40, 8),
+        ),
         crc=CrcOf(
             low=40,
             width=8,
@@ -282,6 +362,17 @@ def shape_of_encoder_id_reply() -> Shape:
             Tells("status_other_error", flag="status_other_error"),
             Tells("status_info", mask=15),
             Tells("status_zero", mask=192),
+        ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_st_error", 12, 1),
+            BitField("status_other_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("encoder_id", 16, 8),
+            BitField("crc", 24, 8),
         ),
         crc=CrcOf(
             low=24,
@@ -368,6 +459,28 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             Tells("alarm_zero_0", mask=256),
             Tells("alarm_zero_3_4", mask=6144),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_st_error", 12, 1),
+            BitField("status_other_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("singleturn", 16, variant.singleturn_bits),
+            BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
+            BitField("encoder_id", 40, 8),
+            BitField("multiturn", 48, variant.multiturn_bits),
+            BitField("multiturn_padding", variant.multiturn_bits + 48, 24 - variant.multiturn_bits),
+            BitField("alarm_zero_0", 72, 1),
+            BitField("busy", 73, 1),
+            BitField("st_error", 74, 1),
+            BitField("alarm_zero_3_4", 75, 2),
+            BitField("ps_error", 77, 1),
+            BitField("mt_error", 78, 1),
+            BitField("battery_alarm", 79, 1),
+            BitField("crc", 80, 8),
+        ),
         crc=CrcOf(
             low=80,
             width=8,
@@ -401,6 +514,15 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
         tells=(
             Tells("eeprom_write_reply_mem_busy", flag="mem_busy"),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
+            BitField("data", 16, 8),
+            BitField("crc", 24, 8),
+        ),
         crc=CrcOf(
             low=24,
             width=8,
@@ -432,6 +554,15 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
         tells=(
             Tells("eeprom_read_reply_mem_busy", flag="mem_busy"),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
+            BitField("data", 16, 8),
+            BitField("crc", 24, 8),
+        ),
         crc=CrcOf(
             low=24,
             width=8,
@@ -440,6 +571,88 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             is_xor=True,
         ),
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_preset(variant: BissEncoder) -> Shape:
+    """Return the shape of ``Preset``."""
+    return Shape(
+        bits=56,
+        length=7,
+        order="little",
+        columns=(
+            Column("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
+            Column("singleturn", low=33 - variant.singleturn_bits, width=variant.singleturn_bits),
+        ),
+        joins=(
+            Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+        ),
+        fields=(
+            BitField("zero_above_multiturn", 49, 7),
+            BitField("multiturn", 49 - variant.multiturn_bits, variant.multiturn_bits),
+            BitField("zero_below_multiturn", 33, 16 - variant.multiturn_bits),
+            BitField("singleturn", 33 - variant.singleturn_bits, variant.singleturn_bits),
+            BitField("zero_below_singleturn", 0, 33 - variant.singleturn_bits),
+        ),
+        position="position",
+        limited=("position", "position"),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_serial_number() -> Shape:
+    """Return the shape of ``SerialNumber``."""
+    return Shape(
+        bits=32,
+        length=4,
+        order="big",
+        columns=(
+            Column(
+                "serial",
+                low=0,
+                width=32,
+                kind="digits",
+                runs=(("year", 10_000_000, 100), ("week", 100_000, 100), ("number", 1, 100_000)),
+            ),
+        ),
+        fields=(
+            BitField("serial", 0, 32),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_device_id() -> Shape:
+    """Return the shape of ``DeviceId``."""
+    return Shape(
+        bits=48,
+        length=6,
+        order="big",
+        columns=(
+            Column("name", low=16, width=32, kind="text"),
+            Column("release", low=0, width=16),
+        ),
+        fields=(
+            BitField("name", 16, 32),
+            BitField("release", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_manufacturer_id() -> Shape:
+    """Return the shape of ``ManufacturerId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("name", low=0, width=16, kind="text"),
+        ),
+        fields=(
+            BitField("name", 0, 16),
+        ),
     )
 
 
@@ -464,4 +677,23 @@ FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
         "eeprom_write_reply": shape_of_eeprom_write_reply,
         "eeprom_read_reply": shape_of_eeprom_read_reply,
     },
+}
+
+#: Function for the description of each class.
+SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
+    SsiWord: shape_of_ssi_word,
+    SingleCycleData: shape_of_single_cycle_data,
+    DataRequest: shape_of_data_request,
+    EepromWriteRequest: shape_of_eeprom_write_request,
+    EepromReadRequest: shape_of_eeprom_read_request,
+    SingleturnReply: shape_of_singleturn_reply,
+    MultiturnReply: shape_of_multiturn_reply,
+    EncoderIdReply: shape_of_encoder_id_reply,
+    CompleteReply: shape_of_complete_reply,
+    EepromWriteReply: shape_of_eeprom_write_reply,
+    EepromReadReply: shape_of_eeprom_read_reply,
+    Preset: shape_of_register_preset,
+    SerialNumber: shape_of_register_serial_number,
+    DeviceId: shape_of_register_device_id,
+    ManufacturerId: shape_of_register_manufacturer_id,
 }

@@ -10,10 +10,26 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
+from .._codec import BitField
 from .._reports import Verdict
+from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
 from .._table import Fault
-from ..asc85 import BissEncoder, SsiEncoder, ZeroBit, crc_biss_6
+from ..asc85 import (
+    BissEncoder,
+    DeviceId,
+    DiagnosticData,
+    ErrorRegister,
+    ManufacturerId,
+    Position,
+    ProfileId,
+    SerialNumber,
+    SingleCycleData,
+    SsiEncoder,
+    SsiWord,
+    Status,
+    ZeroBit,
+    crc_biss_6,
+)
 
 
 @lru_cache(maxsize=None)
@@ -23,6 +39,9 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         bits=variant.position_bits,
         columns=(
             Column("position", low=0, width=variant.position_bits),
+        ),
+        fields=(
+            BitField("position", 0, variant.position_bits),
         ),
         gray=(0, variant.position_bits) if variant.ssi_gray else None,
         position="position",
@@ -51,6 +70,13 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             Tells("error", flag="error"),
             Tells("warning", flag="warning"),
         ),
+        fields=(
+            BitField("position", zero_bit.zero_bits + 8, variant.position_bits),
+            BitField("zero", 8, zero_bit.zero_bits),
+            BitField("error", 7, 1),
+            BitField("warning", 6, 1),
+            BitField("crc", 0, 6),
+        ),
         crc=CrcOf(
             low=0,
             width=6,
@@ -68,6 +94,179 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
     )
 
 
+@lru_cache(maxsize=None)
+def shape_of_register_profile_id() -> Shape:
+    """Return the shape of ``ProfileId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("variant_", low=8, width=8, field="variant"),
+            Column("data_length", low=0, width=8),
+        ),
+        fields=(
+            BitField("variant", 8, 8),
+            BitField("data_length", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_serial_number() -> Shape:
+    """Return the shape of ``SerialNumber``."""
+    return Shape(
+        bits=32,
+        length=4,
+        order="big",
+        columns=(
+            Column("serial", low=0, width=32),
+        ),
+        fields=(
+            BitField("serial", 0, 32),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_diagnostic_data() -> Shape:
+    """Return the shape of ``DiagnosticData``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("amplitude_control_maximum_current", low=7, width=1, kind="flag"),
+            Column("signal_level_maximum_amplitude", low=6, width=1, kind="flag"),
+            Column("dc_maximum_offset", low=5, width=1, kind="flag"),
+            Column("ac_maximum_amplitude", low=4, width=1, kind="flag"),
+            Column("amplitude_control_minimum_current", low=3, width=1, kind="flag"),
+            Column("signal_level_minimum_amplitude", low=2, width=1, kind="flag"),
+            Column("dc_minimum_offset", low=1, width=1, kind="flag"),
+            Column("ac_minimum_amplitude", low=0, width=1, kind="flag"),
+        ),
+        fields=(
+            BitField("amplitude_control_maximum_current", 7, 1),
+            BitField("signal_level_maximum_amplitude", 6, 1),
+            BitField("dc_maximum_offset", 5, 1),
+            BitField("ac_maximum_amplitude", 4, 1),
+            BitField("amplitude_control_minimum_current", 3, 1),
+            BitField("signal_level_minimum_amplitude", 2, 1),
+            BitField("dc_minimum_offset", 1, 1),
+            BitField("ac_minimum_amplitude", 0, 1),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_status() -> Shape:
+    """Return the shape of ``Status``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("configuration_completed", low=7, width=1, kind="flag"),
+            Column("error_message", low=6, width=1, kind="flag"),
+            Column("warning_message", low=5, width=1, kind="flag"),
+            Column("conf_write_access", low=4, width=1, kind="flag"),
+            Column("eds_write_access", low=3, width=1, kind="flag"),
+            Column("internal_data_bus_busy", low=2, width=1, kind="flag"),
+            Column("absolute_data_valid", low=1, width=1, kind="flag"),
+            Column("position_data_valid", low=0, width=1, kind="flag"),
+        ),
+        fields=(
+            BitField("configuration_completed", 7, 1),
+            BitField("error_message", 6, 1),
+            BitField("warning_message", 5, 1),
+            BitField("conf_write_access", 4, 1),
+            BitField("eds_write_access", 3, 1),
+            BitField("internal_data_bus_busy", 2, 1),
+            BitField("absolute_data_valid", 1, 1),
+            BitField("position_data_valid", 0, 1),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_position(variant: BissEncoder) -> Shape:
+    """Return the shape of ``Position``."""
+    return Shape(
+        bits=32,
+        length=4,
+        order="little",
+        columns=(
+            Column("position", low=32 - variant.position_bits, width=variant.position_bits),
+        ),
+        fields=(
+            BitField("position", 32 - variant.position_bits, variant.position_bits),
+        ),
+        position="position",
+        others=0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_error_register() -> Shape:
+    """Return the shape of ``ErrorRegister``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("absolute_data_error", low=6, width=1, kind="flag"),
+            Column("interpolation_error", low=5, width=1, kind="flag"),
+            Column("configuration_error", low=4, width=1, kind="flag"),
+            Column("synchronization_error", low=3, width=1, kind="flag"),
+            Column("signal_error", low=1, width=1, kind="flag"),
+            Column("control_error", low=0, width=1, kind="flag"),
+        ),
+        fields=(
+            BitField("absolute_data_error", 6, 1),
+            BitField("interpolation_error", 5, 1),
+            BitField("configuration_error", 4, 1),
+            BitField("synchronization_error", 3, 1),
+            BitField("signal_error", 1, 1),
+            BitField("control_error", 0, 1),
+        ),
+        others=0x84,
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_device_id() -> Shape:
+    """Return the shape of ``DeviceId``."""
+    return Shape(
+        bits=48,
+        length=6,
+        order="big",
+        columns=(
+            Column("name", low=16, width=32, kind="text"),
+            Column("release", low=0, width=16, kind="text"),
+        ),
+        fields=(
+            BitField("name", 16, 32),
+            BitField("release", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_manufacturer_id() -> Shape:
+    """Return the shape of ``ManufacturerId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("name", low=0, width=16, kind="text"),
+        ),
+        fields=(
+            BitField("name", 0, 16),
+        ),
+    )
+
+
 #: Frames by interface and sender, each with the function for its shape.
 FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("ssi", "encoder"): {
@@ -76,4 +275,18 @@ FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("biss", "encoder"): {
         "single_cycle_data": shape_of_single_cycle_data,
     },
+}
+
+#: Function for the description of each class.
+SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
+    SsiWord: shape_of_ssi_word,
+    SingleCycleData: shape_of_single_cycle_data,
+    ProfileId: shape_of_register_profile_id,
+    SerialNumber: shape_of_register_serial_number,
+    DiagnosticData: shape_of_register_diagnostic_data,
+    Status: shape_of_register_status,
+    Position: shape_of_register_position,
+    ErrorRegister: shape_of_register_error_register,
+    DeviceId: shape_of_register_device_id,
+    ManufacturerId: shape_of_register_manufacturer_id,
 }

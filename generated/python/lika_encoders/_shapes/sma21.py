@@ -8,10 +8,37 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
+from .._codec import BitField
 from .._reports import Verdict
+from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
 from .._table import Fault
-from ..sma21 import BissEncoder, Rs485Encoder, SsiEncoder, crc_biss_6, crc_rs485_8
+from ..sma21 import (
+    AbsoluteResolution,
+    BissEncoder,
+    Configuration,
+    CountingDirection,
+    DataRequest,
+    DeviceId,
+    DeviceType,
+    EnablePresetOffset,
+    IdentificationReply,
+    ManufacturerId,
+    OutputCode,
+    PositionCheck,
+    PositionReply,
+    PresetOffset,
+    ProfileId,
+    Rs485Encoder,
+    SelectPresetOffset,
+    SerialNumber,
+    SineCosineResolution,
+    SingleCycleData,
+    SsiEncoder,
+    SsiWord,
+    WidePositionReply,
+    crc_biss_6,
+    crc_rs485_8,
+)
 
 
 @lru_cache(maxsize=None)
@@ -28,6 +55,10 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         tells=(
             Tells("error", flag="error"),
+        ),
+        fields=(
+            BitField("position", 1, variant.position_bits),
+            BitField("error", 0, 1),
         ),
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
         position="position",
@@ -61,6 +92,17 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Tells("error", flag="error"),
             Tells("warning", flag="warning"),
         ),
+        fields=(
+            BitField(
+                "padding",
+                variant.scd_value_bits + 8,
+                variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
+            ),
+            BitField("position", 8, variant.scd_value_bits),
+            BitField("error", 7, 1),
+            BitField("warning", 6, 1),
+            BitField("crc", 0, 6),
+        ),
         crc=CrcOf(
             low=0,
             width=6,
@@ -87,7 +129,7 @@ def shape_of_data_request() -> Shape:
         length=1,
         order="little",
         columns=(
-            Column("data_id", low=3, width=4, kind="choice"),
+            Column("data_id", low=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
         ),
         checks=(
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
@@ -96,6 +138,11 @@ def shape_of_data_request() -> Shape:
         ),
         parities=(
             Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+        ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
         ),
         fixed=0x2 << 0,
     )
@@ -109,7 +156,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
         length=7,
         order="little",
         columns=(
-            Column("data_id", low=3, width=4, kind="choice"),
+            Column("data_id", low=3, width=4, kind="choice", values=(4, 11, 15)),
             Column("status_alarm", low=12, width=1, kind="flag"),
             Column("status_error", low=13, width=1, kind="flag"),
             Column("position", low=16, width=variant.rs485_position_bits),
@@ -168,6 +215,26 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Tells("status_info", mask=15),
             Tells("status_zero", mask=192),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_alarm", 12, 1),
+            BitField("status_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("position", 16, variant.rs485_position_bits),
+            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
+            BitField("overspeed", 40, 1),
+            BitField("initialization_error", 41, 1),
+            BitField("hardware_error", 42, 1),
+            BitField("encoder_inharmonious_error", 43, 1),
+            BitField("higher_track_error", 44, 1),
+            BitField("low_amplitude_error", 45, 1),
+            BitField("signal_strength_alarm", 46, 1),
+            BitField("temperature_alarm", 47, 1),
+            BitField("crc", 48, 8),
+        ),
         crc=CrcOf(
             low=48,
             width=8,
@@ -213,6 +280,17 @@ def shape_of_wide_position_reply() -> Shape:
             Tells("status_error", flag="status_error"),
             Tells("status_info", mask=15),
             Tells("status_zero", mask=192),
+        ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_alarm", 12, 1),
+            BitField("status_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("position", 16, 48),
+            BitField("crc", 64, 8),
         ),
         crc=CrcOf(
             low=64,
@@ -292,6 +370,28 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Tells("status_info", mask=15),
             Tells("status_zero", mask=192),
         ),
+        fields=(
+            BitField("sync", 0, 3),
+            BitField("data_id", 3, 4),
+            BitField("parity", 7, 1),
+            BitField("status_info", 8, 4),
+            BitField("status_alarm", 12, 1),
+            BitField("status_error", 13, 1),
+            BitField("status_zero", 14, 2),
+            BitField("position", 16, variant.rs485_position_bits),
+            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
+            BitField("encoder_id_1", 40, 8),
+            BitField("encoder_id_2", 48, 8),
+            BitField("overspeed", 56, 1),
+            BitField("initialization_error", 57, 1),
+            BitField("hardware_error", 58, 1),
+            BitField("encoder_inharmonious_error", 59, 1),
+            BitField("higher_track_error", 60, 1),
+            BitField("low_amplitude_error", 61, 1),
+            BitField("signal_strength_alarm", 62, 1),
+            BitField("temperature_alarm", 63, 1),
+            BitField("crc", 64, 8),
+        ),
         crc=CrcOf(
             low=64,
             width=8,
@@ -302,6 +402,182 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
         fixed=(0x2 << 0) | (0xa << 3) | (0x51 << 40),
         position="position",
         otherwise=Verdict.USABLE,
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
+    """Return the shape of ``ProfileId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("profile_id", low=0, width=16),
+        ),
+        fields=(
+            BitField("profile_id", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_serial_number() -> Shape:
+    """Return the shape of ``SerialNumber``."""
+    return Shape(
+        bits=32,
+        length=4,
+        order="big",
+        columns=(
+            Column("year", low=24, width=8),
+            Column("week", low=16, width=8),
+            Column("number", low=0, width=16),
+        ),
+        fields=(
+            BitField("year", 24, 8),
+            BitField("week", 16, 8),
+            BitField("number", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_configuration() -> Shape:
+    """Return the shape of ``Configuration``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("counting_direction", low=6, width=1, kind="choice", values=CountingDirection),
+            Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
+            Column("enable_preset_offset", low=2, width=1, kind="choice", values=EnablePresetOffset),
+            Column("select_preset_offset", low=1, width=1, kind="choice", values=SelectPresetOffset),
+        ),
+        fields=(
+            BitField("unused_7", 7, 1),
+            BitField("counting_direction", 6, 1),
+            BitField("output_code", 5, 1),
+            BitField("unused_3_4", 3, 2),
+            BitField("enable_preset_offset", 2, 1),
+            BitField("select_preset_offset", 1, 1),
+            BitField("unused_0", 0, 1),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
+    """Return the shape of ``AbsoluteResolution``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("absolute_resolution", low=0, width=8),
+        ),
+        fields=(
+            BitField("absolute_resolution", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_preset_offset() -> Shape:
+    """Return the shape of ``PresetOffset``."""
+    return Shape(
+        bits=32,
+        length=4,
+        order="big",
+        columns=(
+            Column("preset_offset", low=0, width=32),
+        ),
+        fields=(
+            BitField("preset_offset", 0, 32),
+        ),
+        limited=("preset_offset", "preset_offset"),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_device_type() -> Shape:
+    """Return the shape of ``DeviceType``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("type", low=0, width=8),
+        ),
+        fields=(
+            BitField("type", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_sine_cosine_resolution() -> Shape:
+    """Return the shape of ``SineCosineResolution``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("period", low=0, width=8),
+        ),
+        fields=(
+            BitField("period", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_position_check() -> Shape:
+    """Return the shape of ``PositionCheck``."""
+    return Shape(
+        bits=8,
+        length=1,
+        order="big",
+        columns=(
+            Column("position_check", low=0, width=8),
+        ),
+        fields=(
+            BitField("position_check", 0, 8),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_device_id() -> Shape:
+    """Return the shape of ``DeviceId``."""
+    return Shape(
+        bits=48,
+        length=6,
+        order="big",
+        columns=(
+            Column("name", low=16, width=32, kind="text"),
+            Column("release", low=0, width=16),
+        ),
+        fields=(
+            BitField("name", 16, 32),
+            BitField("release", 0, 16),
+        ),
+    )
+
+
+@lru_cache(maxsize=None)
+def shape_of_register_manufacturer_id() -> Shape:
+    """Return the shape of ``ManufacturerId``."""
+    return Shape(
+        bits=16,
+        length=2,
+        order="big",
+        columns=(
+            Column("name", low=0, width=16, kind="text"),
+        ),
+        fields=(
+            BitField("name", 0, 16),
+        ),
     )
 
 
@@ -321,4 +597,24 @@ FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
         "wide_position_reply": shape_of_wide_position_reply,
         "identification_reply": shape_of_identification_reply,
     },
+}
+
+#: Function for the description of each class.
+SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
+    SsiWord: shape_of_ssi_word,
+    SingleCycleData: shape_of_single_cycle_data,
+    DataRequest: shape_of_data_request,
+    PositionReply: shape_of_position_reply,
+    WidePositionReply: shape_of_wide_position_reply,
+    IdentificationReply: shape_of_identification_reply,
+    ProfileId: shape_of_register_profile_id,
+    SerialNumber: shape_of_register_serial_number,
+    Configuration: shape_of_register_configuration,
+    AbsoluteResolution: shape_of_register_absolute_resolution,
+    PresetOffset: shape_of_register_preset_offset,
+    DeviceType: shape_of_register_device_type,
+    SineCosineResolution: shape_of_register_sine_cosine_resolution,
+    PositionCheck: shape_of_register_position_check,
+    DeviceId: shape_of_register_device_id,
+    ManufacturerId: shape_of_register_manufacturer_id,
 }
