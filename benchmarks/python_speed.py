@@ -36,6 +36,7 @@ def main() -> None:
     sys.path[:0] = PATHS
     print(f"Python {sys.version.split()[0]}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n")
     compare("one BiSS frame of 45 bits, ns", {**biss_by_hand(), **peers_of_biss()}, CALLS, 1)
+    compare("500 different BiSS frames in a loop, as in the README, ns each", reading(), CALLS // 500, 500)
     compare("one RS-485 reply of 6 bytes, ns", {**serial_by_hand(), **peers_of_serial()}, CALLS, 1)
     compare("a million frames, ns each", many(), 1, MANY)
     compare("lookup, ns", lookups(), CALLS, 1)
@@ -94,6 +95,27 @@ def biss_by_hand() -> Candidates:
         "ours: frame.verdict": lambda: frame.verdict,
         "ours: frame.encode": frame.encode,
     }
+
+
+def reading() -> Candidates:
+    """Return loops that read positions: by shifts without a call, and as the README of the package does."""
+    from lika_encoders import FrameError, amm5
+
+    source = random.Random(1)
+    encoder = amm5.lookup(BISS)
+    words = [amm5.SingleCycleData.from_position(encoder, source.getrandbits(37)).encode() for _ in range(500)]
+
+    def floor() -> None:
+        for word in words:
+            _ = (word >> 29, word >> 8 & 0x1FFFFF, word >> 8, word >> 7 & 1, word >> 6 & 1)
+
+    def as_in_the_readme() -> None:
+        for word in words:
+            reply = encoder.try_decode(word)
+            if reply.usable_position is None:
+                raise reply if isinstance(reply, FrameError) else ValueError(reply)
+
+    return {"floor: shifts into a tuple, inline, no CRC": floor, "ours: try_decode, usable_position": as_in_the_readme}
 
 
 def remainder(number: int) -> int:

@@ -18,11 +18,13 @@ class FrameError(ValueError):
         frame: The frame that was passed to an encoder's ``decode``, otherwise None.
         encoder: The encoder whose ``decode`` raised the error, otherwise None.
         order_code: Order code of the encoder, otherwise empty.
+        usable_position: Always None, as for a frame whose position is not usable.
     """
 
     frame: object = None
     encoder: Encoder | None = None
     order_code: str = ""
+    usable_position: None = None
 
     def add(self, frame: object, encoder: Encoder) -> None:
         """Record the frame and the encoder."""

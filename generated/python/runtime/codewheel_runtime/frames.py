@@ -28,7 +28,7 @@ from .errors import FrameError, RangeError
 from .reports import Report
 
 if TYPE_CHECKING:
-    from .shape import Column, Shape
+    from .shape import Column, CrcOf, Shape
     from .table import Table
 
 _Encoder = TypeVar("_Encoder", bound=Encoder)
@@ -89,7 +89,7 @@ class Coded:
         if shape.gray is not None:
             number = to_gray(number, *shape.gray)
         if shape.crc is not None:
-            number |= shape.crc.differs(number) << shape.crc.low
+            number |= _crc(number, shape.crc) << shape.crc.low
         return shape, number
 
 
@@ -207,7 +207,26 @@ class FixedRegister(Fixed, InBytes):
     __slots__ = ()
 
 
-class ByEncoder(Coded, Generic[_Encoder]):
+if TYPE_CHECKING:
+
+    class _Of(Coded, Generic[_Encoder]):
+        """Base that type checkers see: it is generic in the class of the encoder."""
+
+        __slots__ = ()
+
+else:
+
+    class _Of(Coded):
+        """Base at run time. Classes derived from ``Generic`` take longer to import."""
+
+        __slots__ = ()
+
+        def __class_getitem__(cls, encoder: object) -> type:
+            """Return the class itself."""
+            return cls
+
+
+class ByEncoder(_Of[_Encoder]):
     """Frame or register that depends on the encoder."""
 
     __slots__ = ()
@@ -305,6 +324,16 @@ def _bits(fields: Any, column: Column) -> int:
     if column.power_of_two:
         check_power_of_two(name, value)
     return number
+
+
+def _crc(number: int, crc: CrcOf) -> int:
+    """Return the CRC of a number whose CRC bits are 0."""
+    if not crc.steps:
+        return crc.differs(number)
+    for shift, mask, back in crc.steps:
+        high = number >> shift
+        number = number & mask ^ high ^ (high << back if back else 0)
+    return number ^ crc.xorout
 
 
 # -- descriptions
