@@ -64,6 +64,7 @@ def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
     for folder, inside in (
         ("generator", "codewheel"),
         ("templates", "codewheel/templates"),
+        ("runtime", "codewheel/runtime"),
         ("specs", "codewheel/specs"),
     ):
         for path in (ROOT / folder).rglob("*"):
@@ -108,7 +109,7 @@ def test_a_clone_that_converts_line_ends_leaves_them(tmp_path: Path) -> None:
     run("git", "clone", "--quiet", "--shared", "--config", "core.autocrlf=true", ROOT, tmp_path / "clone", cwd=tmp_path)
     kept = [
         path
-        for folder in ("generated", "specs", "templates")
+        for folder in ("generated", "specs", "templates", "runtime")
         for path in (tmp_path / "clone" / folder).rglob("*")
         if path.is_file()
     ]
@@ -146,7 +147,7 @@ def test_the_tool_is_strictly_typed() -> None:
 def test_no_family_is_named_in_the_generator_or_a_template() -> None:
     names = [path.stem for path in (ROOT / "specs").glob("*/*.yaml") if path.stem != "manufacturer"]
     assert "amm5" in names
-    for folder in ("generator", "templates"):
+    for folder in ("generator", "templates", "runtime"):
         for path in (ROOT / folder).rglob("*"):
             if path.is_file() and "__pycache__" not in path.parts:
                 # A public test vector has its source, which is the firmware of one.
