@@ -83,17 +83,20 @@ def _lay_out(checkout: Checkout, package: Path) -> None:
     for item in (checkout.root / "generator").iterdir():
         if item.name != "__pycache__":
             (package / item.name).symlink_to(item)
-    for name in ("templates", "specs"):
-        (package / name).symlink_to(checkout.root / name)
+    for name in ("templates", "specs", "runtime"):
+        if (checkout.root / name).exists():
+            (package / name).symlink_to(checkout.root / name)
 
 
 def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Counter[str]]:
-    """Count the origins of the statements for each kind of file."""
+    """Count the origins of the statements for each kind of file. The runtime, which is copied, is not counted."""
     families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
     counts = {
         f"{language}, {sort}": Counter[str]() for language in ("C", "Python") for sort in ("families", "shared by all")
     }
     for path, file in files.items():
+        if "/codewheel/" in path:
+            continue
         language = "C" if path.endswith(".h") else "Python"
         sort = "families" if Path(path).stem in families else "shared by all"
         counts[f"{language}, {sort}"].update(item.origin for item in statements(path, file))
