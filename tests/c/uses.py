@@ -96,13 +96,18 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
             yield found[1], settings
 
 
+def included(header: str, include: Path) -> list[str]:
+    """The header, given as below ``include``, after those that it includes."""
+    text = (include / header).read_text(encoding="ascii")
+    found = re.findall(r'^#include "(?:codewheel/)?(\w+\.h)"', text, re.MULTILINE)
+    return [*(item for name in found for item in included(f"codewheel/{name}", include)), header]
+
+
 def use_everything(headers: Sequence[str], include: Path) -> str:
-    """A text that includes these headers, given as below ``include``, and uses all that they declare, and all that the
-    headers of the runtime declare that they include."""
-    shared = [f"codewheel/{name}.h" for name in ("version", "result", "bits", "encoder", "transport")]
-    if not any(header.partition("/")[0] != "codewheel" for header in headers):
-        shared = []
-    found = declared((include / header).read_text(encoding="ascii") for header in dict.fromkeys([*shared, *headers]))
+    """A text that includes these headers, given as below ``include``, and uses all that they and the headers of the
+    runtime declare that they include."""
+    every = dict.fromkeys(item for header in headers for item in included(header, include))
+    found = declared((include / header).read_text(encoding="ascii") for header in every)
     lines = [f'#include "{header}"' for header in headers]
     for kind, name, given in found.functions:
         arguments = "" if given == "void" else ", ".join(re.findall(r"(\w+)(?:\[\d*\])?(?:,|$)", given))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 from ...model import (
     Alarm,
@@ -74,13 +74,7 @@ def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
     return _headed(title(item), alarm.alarm(device, item))
 
 
-_DATA: Paragraph = ("@param data  ", "the bits that the CRC covers, with the last one sent as bit 0")
-_BITS: Paragraph = ("@param bits  ", "number of bits")
-_BYTES: Sequence[Paragraph] = (
-    ("@param bytes  ", "the bytes that the CRC covers, in the order sent"),
-    ("@param length  ", "number of bytes"),
-)
-_RETURN: Paragraph = ("@return ", "the CRC")
+_OF_BITS = "Return the CRC of bits, the last one sent as bit 0."
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -88,11 +82,11 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     about = list(map(S.sentence, crc.crc(device, function.crc)))
     if function.carrier is Carrier.BYTES:
         by_xor = "With this polynomial, the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
-        return ["Compute the CRC of the given bytes.", *about, by_xor, *_BYTES, _RETURN]
+        return ["Return the CRC of bytes in the order sent.", *about, by_xor]
     if function.form is Form.FOLD:
         zeros = "Leading zeros do not change the CRC."
-        return ["Compute the CRC of the given bits.", *about, zeros, _derivation(function.crc), _DATA, _RETURN]
-    return ["Compute the CRC of the given bits.", *about, _DATA, _BITS, _RETURN]
+        return [_OF_BITS, *about, zeros, _derivation(function.crc)]
+    return [_OF_BITS, *about]
 
 
 def _derivation(item: Crc) -> str:

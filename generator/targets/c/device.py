@@ -156,11 +156,14 @@ class DeviceView:
 
     @property
     def all_errata(self) -> list[Paragraph]:
-        """Return the errata of the parts in the header in full, with each labelled part on its own lines."""
+        """Return what is used instead of each erratum of the header, and the changes of other editions in full."""
         made: list[Paragraph] = []
         for item in errata(self.device, *_IN_HEADER):
             head, *parts = BY_TITLE.lines(erratum(item, whole=True))
-            made += [head, *(("  ", line) for line in parts)]
+            if item.overlay or item.edition:
+                made += [head, *(("  ", line) for line in parts)]
+            else:
+                made.append(f"{head} {next(line for line in parts if line.startswith('Used: '))}")
         return made
 
 

@@ -32,8 +32,7 @@ from .selftest import AllTests, FamilyTest, selftest_files
 
 class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    prefix: Annotated[str, "the lowercase name prefix shared by all its families"]
-    PREFIX: Annotated[str, "the same in uppercase, for macros"]
+    PREFIX: Annotated[str, "the prefix of its macros"]
 
 
 class FamilyHeader(Shared):
@@ -97,7 +96,6 @@ def _family(library: Library, view: DeviceView) -> str:
     maker = view.maker
     values: FamilyHeader = {
         "maker": maker,
-        "prefix": maker.name,
         "PREFIX": maker.name.upper(),
         "d": view,
         "runtime": runtime_version(),

@@ -42,7 +42,6 @@ class Package(TypedDict):
     version: Annotated[str, "its version"]
     title: Annotated[str, "its description in one line of plain letters"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
-    makers: Annotated[list[Manufacturer], "the manufacturers"]
     devices: Annotated[list[Device], "the families"]
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
     with_bitwise: Annotated[list[str], "the same for those with a CRC that can do without its table"]
@@ -70,7 +69,6 @@ def package_files(
         "version": max((maker.version for maker, _ in makers), key=_order),
         "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker, _ in makers)}"),
         "guide": guide(programs),
-        "makers": [maker for maker, _ in makers],
         "devices": [device for _, devices in makers for device in devices],
         "with_tables": _with_crcs(makers, views, lambda crc: crc.is_fold and bool(crc.table)),
         "with_bitwise": _with_crcs(makers, views, lambda crc: crc.by_bits),
@@ -86,7 +84,7 @@ def package_files(
     files = {path.format(package=package): render(template, values) for path, template in FILES.items()}
     for item in shown:
         maker = item.view.maker
-        used = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
+        used = {"maker": maker, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
         files[f"examples/{item.name}.c"] = render(_template(item), used)
     return files
 

@@ -264,8 +264,6 @@ def _hex(value: int, bits: int = 32) -> str:
 
 class FamilyTest(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    prefix: Annotated[str, "the lowercase name prefix shared by all its families"]
-    PREFIX: Annotated[str, "the same in uppercase, for macros"]
     t: Annotated[SelfTest, "the checks of the family"]
 
 
@@ -286,7 +284,7 @@ def selftest_files(
     files = {}
     for maker, devices in makers:
         for test in (tests[device.name] for device in devices if device.name in tests):
-            family: FamilyTest = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "t": test}
+            family: FamilyTest = {"maker": maker, "t": test}
             files[f"selftest/{test.view.device.name}.c"] = render("selftest.c.jinja", family)
     names = [maker.name for maker, _ in makers]
     values: AllTests = {
