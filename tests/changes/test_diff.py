@@ -11,8 +11,8 @@ from shutil import copytree
 
 import pytest
 from codewheel.changes.families import compare
-from codewheel.loading.revisions import RevisionError, lay_out, named
 from codewheel.commands.cli import main
+from codewheel.loading.revisions import RevisionError, lay_out, named
 from codewheel.model import Device
 from jsonschema import Draft202012Validator
 from pair import BASE
