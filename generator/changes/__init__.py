@@ -1,7 +1,7 @@
 """Compare two versions of specs, and report the impact of each change on users of the outputs.
 
-Resolved models are compared: ``walk`` goes through two families side by side, ``pairs`` recognises renamed things, and
-``values`` compares expressions by their values. Each difference has a rule in ``rules``, which gives its impact.
-``text``, ``markdown`` and ``data`` report the changes, ``version`` derives the version, and ``record`` saves them.
-``revisions`` reads specs from git.
+Resolved models are compared: ``families`` goes through two families, ``pairs`` and ``counterparts`` recognise renamed
+things, and ``compare`` compares their members by the rules in the table of ``model.members``. ``expressions`` compares
+numbers by their values. ``rules`` gives the impact of each rule. The modules ``report`` present the changes.
+``version`` derives the version, and ``release_files`` saves it with the changes.
 """

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..model import Biss, Crc, CrcValue, Device, Procedure, Register, Step
 from ..say.place import register_at
+from ..say.register import access
 from .change import Change, Thing
 from .compare import members, things
 from .counterparts import bare, procedure_pairs, recognised, step_in_new
@@ -32,9 +33,9 @@ def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> I
     unnamed = place.unnamed
     if old.access != new.access:
         is_lost = any(old.access in can and new.access not in can for can in (_CAN_READ, _CAN_WRITE))
-        access = f": {old.access.replace('_', ' ')} → {new.access.replace('_', ' ')}"
+        said = f": {access(old)} → {access(new)}"
         rule, thing = ("access-lost", place) if is_lost else ("access-gained", unnamed)
-        yield both.change(rule, thing.inside("access", place.label), access, old.access, new.access)
+        yield both.change(rule, thing.inside("access", place.label), said, old.access, new.access)
     yield from things(
         both,
         "meaning",

@@ -71,7 +71,7 @@ def _connector(pair: Pair[Connector]) -> Thing:
 def _contacts(both: FamilyPair, thing: Thing, old: Connector, new: Connector) -> Iterator[Change]:
     before, after = ({item.contact: item for item in each.contacts} for each in (old, new))
     for contact in dict.fromkeys((*before, *after)):
-        place = thing.inside(contact, f"{thing.label}: {contact}")
+        place = thing.inside(contact, f"{thing.label}: contact {contact}")
         yield from _contact(both, place, before.get(contact), after.get(contact))
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
+from ..changes.pairs import paired
 from ..language.problems import Path
 from .fact import NOTHING, Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .frame_bits import continues, run
@@ -63,18 +65,17 @@ class Comparison:
 def compare(spec: Facts, second: Facts) -> Comparison:
     """Compare the facts of a spec with those of its second reading."""
     made = Comparison(settled=are_settled(spec, second))
-    for key, fact in spec.facts.items():
-        other = second.facts.get(key)
-        if other is None:
-            if key[0] not in _OWN:
-                made.note(fact.sort, fact.place, Read.ONCE)
-        else:
-            _compare_values(made, fact, other)
-    for key, fact in second.facts.items():
-        free = fact.mild and not (made.settled and key[0] in _OWN)
-        if key not in spec.facts and not free and _has_holder(fact, spec):
-            near = _near(fact, spec, second)
-            _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
+    for pair in paired(list(spec.facts.items()), list(second.facts.items()), name=_key):
+        key, fact = pair.first
+        if pair.old is None:
+            is_free = fact.mild and not (made.settled and key[0] in _OWN)
+            if not is_free and _has_holder(fact, spec):
+                near = _near(fact, spec, second)
+                _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
+        elif pair.new is not None:
+            _compare_values(made, fact, pair.new[1])
+        elif key[0] not in _OWN:
+            made.note(fact.sort, fact.place, Read.ONCE)
     for found in _codes_too_many(spec, second):
         _differ(made, found)
     for found in _compare_names(made, spec.names, second.names):
@@ -83,6 +84,11 @@ def compare(spec: Facts, second: Facts) -> Comparison:
         if _same_order(spec.facts.get((*key, "order")), second.facts.get((*key, "order"))):
             _compare_words(made, word, second.words.get(key))
     return made
+
+
+def _key(item: tuple[Any, Any]) -> Any:
+    """Return the key of a fact, which identifies it in both readings."""
+    return item[0]
 
 
 def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
@@ -275,21 +281,20 @@ def _compare_aspects(
 ) -> Iterator[Disagreement]:
     low, width = span
     where = f" of {bits(low + width - 1, low)} of {word.what}"
-    for about, aspect in own.items():
-        theirs = other.get(about)
-        if aspect.implied:
+    near = next((aspect.place for aspect in own.values()), word.place)
+    for pair in paired(list(own.items()), list(other.items()), name=_key):
+        _, aspect = pair.first
+        theirs = pair.new[1] if pair.new is not None else None
+        what = aspect.what + ("" if aspect.alone else where)
+        if pair.old is None:
+            if not aspect.mild and not aspect.implied:
+                yield Disagreement(aspect.sort, what, NOTHING, aspect.value, (), aspect.place, near)
+        elif aspect.implied:
             if theirs is not None and not theirs.implied:
-                what = f"{aspect.what}{where}"
                 yield Disagreement(aspect.sort, what, NOTHING, theirs.value, (), theirs.place, aspect.place)
         elif theirs is None:
             made.note(aspect.sort, aspect.place, Read.ONCE)
         elif aspect.value == theirs.value or _alias(aspect.sort, aspect.value, theirs.value):
             made.note(aspect.sort, aspect.place, Read.TWICE)
         else:
-            what = aspect.what + ("" if aspect.alone else where)
             yield Disagreement(aspect.sort, what, aspect.value, theirs.value, aspect.place, theirs.place, ())
-    near = next((aspect.place for aspect in own.values()), word.place)
-    for about, aspect in other.items():
-        if about not in own and not aspect.mild and not aspect.implied:
-            what = aspect.what + ("" if aspect.alone else where)
-            yield Disagreement(aspect.sort, what, NOTHING, aspect.value, (), aspect.place, near)

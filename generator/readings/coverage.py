@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 from ..language.document import Document
 from ..language.problems import Path
@@ -42,15 +42,7 @@ def coverage_of(readings: Iterable[Readings]) -> list[Coverage]:
 
 def added(counts: Iterable[TimesRead]) -> TimesRead:
     """Return the sum of several counts."""
-    found = NOT_READ
-    for item in counts:
-        found = TimesRead(
-            found.twice + item.twice,
-            found.explained + item.explained,
-            found.once + item.once,
-            found.derived + item.derived,
-        )
-    return found
+    return TimesRead(*map(sum, zip(*map(astuple, (NOT_READ, *counts)), strict=True)))
 
 
 def _of_family(readings: Readings, outcome: Comparison) -> Coverage:

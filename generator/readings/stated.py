@@ -84,7 +84,8 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     if isinstance(value, Expression):
         return {case: short(value.value(each)) for case, each in reading.cases(interface).items()}
     if isinstance(value, bool):
-        return ("low" if value else "high") if member.form == "level" else "yes" if value else "no"
+        words = {"level": ("high", "low")}.get(member.form, ("no", "yes") if "=" in member.shape else ("false", "true"))
+        return words[value]
     if isinstance(value, int):
         return in_hex(value) if member.notation == "hex" else f"{value}{_UNITS.get(member.notation, '')}"
     if isinstance(value, Enum):

@@ -10,8 +10,8 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
-from codewheel.changes import revisions
 from codewheel.commands.cli import main
+from codewheel.loading import revisions
 from codewheel.loading.revisions import LaidOut, Named, RevisionError, lay_out
 from pair import BASE
 

@@ -20,24 +20,25 @@ WIDER = {
 class Member:
     """A member of a part of the model. Every output, ``diff`` and the second reading take its description from here.
 
-    name: Name in the data, in JSON and XML.
-    shape: Type in the data. Empty for a member that is not in the data.
+    Attributes:
+        name: Name in the data, in JSON and XML.
+        shape: Type in the data. Empty for a member that is not in the data.
 
-        * ``string``, ``integer``, ``boolean``, ``hex`` (an integer in hexadecimal) or ``scalar`` (any of them)
-        * the name of a part or of a basic type: ``register``, ``text``, ``name``, ``names``, ``expression``
-        * ``one|other``: one of these words
-        * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
-        * ``text?``: the same or null. ``boolean=false``: the same with a default. ``=1``: always this number.
-    about: Description for users of the data.
-    rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or follows from others.
-    label: Name in sentences, if it differs from ``name``.
-    read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
-        or whose facts have several parts.
-    noun: Name in messages about second readings, where ``label`` does not name a thing.
-    form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default it
-        follows from the shape or the name.
-    refers_to: Kind of thing that the member names, so that ``diff`` takes a renaming into account.
-    of: Name in the model, if it differs from ``name``.
+            * ``string``, ``integer``, ``boolean``, ``hex`` (an integer in hexadecimal) or ``scalar`` (any of them)
+            * the name of a part or of a basic type: ``register``, ``text``, ``name``, ``names``, ``expression``
+            * ``one|other``: one of these words
+            * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
+            * ``text?``: the same or null. ``boolean=false``: the same with a default. ``=1``: always this number.
+        about: Description for users of the data.
+        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or follows from others.
+        label: Name in sentences, if it differs from ``name``.
+        read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
+            or whose facts have several parts.
+        noun: Name in messages about second readings, where ``label`` does not name a thing.
+        form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default
+            it follows from the shape or the name.
+        refers_to: Kind of thing that the member names, so that ``diff`` takes a renaming into account.
+        of: Name in the model, if it differs from ``name``.
     """
 
     name: str
