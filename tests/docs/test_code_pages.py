@@ -49,8 +49,9 @@ def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:
 
 def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
     for name, page in of_codes(pages).items():
-        before = page.partition('<a id="quantities"></a>')[0]
-        spans = [span for line in before.splitlines() for span in line.split("`")[1::2]]
+        before, _, after = page.partition('<a id="quantities"></a>')
+        besides = before + after.partition("</details>")[2]
+        spans = [span for line in besides.splitlines() for span in line.split("`")[1::2]]
         assert [span for span in spans if _OPEN.search(span)] == [], name
 
 

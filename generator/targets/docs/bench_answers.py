@@ -41,7 +41,7 @@ from ...say.place import addresses, bits
 from ...say.report import deciding
 from ...say.text import said
 from ...say.timing import bounds
-from ...say.words import WORTH, counted, hertz, microseconds, nanoseconds, timeout_words, volts
+from ...say.words import WORTH, counted, hertz, microseconds, nanoseconds, sentence, timeout_words, volts
 
 Row = tuple[str, ...]
 T = TypeVar("T")
@@ -54,7 +54,8 @@ _BEFORE_BISS = 2
 class Wiring:
     """Table of contacts and signals.
 
-    ``about`` has the connectors and cables of each column. ``errata`` are the paths of the connectors in the spec.
+    ``about`` has the connectors and cables of each column, and ``notes`` the sentences that hold for all of them.
+    ``errata`` are the paths of the connectors in the spec.
     """
 
     head: tuple[str, ...]
@@ -75,7 +76,8 @@ def wiring(device: Device) -> Wiring:
     ]
     rows = [(*(_contacts(column, signal) for column in columns), text(signal)) for signal in signals]
     about = [f"{name}: {', '.join(_marked(column, _named))}" for name, column in zip(head, columns, strict=True)]
-    notes = dict.fromkeys(text(item.note) for item in device.connectors if item.note)
+    sentences = [item.note.rstrip(".").split(". ") for item in device.connectors]
+    notes = [text(sentence(one)) for one in (sentences or [[]])[0] if one and all(one in other for other in sentences)]
     errata = tuple(f"connectors.{item.name}" for item in device.connectors)
     return Wiring((*head, "Signal"), tuple(rows), tuple(about), tuple(notes), errata)
 

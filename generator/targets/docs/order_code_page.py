@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Device, Interface, Layout, Parameter, Variant
+from ...model import INTERFACES, Biss, Device, Interface, Layout, Parameter, Variant
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied
@@ -147,7 +147,8 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         **over_values(alike.family, here, alike.variants, has_masters, alike.pictures),
         "errata_at": badges,
         "codes": alike.codes,
-        "lead": lead(interface.note),
+        # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
+        "lead": lead(interface.note) if isinstance(interface, Biss) else "",
         "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
         "wiring": bench_answers.wiring(here),
         "supply": bench_answers.supply(here, alike.variants),
@@ -169,7 +170,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
             {**item, "steps": list(short_tables.steps(here, item["procedure"]))} for item in found["procedures"]
         ],
         "setting_lines": list(short_tables.setting_lines(here, interface)),
-        "frames_summary": counted(len(interface.layouts), "frame") + ", fields and CRC",
+        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if here.crcs else ""),
         "registers_summary": _summary(here),
         "time_rows": list(short_tables.time_rows(interface.timings + here.timings)),
         "by_hand": by_hand(here),
