@@ -40,7 +40,7 @@ class Mirror(SphinxTransform):
             made = _TARGET.sub(lambda found: f'{found[1]}="{self._leads_to(found[3])}"', raw.rawsource or raw.astext())
             raw.clear()
             raw.rawsource = made
-            raw += nodes.Text(made)
+            raw.append(nodes.Text(made))
             anchors += _ID.findall(made)
         self.env.metadata[self.env.docname]["anchors"] = anchors  # type: ignore[assignment]
 

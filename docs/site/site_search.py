@@ -22,8 +22,10 @@ _HEADING = re.compile(r"<(summary|h[2-4])[^>]*>(.*?)</\1>", re.DOTALL)
 _SMALL = re.compile(r"<small>.*?</small>", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 #: Pages about the project rather than about encoders.
-_OF_PROJECT = re.compile(r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(mutants|templates|architecture"
-                         r"|footprint|evidence|how-to|example|overlays|rules|spec-language|exports|start-maintainer)|.*-changes$)")  # fmt: skip
+_OF_PROJECT = re.compile(
+    r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(mutants|templates|architecture|footprint|evidence"
+    r"|how-to|example|overlays|rules|spec-language|exports|start-maintainer)|.*-changes$)"
+)
 #: Longest text of a section in characters. Only words beyond it are not found.
 _LONGEST = 6000
 #: Heading of the folded part of the page of an order code.
