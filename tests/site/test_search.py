@@ -96,7 +96,7 @@ blinking LED                    | LEDs                | amm5/biss.html#leds
 AMM5A21/65KSC1 blinking LED     | LEDs                | amm5/AMM5A21-65KSC1.html#leds
 ASC8525/BG1 blinking LED        | LEDs                | asc85/ASC8525-BG1.html#leds
 battery                         | Battery alarm       | amm5/rs485.html#alarm-battery_alarm
-replace battery                 | Battery replacement without error | amm5/hardware.html#battery-replacement-without-error
+replace battery                 | Battery replacement without error | hardware.html#battery-replacement-without-error
 counting direction              | counting direction  | am36/biss.html#input-counting_direction
 2500000                         | AMM5: RS-485        | amm5/rs485.html
 2,500,000                       | AMM5: RS-485        | amm5/rs485.html
