@@ -253,7 +253,7 @@
       label.tail && `The label continues with ${label.tail}.`,
       label.isSpecial && (label.family.special_codes ?? "A code that ends in /Sxxx may differ from the manual.")];
     const text = notes.filter(Boolean).join(" ");
-    const own = sections.filter((one) => one.page === page && one.anchor);
+    const own = sections.filter((one) => one.page === page && one.anchor && one.isInSight);
     const jumps = element("p", { class: "snippet" }, own.slice(0, 12).flatMap((one, place) => [
       place ? " · " : "", link(page, one.anchor, one.title)]));
     const title = `${label.family.title}, ${label.interface.title}`;
