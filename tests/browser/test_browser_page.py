@@ -265,6 +265,45 @@ def test_a_link_fills_the_page_in(chromium: str, page: Path) -> None:
     assert link == "#code=AMM5A21%2F65KSC1&frame=00+30+24+f4+00+00+00&as=preset"
 
 
+MANY = r"""
+  const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+  const result = boxes[0].querySelector(".codewheel-decode-result");
+  type(code, "AMM5A19/65KSC1");
+  const help = said(boxes[0]);
+  type(code, "AMM5A21/65KSC1");
+  type(text, "# bench\n\n0.001 0xF4243D3\n0.002, [0x0F, 0x42, 0x43, 0xD2]\n3 ms zz\n");
+  const rows = [...result.querySelectorAll("tbody tr")].map((row) => [...row.cells].map((cell) => cell.innerText.trim()));
+  const address = new URLSearchParams(location.hash.slice(1)).get("frame");
+  let csv = "";
+  navigator.clipboard.writeText = (given) => { csv = given; return Promise.resolve(); };
+  result.querySelector(".codewheel-decode-exports button").click();
+  result.querySelectorAll("tbody button")[1].click();
+  return { help, rows, address, csv, full: result.querySelector(".codewheel-decode-full").innerText };
+"""
+
+
+@pytest.mark.slow
+def test_many_frames_give_a_table(chromium: str, page: Path) -> None:
+    seen = shown(chromium, page, MANY, LINKED)
+    assert "'AMM5A19/65KSC1' has singleturn '19'; valid values: 17, 21, 23." in seen["help"]
+    assert [[row[0], row[1], row[3]] for row in seen["rows"]] == [
+        ["3", "0.001", "usable"],
+        ["4", "0.002", "CRC error"],
+        ["5", "3 ms", "not a frame"],
+    ]
+    assert "position 1000003" in seen["rows"][0][4]
+    assert "171.6619° of revolution 0" in seen["rows"][0][4]
+    assert seen["rows"][1][5] == "expected CRC 0x13, got 0x12"
+    assert "'zz' is not a frame of 45 bits. Write 0b and all 45 bits" in seen["rows"][2][5]
+    assert seen["address"].splitlines()[2] == "0.001 0xF4243D3"
+    head, first, second, *_ = seen["csv"].splitlines()
+    assert head == "line,time,frame,layout,verdict,remark,multiturn,singleturn,error,warning,crc,position"
+    assert first == "3,0.001,0xF4243D3,single_cycle_data,usable,,0,1000003,no,no,19,1000003"
+    assert second.startswith('4,0.002,"[0x0F, 0x42, 0x43, 0xD2]",single_cycle_data,,"expected CRC 0x13, got 0x12",')
+    assert seen["full"].startswith("Line 4")
+    assert "one bit was disturbed on the line" in seen["full"]
+
+
 @pytest.mark.slow
 def test_the_policy_of_the_page_allows_its_own_script_and_style_only(chromium: str, page: Path, tmp_path: Path) -> None:
     """Open the page as a file, then with parts that an attacker would add."""

@@ -11,12 +11,21 @@ from chromium import Browser
 LOOKS = [(375, False), (375, True), (1280, False), (1280, True)]
 #: What reaches over the right edge and does not scroll by itself, or is cut off where it stands.
 _CUT = """[...document.querySelectorAll("body *:not(.skip)")].filter(item => {
-  if (item.closest(".wide, pre, svg, .skip")) return false;
+  if (item.closest(".table-wrapper, pre, svg, .skip, .sidebar-drawer, .toc-drawer, table.stacks thead")) return false;
   const style = getComputedStyle(item), box = item.getBoundingClientRect();
   if (box.width === 0 || item.matches("input")) return false;
   const hides = style.overflowX !== "visible" || style.overflowY !== "visible";
   return box.right > %d + 1 || (hides && (item.scrollWidth > item.clientWidth + 1));
 }).map(item => item.tagName + " " + item.className + ": " + item.textContent.trim().slice(0, 60)).slice(0, 3)"""
+#: Tables that are wider than their box, or with a cell whose text is cut; and the number of tables.
+_TABLES = """(() => {
+  document.querySelectorAll("details").forEach((item) => { item.open = true; });
+  const tables = [...document.querySelectorAll("article table")];
+  const isCut = (item) => item.scrollWidth > item.clientWidth + 2;
+  const wide = tables.filter((item) => item.scrollWidth > item.parentElement.clientWidth + 2
+    || [...item.querySelectorAll("td, th")].some((cell) => cell.clientWidth > 1 && isCut(cell)));
+  return [tables.length, wide.map((item) => item.innerText.trim().slice(0, 60))];
+})()"""
 _AXE = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
   .filter(item => item.impact === "serious" || item.impact === "critical")
   .map(item => item.id + ": " + item.nodes[0].html.slice(0, 200)))"""
@@ -33,6 +42,13 @@ def faults(browser: Browser, page: Path, width: int) -> Iterator[str]:
         '[...document.images].filter(item => !item.naturalWidth).map(item => "no picture: " + item.src)'
     )
     yield from browser.complaints
+
+
+def tables(browser: Browser, page: Path) -> tuple[int, list[str]]:
+    """Return the number of tables of a page, with all folds open, and those that do not fit."""
+    browser.open(page.as_uri())
+    count, wide = browser.run(_TABLES)
+    return count, wide
 
 
 def axe_finds(browser: Browser, page: Path, axe: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""What stands first when one types an order code, an address or a name into the search, opened as files in Chromium."""
+"""First hits of labels, addresses, names and words that people type into the search, opened as files in Chromium."""
 
 from __future__ import annotations
 
@@ -8,65 +8,169 @@ from urllib.parse import quote
 import pytest
 from chromium import Browser
 
-#: What is typed, what stands first, and what its link ends in. Codes, addresses and names are those of the manuals.
-QUERIES = """
-AMM5A21/65KSC1          | AMM5A21/65KSC1            | amm5/AMM5A21-65KSC1.html
-amm5a21/65ksc1          | AMM5A21/65KSC1            | amm5/AMM5A21-65KSC1.html
-AMM5A21-65KSC1          | AMM5A21/65KSC1            | amm5/AMM5A21-65KSC1.html
-AMM5B23/65KJP1          | AMM5B23/65KJP1            | amm5/AMM5A23-65KJP1.html
-AMM5A17/1BG             | AMM5A17/1BG1              | amm5/AMM5A17-1BG1.html
-SMA21-SC4-0050          | SMA21-SC4-0050            | sma21/SMA21-SC1-0050.html
-sma21-jp1-0001          | SMA21-JP1-0001            | sma21/SMA21-JP1-0001.html
-AMC3619/4096-I7         | AMC3619/4096-I7           | am36/AM3619-4096-I7.html
-ASC8525/SC2             | ASC8525/SC2               | asc85/ASC8525-SC1.html
-asc8520                 | ASC8520/BG1               | asc85/ASC8520-BG1.html
-11h                     | AMM5.11h                  | #register-preset
-0x11                    | AMM5.0x11                 | #register-preset
-13H                     | AMM5.13h                  | #register-preset
-77h                     | AMM5.77h                  | #register-command
-0x5a                    | ASC85.0x5A                | #register-diagnostic_data
-59h                     | SMA21.59h                 | #register-position_check
-0x56                    | AM36.0x56                 | #register-singleturn_bits_used
-preset                  | AM36.Preset               | #register-preset
-AMM5 preset             | AMM5.Preset               | #register-preset
-preset_setting_enable   | AMM5.preset_setting_enable| #register-preset_setting_enable
-serial number           | AM36.Serial number        | #register-serial_number
-ALMC                    | AMM5.ALMC                 | #group-alarm_field
-MEM BUSY                | AMM5.MEM BUSY             | #group-address_of_request
-Battery alarm           | AMM5.Battery alarm        | #alarm-battery_alarm
-mt error                | AMM5.MT error             | #alarm-mt_error
-busy flag               | AMM5.BUSY flag            | #alarm-busy
-Overspeed               | SMA21.Overspeed           | #alarm-overspeed
-Low amplitude error     | SMA21.Low amplitude error | #alarm-low_amplitude_error
-EE_1                    | AMM5.EE_1                 | #group-status_field
-biss_6                  | AM36.biss_6               | #crc-biss_6
-mutants                 | Mutants                   | docs/mutants.html
+#: Typed label, the code of the first hit, and the end of its link.
+LABELS = """
+AMM5A21/65KSC1              | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+amm5a21/65ksc1              | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+AMM5A21-65KSC1              | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+AMM5A21 / 65KSC1            | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+AMM5A21/65KSC1-K            | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+AMM5A21/65KSC1/S123         | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+AMM5A21/65KSC1-K/S123       | AMM5A21/65KSC1  | amm5/AMM5A21-65KSC1.html
+AMM5B23/65KJP1              | AMM5B23/65KJP1  | amm5/AMM5A23-65KJP1.html
+AM3616/4096SC1              | AM3616/4096-I7  | am36/AM3616-4096-I7.html
+AMC3619/4096BG2             | AMC3619/4096-BG | am36/AM3619-4096-BG.html
+AMC3619/4096-I7             | AMC3619/4096-I7 | am36/AM3619-4096-I7.html
+AM3617/4096-I7              | AM3617/4096-I7  | am36/AM3616-4096-I7.html
+SMA21-SC4-0050              | SMA21-SC4-0050  | sma21/SMA21-SC1-0050.html
+sma21-jp1-0001              | SMA21-JP1-0001  | sma21/SMA21-JP1-0001.html
+ASC8525/SC2                 | ASC8525/SC2     | asc85/ASC8525-SC1.html
+ASC8525/SC2-X               | ASC8525/SC2     | asc85/ASC8525-SC1.html
+AMM5A17/1BG                 | AMM5A17/1BG1    | amm5/AMM5A17-1BG1.html
+asc8520                     | ASC8520/BG1     | asc85/ASC8520-BG1.html
+AMM5A19                     | AMM5A17/1BG1    | amm5/AMM5A17-1BG1.html
+AMM5A19/65KSC1              | AMM5A17/65KSC1  | amm5/AMM5A17-65KSC1.html
+SMA21-JP1-0051              | SMA21-JP1-0050  | sma21/SMA21-JP1-0050.html
 """
-ROWS = [tuple(cell.strip() for cell in line.split("|")) for line in QUERIES.strip().splitlines()]
-#: Waits for the first hit.
-FIRST = """new Promise(done => {
-  const look = () => {
-    const hit = document.querySelector("#search-results li a");
-    if (hit) done([hit.textContent, hit.getAttribute("href")]); else setTimeout(look, 10);
-  };
-  look();
-})"""
+#: Typed address or name, the first hit, and the end of its link.
+NAMES = """
+11h                         | 11h                   | amm5/biss.html#register-preset
+0x11                        | 0x11                  | #register-preset
+13H                         | 13h                   | #register-preset
+77h                         | 77h                   | #register-command
+0x5a                        | 0x5A                  | asc85/biss.html#register-diagnostic_data
+59h                         | 59h                   | sma21/biss.html#register-position_check
+0x56                        | 0x56                  | am36/biss.html#register-singleturn_bits_used
+preset                      | Preset                | am36/biss.html#register-preset
+AMM5 preset                 | Preset                | amm5/biss.html#register-preset
+preset_setting_enable       | preset_setting_enable | #register-preset_setting_enable
+serial number               | Serial number         | am36/biss.html#register-serial_number
+ALMC                        | ALMC                  | #group-alarm_field
+MEM BUSY                    | MEM BUSY              | #group-address_of_request
+Battery alarm               | Battery alarm         | #alarm-battery_alarm
+mt error                    | MT error              | #alarm-mt_error
+busy flag                   | BUSY flag             | #alarm-busy
+Overspeed                   | Overspeed             | #alarm-overspeed
+Low amplitude error         | Low amplitude error   | #alarm-low_amplitude_error
+EE_1                        | EE_1                  | #group-status_field
+biss_6                      | biss_6                | #crc-biss_6
+amm5                        | AMM5A and AMM5B absolute kit encoders | docs/amm5.html
+"""
+#: Typed words, the first hit, and the end of its link. A code among them is the encoder that they are about.
+WORDS = """
+pinout                          | Wiring              | am36/biss.html#wiring
+wiring                          | Wiring              | am36/biss.html#wiring
+wire colours                    | Wiring              | am36/biss.html#wiring
+supply voltage                  | Wiring              | am36/biss.html#wiring
+AMM5A21/65KSC1 pinout           | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
+pinout AMM5A21/65KSC1-K         | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
+SMA21-JP1-0050 wiring           | Wiring              | sma21/SMA21-JP1-0050.html#wiring
+AMM5A21/65KSC1 cable length     | Clock and cable     | amm5/AMM5A21-65KSC1.html#clock-and-cable
+ASC8525/BG1 cable length        | Clock and cable     | asc85/ASC8525-BG1.html#clock-and-cable
+AMM5A21/65KSC1 clock            | Clock and cable     | amm5/AMM5A21-65KSC1.html#clock-and-cable
+AM3616/4096-I7 frame time       | Frame               | am36/AM3616-4096-I7.html#frame
+AMM5A23/65KJP1 baud             | Baud rate and times | amm5/AMM5A23-65KJP1.html#baud-rate-and-times
+baud rate                       | AMM5: RS-485        | amm5/rs485.html
+timeout                         | Times               | am36/biss.html#times
+time-out                        | Times               | am36/biss.html#times
+monoflop                        | Times               | am36/biss.html#times
+zero                            | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
+home                            | Preset register     | am36/biss.html#preset-register
+offset                          | 50h to 53h Preset / Offset | sma21/biss.html#50h-to-53h-preset--offset
+AMM5A21/65KSC1 set zero         | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
+AMM5A23/65KJP1 set zero         | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
+ASC8525/BG1 set zero            | What to send        | asc85/ASC8525-BG1.html#what-to-send
+AM3616/4096-I7 preset bytes     | What to send        | am36/AM3616-4096-I7.html#what-to-send
+AMM5A23/65KJP1 request byte     | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
+AMM5A21/65KSC1 save             | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
+AMM5A23/65KJP1 save             | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
+reset                           | reset errors        | amm5/rs485.html#procedure-reset_errors
+checksum                        | Public BiSS CRC 6   | am36/biss.html#public-biss-crc-6
+polynomial                      | Public BiSS CRC 6   | am36/biss.html#public-biss-crc-6
+x^6                             | CRC biss_6          | am36/biss.html#crc-biss_6
+AMM5A21/65KSC1 polynomial       | Frame               | amm5/AMM5A21-65KSC1.html#frame
+AMM5A21/65KSC1 error bit        | Frame               | amm5/AMM5A21-65KSC1.html#frame
+SMA21-JP1-0050 error bit        | Frame               | sma21/SMA21-JP1-0050.html#frame
+blink                           | LEDs                | amm5/biss.html#leds
+blinking LED                    | LEDs                | amm5/biss.html#leds
+AMM5A21/65KSC1 blinking LED     | LEDs                | amm5/AMM5A21-65KSC1.html#leds
+ASC8525/BG1 blinking LED        | LEDs                | asc85/ASC8525-BG1.html#leds
+battery                         | Battery alarm       | amm5/rs485.html#alarm-battery_alarm
+replace battery                 | Battery replacement without error | hardware.html#battery-replacement-without-error
+counting direction              | counting direction  | am36/biss.html#input-counting_direction
+2500000                         | AMM5: RS-485        | amm5/rs485.html
+2,500,000                       | AMM5: RS-485        | amm5/rs485.html
+4.3.2                           | LEDs                | amm5/biss.html#leds
+usable                          | Usable or not       | docs/usable-or-not.html
+glossary                        | Glossary            | docs/glossary-of-terms.html
+which encoder                   | Which encoder is it? | docs/which-encoder.html
+mutants                         | Mutants             | docs/mutants.html
+"""
 
 
-def test_there_are_thirty() -> None:
-    assert len(ROWS) >= 30
+def rows(table: str) -> list[tuple[str, ...]]:
+    return [tuple(cell.strip() for cell in line.split("|")) for line in table.strip().splitlines()]
+
+
+#: The first hit.
+FIRST = """(() => {
+  const hit = document.querySelector("#search-results li a");
+  return hit ? [hit.textContent, hit.getAttribute("href")] : ["", ""];
+})()"""
+SHOWN = 'document.getElementById("search-results").innerText'
+
+
+def test_there_are_enough() -> None:
+    assert len(rows(LABELS)) >= 20
+    assert len(rows(WORDS)) >= 40
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("typed", "shown", "ends"), ROWS, ids=lambda cell: cell)
+@pytest.mark.parametrize(("typed", "shown", "ends"), rows(LABELS) + rows(NAMES) + rows(WORDS), ids=lambda cell: cell)
 def test_first_hit(site: Path, browser: Browser, typed: str, shown: str, ends: str) -> None:
     browser.open(f"{(site / 'search.html').as_uri()}?q={quote(typed)}")
     name, target = browser.run(FIRST)
-    assert name == shown
-    assert ends in target
+    assert (name, target[-len(ends) :]) == (shown, ends)
     page, _, anchor = target.partition("#")
     assert not anchor or f'id="{anchor}"' in (site / page).read_text(encoding="utf-8")
     assert browser.complaints == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ("AMM5A19", "'AMM5A19' has singleturn '19'; valid values: 17, 21, 23"),
+        ("AMM5A19/65KSC1 pinout", "'AMM5A19/65KSC1' has singleturn '19'; valid values: 17, 21, 23"),
+        ("AM3616/4096SC1", "The label is written as in edition 1.1 of the manual"),
+        ("AMM5A21/65KSC1/S123", "An encoder whose order code ends in /Sxxx"),
+        ("zzzz", "Nothing found"),
+    ],
+)
+def test_help_for_a_label(site: Path, browser: Browser, typed: str, words: str) -> None:
+    browser.open(f"{(site / 'search.html').as_uri()}?q={quote(typed)}")
+    assert words in browser.run(SHOWN)
+
+
+@pytest.mark.slow
+def test_results_are_grouped_around_the_order_code(site: Path, browser: Browser) -> None:
+    browser.open(f"{(site / 'search.html').as_uri()}?q={quote('AMM5A21/65KSC1 preset')}")
+    groups = browser.run('[...document.querySelectorAll("#search-results h2")].map((item) => item.textContent)')
+    family = "AMM5A and AMM5B absolute kit encoders"
+    assert groups == ["AMM5A21/65KSC1", "Names and addresses", f"{family}, this interface", family, "Other encoders",
+                      "General"]  # fmt: skip
+    snippets = browser.run('document.querySelectorAll("#search-results .snippet mark").length')
+    assert snippets > 5
+
+
+@pytest.mark.slow
+def test_words_typed_on_a_page_are_about_its_encoder(site: Path, browser: Browser) -> None:
+    """Type into the search on the page of an order code, and press Enter."""
+    browser.open((site / "generated/docs/sma21/SMA21-JP1-0050.html").as_uri())
+    browser.run('document.querySelector("header input[type=search]").value = "pinout"; 0')
+    browser.run('document.querySelector("header form").submit()')
+    browser.wait()
+    assert browser.run(FIRST)[1].endswith("sma21/SMA21-JP1-0050.html#wiring")
 
 
 @pytest.mark.slow
@@ -80,4 +184,4 @@ def test_by_the_keyboard_alone(site: Path, browser: Browser) -> None:
     assert browser.run("document.activeElement.name + ': ' + document.activeElement.value") == "q: ALMC"
     browser.call("Input.dispatchKeyEvent", type="keyDown", text="\r", key="Enter", windowsVirtualKeyCode=13)
     browser.wait()
-    assert browser.run(FIRST)[0] == "AMM5.ALMC"
+    assert browser.run(FIRST)[0] == "ALMC"

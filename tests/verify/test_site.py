@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from building import build
 from chromium import CHROMIUM, Browser
-from looks import LOOKS, axe_finds, faults
+from looks import LOOKS, axe_finds, faults, tables
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -40,6 +40,18 @@ def test_every_page(site: Path, browser: Browser, width: int, dark: bool) -> Non
         browser.look(width, dark)
         found = {str(page.relative_to(site)): list(faults(browser, page, width)) for page in pages(site)}
     assert {page: said for page, said in found.items() if said} == {}
+
+
+@pytest.mark.parametrize(("width", "most"), [(1280, 0.0), (375, 0.05)])
+def test_tables_fit(site: Path, browser: Browser, width: int, most: float) -> None:
+    """No table scrolls inside its box at 1280 pixels, and fewer than one of twenty at 375."""
+    with browser:
+        browser.look(width)
+        found = {str(page.relative_to(site)): tables(browser, page) for page in pages(site)}
+    count = sum(all_ for all_, _ in found.values())
+    wide = {page: items for page, (_, items) in found.items() if items}
+    assert count > 1000
+    assert sum(map(len, wide.values())) <= most * count, wide
 
 
 @pytest.mark.parametrize(("width", "dark"), [LOOKS[1], LOOKS[2]])

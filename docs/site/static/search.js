@@ -9,18 +9,19 @@
   const CONCEPTS = [
     ["connector wiring", "pinout pin pins wire wires connect connection connections plug socket colour color colours"],
     ["cable", "length distance metre metres meter long"],
-    ["preset zero send", "home homing origin offset zeroing reference datum"],
+    ["preset zero send", "home homing origin offset zeroing reference datum set"],
     ["baud rate", "baudrate bitrate bps bd mbd"],
     ["clock", "frequency mhz khz"],
     ["timeout times", "monoflop"],
     ["crc", "checksum polynomial poly checksums"],
     ["led leds", "blink blinks blinking flash flashes flashing lamp light lights"],
     ["battery", "batteries"],
-    ["save eeprom", "store storing nonvolatile permanent persist keep"],
+    ["save eeprom send", "store storing nonvolatile permanent persist keep"],
     ["alarm alarms error errors warning", "fault failure problem"],
-    ["supply", "voltage power volt volts vdc"],
+    ["supply wiring", "voltage power volt volts vdc"],
     ["usable verdict", "trust valid reliable"],
     ["send request", "poll query ask"],
+    ["reset send", "clear restart"],
     ["direction counting", "clockwise counterclockwise cw ccw reverse invert"],
     ["frame frames layout", "telegram packet word message bits"],
     ["errata", "mistake mistakes misprint erratum"],
@@ -57,7 +58,7 @@
   const concepts = CONCEPTS.map(([titles, others]) => ({
     titles: new Set(wordsOf(titles)), all: new Set(wordsOf(`${titles} ${others}`)),
   }));
-  const synonymsOf = (word) => concepts.filter((one) => one.all.has(word)).map((one) => one.titles);
+  const synonymsOf = (word) => concepts.filter((one) => one.all.has(word));
 
   const pages = INDEX.pages.map(([path, title, kind, family, over]) => ({ path, title, kind, family, over }));
   const counted = new Map();
@@ -146,16 +147,18 @@
 
   // ------------------------------------------------------------------------------------------------- words
 
+  const hasOne = (words, others) => [...others].some((one) => words.has(one));
+
   /** How well a section answers the words; 0 if it lacks one of them, unless some are enough. */
   function scoreOf(section, words, someAreEnough) {
     const counts = countsOf(section.text);
     let sum = 0;
-    for (const { word, titles } of words) {
+    for (const { word, synonyms } of words) {
       const score = Math.max(
         section.titleWords.has(word) ? 14 : 0,
-        titles.some((one) => [...one].some((title) => section.titleWords.has(title))) ? 9 : 0,
+        synonyms.some(({ titles }) => hasOne(section.titleWords, titles)) ? 9 : 0,
         counts.has(word) ? 3 + Math.min(2, Math.log2(counts.get(word))) : 0,
-        titles.some((one) => [...one].some((title) => counts.has(title))) ? 1 : 0,
+        synonyms.some(({ all }) => hasOne(counts, all)) ? 2 : 0,
         word.length > 2 && [...section.titleWords].some((title) => title.startsWith(word)) ? 5 : 0,
         word.length > 3 && [...counts.keys()].some((one) => one.startsWith(word)) ? 1 : 0,
       );
@@ -181,7 +184,9 @@
       .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
       .filter((one) => one.score > 0).sort((one, other) => other.score - one.score);
     const all = rank(false);
-    return all.length ? all : rank(true);
+    if (!all.length) return rank(true);
+    const isOwn = (one) => one.section.page === page;
+    return page && !all.some(isOwn) ? [...rank(true).filter(isOwn), ...all] : all;
   }
 
   /** Names and addresses that are what was typed, or begin with it. */
@@ -216,7 +221,7 @@
   /** A part of a text around the first of the words, with the words marked. */
   function snippet(place, words) {
     const text = INDEX.texts[place];
-    const stems = new Set(words.flatMap((one) => [one.word, ...one.titles.flatMap((titles) => [...titles])]));
+    const stems = new Set(words.flatMap((one) => [one.word, ...one.synonyms.flatMap(({ all }) => [...all])]));
     const hits = [...text.matchAll(/[\p{L}\p{N}_^.,-]+/gu)].filter((hit) => wordsOf(hit[0]).some((one) => stems.has(one)));
     const exact = hits.find((hit) => wordsOf(hit[0]).some((one) => words.some(({ word }) => word === one)));
     const at = Math.max(0, ((exact ?? hits[0])?.index ?? 0) - 60);
@@ -248,7 +253,7 @@
       label.tail && `The label continues with ${label.tail}.`,
       label.isSpecial && (label.family.special_codes ?? "A code that ends in /Sxxx may differ from the manual.")];
     const text = notes.filter(Boolean).join(" ");
-    const own = sections.filter((one) => one.page === page && one.anchor);
+    const own = sections.filter((one) => one.page === page && one.anchor && one.isInSight);
     const jumps = element("p", { class: "snippet" }, own.slice(0, 12).flatMap((one, place) => [
       place ? " · " : "", link(page, one.anchor, one.title)]));
     const title = `${label.family.title}, ${label.interface.title}`;
@@ -275,7 +280,7 @@
     const asked = read(text);
     const context = contextOf(asked, from);
     const typed = asked.words.join(" ");
-    const words = [...new Set(wordsOf(typed))].map((word) => ({ word, titles: synonymsOf(word) }));
+    const words = [...new Set(wordsOf(typed))].map((word) => ({ word, synonyms: synonymsOf(word) }));
     const made = [];
     if (asked.wrong) {
       const help = helpFor(asked.wrong);
@@ -305,7 +310,7 @@
     const title = families().find((one) => one.name === context.family)?.title ?? "";
     if (context.page) made.push(...group(context.page.title, take(isOf.code, 8)));
     // A plain word such as zero means the task rather than a field with this name.
-    const isPlain = words.some((one) => one.titles.length) && /^(?:field|part) of/.test(names[0]?.what ?? "");
+    const isPlain = words.some((one) => one.synonyms.length) && /^(?:field|part) of/.test(names[0]?.what ?? "");
     const isOwn = names.length > 0 && !isPlain && (!context.family || names[0].family === context.family);
     if (isOwn) made.push(...group("Names and addresses", nameHits));
     if (asked.family && !words.length) {
