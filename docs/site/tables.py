@@ -1,12 +1,7 @@
 """Make tables fit their column: break long code at its marks, and stack the rows of wide tables on a narrow screen.
 
-<<<<<<< HEAD
 A stacked row shows each cell under its heading, which is in ``data-label``. Style sheets cannot tell whether a table
 fits a width, so its least width is estimated from its longest words. ``tests/verify`` measures every page.
-=======
-A stacked row shows each cell under its heading, which is in ``data-label``. A style sheet cannot tell whether a table
-fits, so its least width is estimated from its longest words. ``tests/verify`` measures every page.
->>>>>>> site
 """
 
 from __future__ import annotations

@@ -195,7 +195,6 @@ def _add_show(commands: _Commands) -> None:
 
 
 _ABOUT_FRAMES = (
-<<<<<<< HEAD
     "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI and BiSS, it is one number whose most "
     "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. The notations of "
     "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42 and F4243D3h. With -, lines "
@@ -203,14 +202,6 @@ _ABOUT_FRAMES = (
     "for a frame with an error or a register value that this encoder cannot have, 2 for wrong usage, text "
     "that is not a frame, or a missing --choose, and 3 for a valid frame whose position is not usable. With "
     "several frames, the exit code is that of the worst one, in the order 2, 1, 3."
-=======
-    "FRAME is hex bytes for RS-485. For SSI and BiSS it is one number, first bit sent = most significant: 0b... with "
-    "every digit, 0x..., or hex bytes. Spellings of programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], "
-    "\\x0F\\x42 and F4243D3h. Lines of standard input may be empty, begin with a time, or have comments after #. Exit "
-    "codes: 0 done. 1 a frame with an error, or a register value that does not match this encoder. 2 wrong usage, text "
-    "that is not a frame, or a frame that needs --choose. 3 a valid frame whose position is not usable. With several "
-    "frames, the worst one decides: 2, then 1, then 3."
->>>>>>> site
 )
 
 
