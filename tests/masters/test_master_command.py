@@ -224,7 +224,11 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
         documents=tuple(replace(item, title=hostile) for item in master.documents),
         settings=tuple(
             {
-                **item, "name": hostile, "at": hostile, "note": hostile, "source": hostile,
+                **item,
+                "name": hostile,
+                "at": hostile,
+                "note": hostile,
+                "source": hostile,
                 "places": [
                     {**place, "symbol": hostile, "unit": hostile, "source": hostile} for place in item["places"]
                 ],
