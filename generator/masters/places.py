@@ -105,7 +105,7 @@ def _place(
         return found[number] if isinstance(found, list) else found
 
     kind, bits = TYPES.get(rule["type"], ("", None))
-    high, low = _bits(rule.get("bits", ""))
+    high, low = _bits(str(rule.get("at", "")))
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return Place(
         device.name,

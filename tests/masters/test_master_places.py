@@ -203,10 +203,10 @@ MISTAKES = [
     ("linuxcnc_hostmot2", "frequency-khz", "default", 1000),
     ("linuxcnc_hostmot2", "frequency-khz", "any_clock", {"unit": "Hz"}),
     ("microchip_dspic33a", "CRCLENx", "register", ["B1CLTCON0", "B1CLTCON1", "B1CLTCON2", "B1CTRLCON"]),
-    ("microchip_dspic33a", "CRCLENx", "bits", "13:8"),
+    ("microchip_dspic33a", "CRCLENx", "at", "13:8"),
     ("microchip_dspic33a", "SCDLENx", "value", "data_and_status_bits"),
     ("ic_mb", "SENSCRCPOLY", "address", [193, 197, 202]),
-    ("ic_mb", "SENSCRCPOLY", "bits", "7:0"),
+    ("ic_mb", "SENSCRCPOLY", "at", "7:0"),
     ("ic_mb", "SDLEN", "value", "data_and_status_bits"),
 ]
 

@@ -20,6 +20,7 @@ _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _WRITING = ("needs", "after", "then", "takes_effect")
 _PLACES = ("index", "symbol", "register", "address", "where")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
+_BITS = re.compile(r"[0-9]{1,2}(:[0-9]{1,2})?")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
@@ -159,8 +160,10 @@ def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
         report.add("setting-shape", (*path, "where"), wrong, at_key=True)
     if ("index" in place) != ("subindex" in place):
         report.add("setting-shape", path, "'index' and 'subindex' need each other")
-    if (place.get("type") == "bits") != ("bits" in place):
-        report.add("setting-shape", path, "the type 'bits' and the key 'bits' need each other")
+    if (place.get("type") == "bits") != ("at" in place):
+        report.add("setting-shape", path, "the type 'bits' and the key 'at' need each other")
+    if not _BITS.fullmatch(str(place.get("at", 0))):
+        report.add("setting-shape", (*path, "at"), "'at' is a bit number, or a range such as 7:6")
     if place.get("min", 0) > place.get("max", place.get("min", 0)):
         report.add("value-clash", (*path, "max"), f"'max' is less than 'min', which is {place['min']}")
     channels = {item["name"]: len(item.get("channels", ("",))) for item in data.get("devices", ())}
