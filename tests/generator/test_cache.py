@@ -290,9 +290,13 @@ def test_only_the_family_of_the_order_code_is_loaded(folder: Path) -> None:
 
     assert names("sma21") == ["sma21"]
     assert names(" AMM5 ") == ["amm5"]
-    # The order codes of AM36 begin with a part, so that the pattern does not tell how they begin.
+    # The pattern of AM36 begins with a part, so its beginnings are known only after it has been loaded once.
     assert names("AMM5A21/65KSC1-K") == ["am36", "amm5"]
-    assert names("asc8525/BG1") == ["am36", "asc85"]
+    assert names("AMM5A21/65KSC1-K") == ["amm5"]
+    assert names("asc8525/BG1") == ["asc85"]
+    assert names("am36 16/4096-I7") == ["am36"]
+    assert names("AMC3616/4096-I7") == ["am36"]
+    assert names("nothing") == []
 
 
 def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path) -> None:
