@@ -24,7 +24,6 @@ from .terminal import Stop, prepare, release
 if TYPE_CHECKING:
     from ..cache import Cache
     from ..loading.library import Family
-    from .earlier import Earlier
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -379,40 +378,23 @@ def _targets_for_help() -> str:
 
 def _generate(chosen: argparse.Namespace) -> int:
     from .earlier import earlier
-    from .generate import run
+    from .generate import is_unchanged, run
 
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
     options = [*(chosen.target or ()), "", *chosen.option, "", *chosen.edition]
     before = earlier(_cache(chosen), "generate", paths, options)
     known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get()
-    if known is None:
-        families, known = _rendered(chosen, paths, before)
-        return run(chosen, known["rendered"], lambda: _refuse_unproved(families))
-    print(look_up.read_line(paths, known["families"], before.report(known["files"])))
-    return run(chosen, known["rendered"], lambda: _refuse_unproved(_families(paths)))
-
-
-def _refuse_unproved(families: Sequence[Family]) -> None:
-    from .coverage import refuse_unproved
-
-    refuse_unproved(families, "written")
-
-
-def _families(paths: Sequence[Path]) -> Sequence[Family]:
-    from ..loading.library import load_families
-
-    return load_families(paths)[0]
-
-
-def _rendered(
-    chosen: argparse.Namespace, paths: Sequence[Path], before: Earlier
-) -> tuple[Sequence[Family], Mapping[str, Any]]:
-    """Load the specs, render all files, and keep them for later runs if there are no problems."""
+    if known is not None:
+        read = look_up.read_line(paths, known["families"], before.report(known["files"]))
+        if is_unchanged(chosen, known["hashes"], read):
+            return 0
     from ..targets import Library
+    from ..write import hashes
+    from .coverage import refuse_unproved
     from .outputs import are_built_in, load_for, options_named, rendered, targets_named
 
     targets = targets_named(chosen.target)
-    options = options_named(chosen.option, targets)
+    settings = options_named(chosen.option, targets)
     if chosen.templates is not None and not chosen.templates.is_dir():
         raise Stop(f"there is no folder {chosen.templates}", 2)
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
@@ -423,11 +405,11 @@ def _rendered(
         raise look_up.problems(report)
     names = [device.name for device in devices]
     print(look_up.read_line(paths, names, report))
-    files = rendered(Library(devices, chosen.templates), targets, options)
-    made = {"families": names, "files": report.files, "rendered": files}
+    files = rendered(Library(devices, chosen.templates), targets, settings)
     if chosen.templates is None and are_built_in(targets, chosen.target):
-        before.put(made)
-    return families, made
+        made = {name: hashes(texts) for name, texts in files.items()}
+        before.put({"families": names, "files": report.files, "hashes": made})
+    return run(chosen, files, lambda: refuse_unproved(families, "written"))
 
 
 def _check(chosen: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from ..say.numbers import counted
-from ..write import Change, WriteError, changes, write
+from ..write import Change, WriteError, changes, is_as_written, write
 from .terminal import Stop
 
 #: The files of each target, as texts by path.
@@ -32,13 +32,29 @@ def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None]) -
             found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output))
     except WriteError as error:
         raise Stop(str(error), 1) from None
+    _tell(found, chosen)
+    if chosen.biss_dtd is not None:
+        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
+    return 0
+
+
+def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str) -> bool:
+    """Return True if the files of each target have these hashes, and print ``read`` and the files.
+
+    Otherwise, print nothing.
+    """
+    if not is_as_written(chosen.output, hashes):
+        return False
+    print(read)
+    _tell([Change(path, "unchanged") for files in hashes.values() for path in sorted(files)], chosen)
+    return True
+
+
+def _tell(found: Sequence[Change], chosen: argparse.Namespace) -> None:
     words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
     for item in found:
         print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
     _sum_up(found, chosen)
-    if chosen.biss_dtd is not None:
-        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
-    return 0
 
 
 def _tell_of_the_wait(output: Path) -> None:
