@@ -11,7 +11,7 @@ endif
 AXE = axe-playwright-python==0.1.8
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python house mutants check spec-page templates-page rules-page site release clean
+.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python bench-tool house mutants check spec-page templates-page rules-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -63,6 +63,11 @@ bench: .venv/.installed tools bench-packages
 bench-python: .venv/.installed
 	@$(PY) -m pip install --quiet --disable-pip-version-check bitstruct 'cantools>=41' construct kaitaistruct || echo "make: some peers cannot be installed and are left out"
 	@$(PY) benchmarks/python_speed.py
+
+# The command line as a multiple of a Python program that does nothing, next to other tools. TOOL=--rounds=3 is quicker.
+bench-tool: .venv/.installed
+	@$(PY) -m pip install --quiet --disable-pip-version-check 'cantools>=41' 'nunavut>=3.0' peakrdl || echo "make: some peers cannot be installed and are left out"
+	@$(PY) benchmarks/tool_speed.py $(TOOL)
 
 # Figures of the code. HOUSE="--against COMMIT" adds a column for an earlier commit, HOUSE=--list lists the places.
 house: .venv/.installed

@@ -18,7 +18,10 @@ import time
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from importlib.machinery import ModuleSpec
 
 #: Largest entry that is read or written, and largest size of all entries, in bytes.
 MAX_ENTRY = 32 * 2**20
@@ -30,6 +33,8 @@ _LEFT_OVER = 3600
 _UNFINISHED = ".new-"
 #: Size of the hash in hexadecimal digits.
 _HASH = 64
+#: Packages of this tool that a checkout has in folders of their own.
+_PARTS = ("templates", "runtime")
 #: Packages outside the standard library on which results depend.
 _PACKAGES = ("yaml", "jsonschema", "jinja2", "lxml")
 
@@ -102,13 +107,21 @@ def content_of(paths: Iterable[Path]) -> list[bytes | str]:
 def _tool() -> str:
     """Return a hash of the tool's own code, the versions of its packages, and the interpreter."""
     found = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
-    for path in _files(Path(__file__).parent):
-        found.update(path.encode())
-        with open(path, "rb") as file:
-            found.update(hashlib.sha256(file.read()).digest())
+    for folder in (Path(__file__).parent, *_parts()):
+        for path in _files(folder):
+            found.update(path.encode("utf-8", "surrogateescape"))
+            with open(path, "rb") as file:
+                found.update(hashlib.sha256(file.read()).digest())
     for name in _versions():
-        found.update(name.encode())
+        found.update(name.encode("utf-8", "surrogateescape"))
     return found.hexdigest()
+
+
+def _parts() -> Iterable[Path]:
+    """Yield the folders of this tool's packages that may be outside the folder of this module."""
+    for name in _PARTS:
+        spec = _spec_of(f"{__package__}.{name}")
+        yield from map(Path, (spec.submodule_search_locations or ()) if spec is not None else ())
 
 
 def _files(folder: Path | str) -> Iterable[str]:
@@ -118,20 +131,27 @@ def _files(folder: Path | str) -> Iterable[str]:
         if entry.is_dir():
             if entry.name != "__pycache__":
                 yield from _files(entry.path)
-        elif entry.name.endswith((".py", ".json", ".dtd")):
+        elif not entry.name.endswith(".pyc"):
             yield entry.path
 
 
 def _versions() -> Iterable[str]:
     """Yield the versions of the packages that the tool uses, as their folders are named, without importing them."""
-    from importlib.util import find_spec
-
     for name in _PACKAGES:
-        spec = find_spec(name)
+        spec = _spec_of(name)
         place = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
         yield f"{name} {place}"
         if place is not None:
             yield from sorted(item for item in os.listdir(place) if item.lower().startswith((name, f"py{name}")))
+
+
+def _spec_of(name: str) -> ModuleSpec | None:
+    from importlib.util import find_spec
+
+    try:
+        return find_spec(name)
+    except (ImportError, ValueError):
+        return None
 
 
 def _is_ours(status: os.stat_result) -> bool:

@@ -9,6 +9,7 @@ the user requests it.
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import os
 import re
 import shutil
@@ -66,6 +67,28 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
         Change(path, "removed") for path in _ours(folder, target) if path not in files and (folder / path).is_file()
     ]
     return sorted(found, key=lambda item: item.path)
+
+
+def hashes(files: Mapping[str, str]) -> dict[str, str]:
+    """Return a hash of each text, for ``is_as_written``."""
+    return {path: hashlib.sha256(text.encode()).hexdigest() for path, text in files.items()}
+
+
+def is_as_written(folder: Path, targets: Mapping[str, Mapping[str, str]]) -> bool:
+    """Return whether writing files with these hashes would change nothing. ``targets`` are as for ``write``."""
+    try:
+        return not any(name.startswith(_PREFIX) for name in os.listdir(folder)) and all(
+            _ours(folder, target) == sorted(files)
+            and all(_hash_of(folder / path) == expected for path, expected in files.items())
+            for target, files in targets.items()
+        )
+    except (OSError, WriteError):
+        return False
+
+
+def _hash_of(path: Path) -> str:
+    content = _read(path)
+    return "" if content is None else hashlib.sha256(content).hexdigest()
 
 
 def write(

@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from codewheel import cache
 from codewheel.commands import check, outputs
 from codewheel.loading import library as loading
 from codewheel.masters import sheet
@@ -89,11 +90,15 @@ def _specs_read_once() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests and their processes keep results in a folder of their own, but pip keeps its downloads."""
+    """Processes keep results in a folder of their own, and tests, which patch the code, keep none.
+
+    pip keeps its downloads where they are.
+    """
     with pytest.MonkeyPatch.context() as patch:
         if "PIP_CACHE_DIR" not in os.environ:
             patch.setenv("PIP_CACHE_DIR", str(Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "pip"))
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        patch.setattr(cache, "default_folder", lambda: None)
         yield
 
 

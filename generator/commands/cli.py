@@ -142,6 +142,7 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
     )
+    _add_cache_option(parser)
 
 
 def _add_check(commands: _Commands) -> None:
@@ -156,6 +157,7 @@ def _add_check(commands: _Commands) -> None:
         help="check that this output can express the specs (see below, may be repeated)",
     )
     parser.add_argument("--json", action="store_true", help="print the problems as JSON")
+    _add_cache_option(parser)
     parser.add_argument(
         "--coverage",
         action="store_true",
@@ -406,56 +408,89 @@ def _targets_for_help() -> str:
 
 
 def _generate(chosen: argparse.Namespace) -> int:
+    from .earlier import earlier
+    from .generate import is_unchanged, run
+
+    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    options = [*(chosen.target or ()), "", *chosen.option, "", *chosen.edition]
+    before = earlier(_cache(chosen), "generate", paths, options)
+    known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get()
+    if known is not None:
+        read = look_up.read_line(paths, known["families"], before.report(known["files"]))
+        if is_unchanged(chosen, known["hashes"], read):
+            return 0
     from ..targets import Library
+    from ..write import hashes
     from .coverage import refuse_unproved
-    from .generate import run
-    from .outputs import load_for, options_named, targets_named
+    from .outputs import are_built_in, load_for, options_named, rendered, targets_named
 
     targets = targets_named(chosen.target)
-    options = options_named(chosen.option, targets)
+    settings = options_named(chosen.option, targets)
     if chosen.templates is not None and not chosen.templates.is_dir():
         raise Stop(f"there is no folder {chosen.templates}", 2)
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
-    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
     families: list[Family] = []
     devices, report = load_for(paths, targets, chosen.edition, families)
     if report:
         raise look_up.problems(report)
-    print(look_up.read_line(paths, devices, report))
-    return run(
-        chosen, Library(devices, chosen.templates), targets, options, lambda: refuse_unproved(families, "written")
-    )
+    names = [device.name for device in devices]
+    print(look_up.read_line(paths, names, report))
+    files = rendered(Library(devices, chosen.templates), targets, settings)
+    if chosen.templates is None and are_built_in(targets, chosen.target):
+        made = {name: hashes(texts) for name, texts in files.items()}
+        before.put({"families": names, "files": report.files, "hashes": made})
+    return run(chosen, files, lambda: refuse_unproved(families, "written"))
 
 
 def _check(chosen: argparse.Namespace) -> int:
-    from . import check, coverage
-    from .outputs import targets_named
+    from .check_text import as_data, as_text
+    from .earlier import earlier
 
     if chosen.write and not chosen.coverage:
         raise Stop("--write needs --coverage", 2)
-    targets = targets_named(chosen.target)
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    before = earlier(_cache(chosen), "check", paths)
+    known = None if chosen.coverage or chosen.target else before.get()
+    if known is not None:
+        report = before.report(known["files"])
+        if chosen.json:
+            _print_json({"version": JSON_VERSION} | as_data(report))
+        else:
+            print(as_text(known["families"], report, paths))
+        return 0
+    from . import check, coverage
+    from .outputs import are_built_in, targets_named
+
+    targets = targets_named(chosen.target)
     found = check.run(paths, targets)
+    names = [family.device.name for family in found.families]
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
     if chosen.json:
         counts = coverage.as_data(covered) if chosen.coverage else {}
-        _print_json({"version": JSON_VERSION} | check.as_data(found) | counts)
+        _print_json({"version": JSON_VERSION} | as_data(found.report) | counts)
     else:
-        print(check.as_text(found, paths))
+        print(as_text(names, found.report, paths))
         if chosen.coverage:
             print(coverage.as_text(covered, found))
+    if not found.report and are_built_in(targets):
+        before.put({"families": names, "files": found.report.files})
     return 0 if coverage.is_complete(covered, found.report) else 1
 
 
 def _list(chosen: argparse.Namespace) -> int:
-    from .show import list_data, list_text
+    from .earlier import earlier
+    from .listing import as_data, as_text, rows
 
-    devices = look_up.load(chosen.specs)
+    before = earlier(_cache(chosen), "list", chosen.specs)
+    families = before.get()
+    if families is None:
+        families = rows(look_up.load(chosen.specs))
+        before.put(families)
     if chosen.json:
-        _print_json(list_data(devices))
+        _print_json(as_data(families))
     else:
-        print(list_text(devices))
+        print(as_text(families))
     return 0
 
 

@@ -148,7 +148,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
 
     from ..loading.library import load_families, sound_families
     from ..loading.revisions import RevisionError, lay_out, named
-    from ..say.words import counted
+    from ..say.numbers import counted
 
     place = named(text)
     with ExitStack() as stack:
@@ -193,7 +193,7 @@ def _show(problems: Sequence[Problem]) -> None:
 
 
 def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
-    from ..say.words import counted
+    from ..say.numbers import counted
 
     _show(problems)
     count = counted(len(problems), "problem")

@@ -8,65 +8,57 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from ..render import TemplateFault, unused_templates
-from ..say.words import counted
-from ..targets import Library, Options, Target, TargetError
-from ..targets.registry import files_of, target_names
-from ..write import Change, WriteError, changes, write
+from ..say.numbers import counted
+from ..write import Change, WriteError, changes, is_as_written, write
 from .terminal import Stop
 
+#: The files of each target, as texts by path.
+Rendered = Mapping[str, Mapping[str, str]]
 
-def run(
-    chosen: argparse.Namespace,
-    library: Library,
-    targets: Sequence[Target],
-    options: Mapping[str, Options],
-    gate: Callable[[], None],
-) -> int:
-    """Write or compare all files of the targets, and return the exit code. ``options`` are by target name.
+
+def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None]) -> int:
+    """Write or compare the files of each target, and return the exit code.
 
     ``gate`` raises ``Stop`` to refuse writing specs that must not be released. It is called if a file would change.
 
     Raises:
-        Stop: A target, a template or the disk fails, or a file differs.
+        Stop: The disk fails, or a file differs.
     """
     try:
-        files = _files(library, targets, options)
         found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
         if not chosen.check:
             if not chosen.unchecked and any(item.what != "unchanged" for item in found):
                 gate()
             found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output))
-    except (TargetError, TemplateFault, WriteError) as error:
+    except WriteError as error:
         raise Stop(str(error), 1) from None
-    words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
-    for item in found:
-        print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
-    _sum_up(found, chosen)
+    _tell(found, chosen)
     if chosen.biss_dtd is not None:
         _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
     return 0
 
 
+def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str) -> bool:
+    """Return True if the files of each target have these hashes, and print ``read`` and the files.
+
+    Otherwise, print nothing.
+    """
+    if not is_as_written(chosen.output, hashes):
+        return False
+    print(read)
+    _tell([Change(path, "unchanged") for files in hashes.values() for path in sorted(files)], chosen)
+    return True
+
+
+def _tell(found: Sequence[Change], chosen: argparse.Namespace) -> None:
+    words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
+    for item in found:
+        print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
+    _sum_up(found, chosen)
+
+
 def _tell_of_the_wait(output: Path) -> None:
     print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
-
-
-def _files(library: Library, targets: Sequence[Target], options: Mapping[str, Options]) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target.
-
-    Raises:
-        TargetError: A target fails, or cannot express a device.
-        TemplateFault: A user's template fails.
-        Stop: The name of a user's template is misspelt.
-    """
-    files = {target.name: files_of(target, library, options[target.name]) for target in targets}
-    if library.own_templates is not None:
-        rendered = {target.name: target.templates for target in targets}
-        unused = list(unused_templates(library.own_templates, rendered, target_names()))
-        if unused:
-            raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
-    return files
 
 
 def _sum_up(found: Sequence[Change], chosen: argparse.Namespace) -> None:

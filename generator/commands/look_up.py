@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -71,12 +71,12 @@ def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
     return own
 
 
-def read_line(paths: Sequence[Path], devices: Sequence[Device], report: Report) -> str:
+def read_line(paths: Sequence[Path], families: Iterable[str], report: Report) -> str:
     """Return one line that names the specs that were read, so that users notice a forgotten path."""
-    from ..say.words import counted
+    from ..say.numbers import counted
 
     if not paths:
-        return f"read the specs shipped with codewheel: {', '.join(device.name for device in devices)}"
+        return f"read the specs shipped with codewheel: {', '.join(families)}"
     passed_over = [file for file in report.passed_over if file not in report.files]
     others = f"; skipped: {_listed(passed_over)}" if passed_over else ""
     return f"read {counted(len(report.files), 'spec')}: {_listed(report.files)}{others}"
@@ -202,7 +202,7 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
             raise problems(report) from None
         raise
     if report:
-        from ..say.words import counted
+        from ..say.numbers import counted
 
         files = list(dict.fromkeys(problem.file for problem in report.problems))
         left_out = f"skipped, with {counted(len(report), 'problem')}: {_listed(files)}; run codewheel check"
@@ -211,7 +211,7 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
 
 def problems(report: Report) -> Stop:
     """Print all problems to standard error, and return the ``Stop`` to raise."""
-    from ..say.words import counted
+    from ..say.numbers import counted
 
     for problem in report.problems:
         print(problem.format(), file=sys.stderr)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
+from ..render import TemplateFault, unused_templates
 from ..targets import Library, Options, Target, TargetError
-from ..targets.registry import BUILT_IN, PackageMissing, load_target, problems_of, target_names
+from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
 from .editions import beside
 from .terminal import Stop
 
@@ -37,6 +38,12 @@ def targets_named(names: Iterable[str] | None = None) -> list[Target]:
         except TargetError as error:
             raise Stop(str(error), 1) from None
     return found
+
+
+def are_built_in(targets: Iterable[Target], names: Iterable[str] | None = None) -> bool:
+    """Return whether these are exactly the built-in targets ``names``, none of which lacks its packages."""
+    asked = list(dict.fromkeys(names or BUILT_IN))
+    return [target.name for target in targets] == asked and set(asked) <= set(BUILT_IN)
 
 
 def _no_target(name: str) -> str:
@@ -118,6 +125,26 @@ def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Re
             line, _ = document.position(problem.other)
             message = problem.message.replace("{line}", str(line)) if problem.other else problem.message
             report.add(problem.rule, document, problem.place, message)
+
+
+def rendered(
+    library: Library, targets: Sequence[Target], options: Mapping[str, Options]
+) -> dict[str, Mapping[str, str]]:
+    """Return the files of each target, as texts by path. ``options`` are by target name.
+
+    Raises:
+        Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
+    """
+    try:
+        files = {target.name: files_of(target, library, options[target.name]) for target in targets}
+    except (TargetError, TemplateFault) as error:
+        raise Stop(str(error), 1) from None
+    if library.own_templates is not None:
+        own = {target.name: target.templates for target in targets}
+        unused = list(unused_templates(library.own_templates, own, target_names()))
+        if unused:
+            raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
+    return files
 
 
 def listing() -> str:

@@ -1,9 +1,8 @@
-"""``codewheel list`` and ``codewheel show``: text at most 80 columns wide."""
+"""``codewheel show``: text at most 80 columns wide."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from ..model import Device, Measurement, Parameter, Sources, Variant, cite
 from ..order_codes.holding_only import held_by
@@ -20,51 +19,6 @@ from ..say.text import BY_NAME
 from ..say.words import language
 from .decode import label_differences
 from .show_parts import alternative_lines, at, frame_lines, interface_lines, layout_lines, register_lines
-
-
-def list_data(devices: Sequence[Device]) -> dict[str, Any]:
-    """Return the families as plain data."""
-    return {
-        "version": 1,
-        "families": [
-            {
-                "family": device.name,
-                "title": device.title,
-                "manufacturer": device.manufacturer.title,
-                "interfaces": [item.name for item in device.interfaces],
-                "pattern": device.order_code.pattern,
-                "order_codes": [variant.code for variant in device.variants],
-                "manual": {
-                    "title": device.manual.title,
-                    "revision": device.manual.revision,
-                    "date": device.manual.date or None,
-                },
-            }
-            for device in devices
-        ],
-    }
-
-
-def list_text(devices: Sequence[Device]) -> str:
-    """Return a few lines about each family."""
-    lines = []
-    for device in devices:
-        manual = f"{device.manual.title}, revision {device.manual.revision}" + (
-            f" of {device.manual.date}" if device.manual.date else ""
-        )
-        lines += [
-            wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH, " " * 10, f"{device.name:<8}  "),
-            *pairs(
-                [
-                    ("interfaces", ", ".join(item.title for item in device.interfaces)),
-                    ("order codes", f"{len(device.variants)}, {device.order_code.pattern}"),
-                    ("manual", manual),
-                ],
-                10,
-            ),
-            "",
-        ]
-    return "\n".join(lines).rstrip()
 
 
 def device_text(device: Device) -> str:

@@ -52,7 +52,7 @@ def own_specs(folder: Path) -> list[Path]:
         files = sorted(path for path in named if not is_second(path))
     except OSError:
         return []
-    found = {path: _keys(path) for path in files if path.is_file()}
+    found = {path: top_keys(path) for path in files if path.is_file()}
     if not any(_is_device(keys) for keys in found.values()):
         return []
     return [path for path, keys in found.items() if _names_a_spec(keys)]
@@ -99,7 +99,7 @@ def _generated(folder: Path) -> set[Path]:
 
 
 def _is_spec(path: Path) -> bool:
-    keys = _keys(path)
+    keys = top_keys(path)
     return keys is None or _names_a_spec(keys)
 
 
@@ -121,7 +121,7 @@ def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
     return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
 
 
-def _keys(path: Path) -> frozenset[str] | None:
+def top_keys(path: Path) -> frozenset[str] | None:
     """Return the keys at the top level of a YAML file, or None if it cannot be read.
 
     The keys are found in the text, because a spec with a syntax error is still a spec, and other files need no parsing.

@@ -62,7 +62,10 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         named = [item for item in found if item.name == name]
         if len(named) > 1:
             return ()
-        return tuple(_load(item.path, cache) for item in named or found if named or item.can_have(label))
+        if named:
+            return (_load(named[0].path, cache)[0],)
+        possible = (_load(item.path, cache, label) for item in found if item.can_have(label))
+        return tuple(device for devices in possible for device in devices)
     except (OSError, ValueError, _NotSelectable):
         return ()
 
@@ -105,8 +108,8 @@ def _beginnings(text: bytes) -> tuple[str, ...] | None:
     return tuple("".join(item.decode("ascii", "replace").split()).upper() for item in found)
 
 
-def _load(spec: Path, cache: Cache) -> Device:
-    """Return the device of a spec.
+def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
+    """Return the device of a spec. If the cache shows that it cannot have the order code ``label``, return none.
 
     Raises:
         _NotSelectable: The spec has problems or overlays.
@@ -117,10 +120,14 @@ def _load(spec: Path, cache: Cache) -> Device:
     if any(".overlay." in path.name for path in files):
         raise _NotSelectable
     content = content_of(files)
+    starts = cache.get("beginnings", content) if label else None
+    if isinstance(starts, list) and not label.startswith(tuple(map(str, starts))):
+        return ()
     with suppress(NotStorable):
         found = cache.get("family", content)
         if found is not None:
-            return from_data(found)
+            return (from_data(found),)
+    from ..order_codes.labels import beginnings
     from .library import load_library
 
     devices, report = load_library([spec])
@@ -130,4 +137,5 @@ def _load(spec: Path, cache: Cache) -> Device:
     if content_of(family_files(spec)) == content:
         with suppress(NotStorable):
             cache.put("family", content, as_data(devices[0]))
-    return devices[0]
+            cache.put("beginnings", content, beginnings(devices[0].order_code))
+    return devices

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from ..model import Timeout, Verdict
+from .numbers import counted as counted
+from .numbers import number as number
+from .numbers import with_unit as with_unit
 
 _RULE = {"follows_clock": "follows the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.
@@ -21,22 +24,6 @@ _LANGUAGES = {
     "ja": "Japanese",
     "zh": "Chinese",
 }
-
-
-def number(value: int) -> str:
-    """Return a number in groups of three digits."""
-    return f"{value:,}"
-
-
-def counted(count: int | str, thing: str) -> str:
-    """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
-    return f"{count} {thing}{'' if count == 1 else 's'}"
-
-
-def with_unit(value: int | str, unit: str) -> str:
-    """Return a value with a unit that specs give in the plural: ``1 revolution``, ``8 revolutions``, ``50 µm``."""
-    is_word = len(unit) > 3  # unlike ms, µs and ns
-    return f"{value} {unit.removesuffix('s') if is_word and str(value) == '1' else unit}".rstrip()
 
 
 def hertz(value: int) -> str:

@@ -31,13 +31,19 @@ COMMANDS = (
     ("show", "asc85"),
     ("show", "SMA21-SC4-0050", "--json"),
     ("master", "AMM5A21/65KBG1"),
+    ("list",),
+    ("list", "--json"),
+    ("check",),
+    ("check", "--json"),
 )
+TV62 = Path(__file__).resolve().parents[2] / "docs" / "example" / "tolvarn"
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of its own, which is empty."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(cache_module, "default_folder", default_folder)
     return tmp_path / "cache" / "codewheel"
 
 
@@ -284,9 +290,13 @@ def test_only_the_family_of_the_order_code_is_loaded(folder: Path) -> None:
 
     assert names("sma21") == ["sma21"]
     assert names(" AMM5 ") == ["amm5"]
-    # The order codes of AM36 begin with a part, so that the pattern does not tell how they begin.
+    # The pattern of AM36 begins with a part, so its beginnings are known only after it has been loaded once.
     assert names("AMM5A21/65KSC1-K") == ["am36", "amm5"]
-    assert names("asc8525/BG1") == ["am36", "asc85"]
+    assert names("AMM5A21/65KSC1-K") == ["amm5"]
+    assert names("asc8525/BG1") == ["asc85"]
+    assert names("am36 16/4096-I7") == ["am36"]
+    assert names("AMC3616/4096-I7") == ["am36"]
+    assert names("nothing") == []
 
 
 def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path) -> None:
@@ -304,6 +314,65 @@ def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path)
     (specs / "again.yaml").unlink()
     (specs / "manufacturer.yaml").rename(specs / "other.yaml")
     assert families_for([specs], "sma21", cache) == ()
+
+
+def test_a_change_to_any_file_is_checked(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    specs = tmp_path / "tolvarn"
+    shutil.copytree(TV62, specs)
+    clean = said(capsys, "check", str(specs))
+    assert clean[0] == 0
+    assert said(capsys, "check", str(specs)) == clean
+    for name, text in (
+        ("tv62.yaml", "nonsense: 1\n"),
+        ("tv62.second.yaml", "nonsense: 1\n"),
+        ("manufacturer.yaml", "nonsense: 1\n"),
+        ("tv62.coverage.json", "{}"),
+        ("tv62.changes.json", "{}"),
+        ("tv62.x.overlay.yaml", "overlay: x\n"),
+        ("new.yaml", "device: new\n"),
+    ):
+        path = specs / name
+        before = path.read_text(encoding="utf-8") if path.exists() else None
+        path.write_text((before or "") + text, encoding="utf-8")
+        assert said(capsys, "check", str(specs))[0] == 1
+        if before is None:
+            path.unlink()
+        else:
+            path.write_text(before, encoding="utf-8")
+        assert said(capsys, "check", str(specs)) == clean
+
+
+@pytest.mark.slow
+def test_generate_writes_the_same_with_and_without_the_cache(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def generate(out: str, *options: str) -> tuple[int, str, str]:
+        code, text, err = said(capsys, "generate", str(TV62), "-o", str(tmp_path / out), *options)
+        return code, text.replace(out, "OUT"), err.replace(out, "OUT")
+
+    def tree(out: str) -> dict[str, bytes]:
+        place = tmp_path / out
+        return {str(path.relative_to(place)): path.read_bytes() for path in place.rglob("*") if path.is_file()}
+
+    without = generate("plain", "--no-cache")
+    assert (entries(folder), generate("cold"), generate("warm")) == ([], without, without)
+    assert tree("cold") == tree("warm") == tree("plain")
+    assert generate("warm") == generate("plain", "--no-cache")
+    assert generate("warm", "--check") == generate("plain", "--no-cache", "--check")
+    for out in ("warm", "plain"):
+        (tmp_path / out / "c" / "README.md").write_text("spoilt", encoding="utf-8")
+        (tmp_path / out / "docs" / "tv62.md").unlink()
+    assert generate("warm", "--check") == generate("plain", "--no-cache", "--check")
+    assert generate("warm") == generate("plain", "--no-cache")
+    assert generate("warm", "--target", "c", "--target", "biss") == generate(
+        "plain", "--no-cache", "--target", "c", "--target", "biss"
+    )
+    option = ("--option", "biss.order-codes=each")
+    assert generate("warm", *option) == generate("plain", *option, "--no-cache")
+    assert tree("warm") == tree("plain")
+    assert generate("warm", "--option", "biss.order-codes=none") == generate(
+        "plain", "--no-cache", "--option", "biss.order-codes=none"
+    )
 
 
 def test_a_file_that_changes_while_it_is_read_is_not_kept(

@@ -5,13 +5,14 @@ from __future__ import annotations
 import ctypes
 import errno
 import os
+import shutil
 import subprocess
 from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from codewheel import write as module
-from codewheel.write import Change, WriteError, changes, write
+from codewheel.write import LIST, Change, WriteError, changes, hashes, is_as_written, write
 
 FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}
 
@@ -408,3 +409,26 @@ def test_an_unwritable_place_is_one_clear_line(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(WriteError, match=r"cannot (write|read)"):
         write(tmp_path / "file" / "out", {"python": FILES})
+
+
+def test_files_are_as_written_only_if_a_run_would_change_nothing(tmp_path: Path) -> None:
+    files = {"c": {"c/empty": "", "c/inner/b": "text"}, "docs": {"docs/d": "µ"}}
+    expected = {target: hashes(texts) for target, texts in files.items()}
+    assert not is_as_written(tmp_path / "none", expected)
+    write(tmp_path, files)
+    assert is_as_written(tmp_path, expected)
+    assert is_as_written(tmp_path, {"docs": expected["docs"]})
+    (tmp_path / "c" / "foreign").write_text("kept", encoding="utf-8")
+    assert is_as_written(tmp_path, expected)
+    for spoil in (
+        (tmp_path / "c" / "empty").unlink,
+        lambda: (tmp_path / "c" / "inner" / "b").write_text("texT", encoding="utf-8"),
+        (tmp_path / "docs" / LIST).unlink,
+        (tmp_path / ".codewheel-c-abcdefgh").mkdir,
+        lambda: write(tmp_path, {"c": {**files["c"], "c/more": ""}}),
+    ):
+        spoil()
+        assert not is_as_written(tmp_path, expected)
+        write(tmp_path, files)
+        shutil.rmtree(tmp_path / ".codewheel-c-abcdefgh", ignore_errors=True)
+        assert is_as_written(tmp_path, expected)

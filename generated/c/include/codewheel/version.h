@@ -8,7 +8,7 @@
  * needs them once, and the header of each encoder includes them.
  *
  * A header for an encoder works with a runtime of the same major version, and at least the minor
- * version that it was generated with. It refuses any other runtime with one #error. A newer minor
+ * version that it was generated with. It does not compile with any other runtime. A newer minor
  * version only adds to the runtime, so of several copies, use the newest one.
  */
 #ifndef CODEWHEEL_VERSION_H

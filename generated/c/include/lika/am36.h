@@ -42,22 +42,27 @@
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
  * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters and explained at the end of this header. Errata that
- * concern only wording are omitted.
+ * erratum is mentioned where it matters, and the end of this header says what is used instead. The
+ * printed text and the reason are on the page of the encoder. Wording errata are omitted.
  *
- * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
- * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
- * as 0 or as 1. Pointers must not be null.
+ * Arguments and results, where a function does not say more:
+ *   variant     variant of the order code
+ *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
+ *   bytes       a frame in the order sent, or a register with its lowest address first
+ *   length      number of bytes, the _LENGTH macro of the frame or register
+ *   out         the result, unchanged on error, like the bytes of an encoder
+ *   transport   your bus access functions
+ *   failure     details of the failed step or access, or NULL
+ * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
+ * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
+ * member repeats others (a position and its turns, a number and its digits), an encoder requires
+ * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
+ * whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
 #ifndef LIKA_AM36_H
 #define LIKA_AM36_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "codewheel/bits.h"
 #include "codewheel/encoder.h"
@@ -68,10 +73,7 @@
 #error "lika/am36.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
 
-/**
- * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
- */
-#define LIKA_AM36_VERSION "0.1.0"
+#define LIKA_AM36_VERSION "0.1.0" /**< semantic version of this header */
 
 #ifdef __cplusplus
 extern "C" {
@@ -231,14 +233,10 @@ static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
 #define LIKA_AM36_UNLISTED_OUTPUT 0x04U
 
 /**
- * Find the order code on a label, to choose one at run time.
- * A part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code whose other parts match.
- * The other spellings above are accepted too.
- *
- * @param label  text of the label
- * @param unlisted  the parts whose values are not listed, as bits
- * @return the order code, or NULL if the label has none
+ * Return the order code on a label, to choose one at run time, or NULL if the label has none. A
+ * part that the manual leaves open can have a value that is not listed. The result is then the
+ * first order code whose other parts match, and unlisted has a bit for each such part. The other
+ * spellings above are accepted too.
  */
 static inline const lika_am36_order_code *lika_am36_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -369,7 +367,7 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -380,9 +378,6 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
  * 12 with 2 and at 6 with 1, until 6 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 {
@@ -399,7 +394,7 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
@@ -408,9 +403,6 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
  * How it folds: the remainder of x^4 is x + 1. By squaring, the remainder of x^8 is x^2 + 1, and of
  * x^16 is x^4 + 1. With h = v >> 16, v becomes (v mod 2^16) ^ h ^ (h << 4). The same is done at 8
  * with 2 and at 4 with 1, until 4 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 {
@@ -435,12 +427,7 @@ typedef enum lika_am36_report {
     LIKA_AM36_REPORT_WARNING = 0x2 /**< Warning, nW, unused [6.3.1 p.21]. */
 } lika_am36_report;
 
-/**
- * Return the texts about a report.
- *
- * @param reports  a mask of reports, of which the lowest bit is used
- * @return the texts, with empty members if no bit is set
- */
+/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_am36_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -520,10 +507,8 @@ static inline const cw_report_text *lika_am36_report_text(uint32_t reports)
 #define LIKA_AM36_AMC3619_4096_GG_SSI_RX_BYTES 5U
 
 /**
- * Return the frequency in hertz that the clock must stay below with a cable of this length [5.3].
- *
- * @param cable_m  length of the cable in metres
- * @return the frequency, or 0 if the manual has none for a cable of this length
+ * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
+ * 0 if the manual has none for this length [5.3].
  */
 static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -570,14 +555,7 @@ static inline uint32_t lika_am36_ssi_word_bits(const lika_am36_variant *variant)
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
 }
 
-/**
- * Set position together with multiturn and singleturn.
- *
- * @param variant  variant of the encoder
- * @param position  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set position together with multiturn and singleturn. */
 CW_NODISCARD
 static inline cw_result lika_am36_ssi_word_set_position(
     const lika_am36_variant *variant, uint32_t position, lika_am36_ssi_word *out)
@@ -592,14 +570,7 @@ static inline cw_result lika_am36_ssi_word_set_position(
     return CW_OK;
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_am36_ssi_word_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_ssi_word *out)
@@ -617,14 +588,7 @@ static inline cw_result lika_am36_ssi_word_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_am36_ssi_word_encode(
     const lika_am36_variant *variant, const lika_am36_ssi_word *in, uint64_t *out)
@@ -648,13 +612,7 @@ static inline cw_result lika_am36_ssi_word_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame. The frame has no status bit.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return CW_UNKNOWN
- */
+/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
 CW_NODISCARD
 static inline cw_verdict lika_am36_ssi_word_verdict(
     const lika_am36_variant *variant, const lika_am36_ssi_word *frame)
@@ -782,10 +740,8 @@ static inline uint32_t lika_am36_single_cycle_data_bits(const lika_am36_variant 
 }
 
 /**
- * Compute CRC biss_6 over a whole word, CRC included.
- *
- * @param word  a word as received, or one with 0 in place of its CRC
- * @return 0 if the received word is valid, or the CRC to send if its place was 0
+ * Compute CRC biss_6 over a whole word. The result is 0 if a received word is valid. With 0 in
+ * place of the CRC, it is the CRC to send.
  */
 static inline uint32_t lika_am36_single_cycle_data_crc(uint64_t word)
 {
@@ -810,14 +766,7 @@ static inline uint32_t lika_am36_single_cycle_data_crc(uint64_t word)
 #endif
 }
 
-/**
- * Set position together with multiturn and singleturn.
- *
- * @param variant  variant of the encoder
- * @param position  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set position together with multiturn and singleturn. */
 CW_NODISCARD
 static inline cw_result lika_am36_single_cycle_data_set_position(
     const lika_am36_variant *variant, uint64_t position, lika_am36_single_cycle_data *out)
@@ -833,14 +782,7 @@ static inline cw_result lika_am36_single_cycle_data_set_position(
     return CW_OK;
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_am36_single_cycle_data_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_single_cycle_data *out)
@@ -862,14 +804,7 @@ static inline cw_result lika_am36_single_cycle_data_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_am36_single_cycle_data_encode(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in, uint64_t *out)
@@ -899,13 +834,7 @@ static inline cw_result lika_am36_single_cycle_data_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_am36_single_cycle_data_is_expected(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in)
 {
@@ -913,13 +842,7 @@ static inline bool lika_am36_single_cycle_data_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_UNKNOWN
- */
+/** Return the verdict of the most severe active report, or CW_UNKNOWN if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_am36_single_cycle_data_verdict(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *frame)
@@ -931,13 +854,7 @@ static inline cw_verdict lika_am36_single_cycle_data_verdict(
     return CW_UNKNOWN;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AM36_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AM36_REPORT_ bits. */
 static inline uint32_t lika_am36_single_cycle_data_reports(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *frame)
 {
@@ -1067,15 +984,7 @@ typedef struct lika_am36_reg_profile_id {
     uint16_t profile;
 } lika_am36_reg_profile_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_PROFILE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_profile_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -1090,15 +999,7 @@ static inline cw_result lika_am36_reg_profile_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_PROFILE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_profile_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in, uint8_t *bytes,
@@ -1116,13 +1017,7 @@ static inline cw_result lika_am36_reg_profile_id_encode(
 /** value of profile stated by the manual */
 #define LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED 0x00U
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_am36_reg_profile_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in)
 {
@@ -1130,15 +1025,7 @@ static inline bool lika_am36_reg_profile_id_is_expected(
     return in->profile == LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED;
 }
 
-/**
- * Read the register Profile ID, 42h to 43h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Profile ID, 42h to 43h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_profile_id(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1178,15 +1065,7 @@ typedef struct lika_am36_reg_serial_number {
     uint16_t number; /**< Serial number in ascending order, registers 46h and 47h. */
 } lika_am36_reg_serial_number;
 
-/**
- * Decode 4 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_SERIAL_NUMBER_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_serial_number_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -1205,15 +1084,7 @@ static inline cw_result lika_am36_reg_serial_number_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_SERIAL_NUMBER_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_serial_number_encode(
     const lika_am36_variant *variant, const lika_am36_reg_serial_number *in, uint8_t *bytes,
@@ -1230,15 +1101,7 @@ static inline cw_result lika_am36_reg_serial_number_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Serial number, 44h to 47h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Serial number, 44h to 47h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_serial_number(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1291,15 +1154,7 @@ typedef enum lika_am36_command {
     LIKA_AM36_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_am36_command;
 
-/**
- * Write the register Command, 48h, then wait 30 ms.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param value  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Command, 48h, then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_am36_write_command(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1385,15 +1240,7 @@ typedef struct lika_am36_reg_configuration {
     lika_am36_enable_preset enable_preset; /**< Default: 0. */
 } lika_am36_reg_configuration;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_CONFIGURATION_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_configuration_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -1416,15 +1263,7 @@ static inline cw_result lika_am36_reg_configuration_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_CONFIGURATION_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_configuration_encode(
     const lika_am36_variant *variant, const lika_am36_reg_configuration *in, uint8_t *bytes,
@@ -1448,15 +1287,7 @@ static inline cw_result lika_am36_reg_configuration_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Configuration, 49h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Configuration, 49h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_configuration(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1475,12 +1306,6 @@ static inline cw_result lika_am36_read_configuration(
  * Write the register Configuration, 49h.
  * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 CW_NODISCARD
 static inline cw_result lika_am36_write_configuration(
@@ -1526,15 +1351,7 @@ typedef struct lika_am36_reg_information_per_revolution {
     uint32_t steps; /**< Counts per revolution. Unit: counts. Only powers of two are allowed. */
 } lika_am36_reg_information_per_revolution;
 
-/**
- * Decode 3 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 3 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_information_per_revolution_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -1550,15 +1367,7 @@ static inline cw_result lika_am36_reg_information_per_revolution_decode(
     return CW_OK;
 }
 
-/**
- * Encode 3 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 3 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_information_per_revolution_encode(
     const lika_am36_variant *variant, const lika_am36_reg_information_per_revolution *in,
@@ -1583,15 +1392,7 @@ static inline cw_result lika_am36_reg_information_per_revolution_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Information per revolution, 4Bh to 4Dh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Information per revolution, 4Bh to 4Dh. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_information_per_revolution(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1611,12 +1412,6 @@ static inline cw_result lika_am36_read_information_per_revolution(
  * Write the register Information per revolution, 4Bh to 4Dh.
  * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 CW_NODISCARD
 static inline cw_result lika_am36_write_information_per_revolution(
@@ -1666,15 +1461,7 @@ typedef struct lika_am36_reg_number_of_revolutions {
     uint32_t revolutions;
 } lika_am36_reg_number_of_revolutions;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_number_of_revolutions_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -1689,15 +1476,7 @@ static inline cw_result lika_am36_reg_number_of_revolutions_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_number_of_revolutions_encode(
     const lika_am36_variant *variant, const lika_am36_reg_number_of_revolutions *in, uint8_t *bytes,
@@ -1715,15 +1494,7 @@ static inline cw_result lika_am36_reg_number_of_revolutions_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Number of revolutions, 4Eh to 4Fh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Number of revolutions, 4Eh to 4Fh. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_number_of_revolutions(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1743,12 +1514,6 @@ static inline cw_result lika_am36_read_number_of_revolutions(
  * Write the register Number of revolutions, 4Eh to 4Fh.
  * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 CW_NODISCARD
 static inline cw_result lika_am36_write_number_of_revolutions(
@@ -1804,15 +1569,7 @@ typedef struct lika_am36_reg_preset {
     uint64_t position;
 } lika_am36_reg_preset;
 
-/**
- * Decode 5 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_PRESET_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 5 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_preset_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -1832,15 +1589,7 @@ static inline cw_result lika_am36_reg_preset_decode(
     return CW_OK;
 }
 
-/**
- * Encode 5 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_PRESET_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 5 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_preset_encode(
     const lika_am36_variant *variant, const lika_am36_reg_preset *in, uint8_t *bytes, size_t length)
@@ -1862,15 +1611,7 @@ static inline cw_result lika_am36_reg_preset_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Preset, 50h to 54h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Preset, 50h to 54h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_preset(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1885,15 +1626,7 @@ static inline cw_result lika_am36_read_preset(
     return lika_am36_reg_preset_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/**
- * Write the register Preset, 50h to 54h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Preset, 50h to 54h. */
 CW_NODISCARD
 static inline cw_result lika_am36_write_preset(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1921,15 +1654,7 @@ static inline cw_result lika_am36_write_preset(
 #define LIKA_AM36_REG_DEVICE_TYPE_DEFAULT 0x02U /**< factory default */
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /**< value stated by the manual */
 
-/**
- * Read the register Device type, 55h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register Device type, 55h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_device_type(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1959,15 +1684,7 @@ static inline cw_result lika_am36_read_device_type(
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /**< factory default */
 
-/**
- * Read the register No. of bits used for singleturn resolution, 56h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register No. of bits used for singleturn resolution, 56h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_singleturn_bits_used(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1997,15 +1714,7 @@ static inline cw_result lika_am36_read_singleturn_bits_used(
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /**< factory default */
 
-/**
- * Read the register No. of bits used for multiturn resolution, 57h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register No. of bits used for multiturn resolution, 57h. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_multiturn_bits_used(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -2059,15 +1768,7 @@ typedef struct lika_am36_reg_device_id {
     char software_version[1]; /**< Software version, printed as XX. ASCII text. No terminator. */
 } lika_am36_reg_device_id;
 
-/**
- * Decode 6 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_DEVICE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 6 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_device_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -2086,15 +1787,7 @@ static inline cw_result lika_am36_reg_device_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_DEVICE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_device_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in, uint8_t *bytes,
@@ -2119,13 +1812,7 @@ static inline cw_result lika_am36_reg_device_id_encode(
 /** value of enclosure stated by the manual */
 #define LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED "2"
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_am36_reg_device_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in)
 {
@@ -2137,15 +1824,7 @@ static inline bool lika_am36_reg_device_id_is_expected(
         (in->enclosure[0] == LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED[0]);
 }
 
-/**
- * Read the register Device ID, 78h to 7Dh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Device ID, 78h to 7Dh. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_device_id(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -2180,15 +1859,7 @@ typedef struct lika_am36_reg_manufacturer_id {
     char name[2];
 } lika_am36_reg_manufacturer_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AM36_REG_MANUFACTURER_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_manufacturer_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
@@ -2203,15 +1874,7 @@ static inline cw_result lika_am36_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AM36_REG_MANUFACTURER_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_am36_reg_manufacturer_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in, uint8_t *bytes,
@@ -2228,13 +1891,7 @@ static inline cw_result lika_am36_reg_manufacturer_id_encode(
 
 #define LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_am36_reg_manufacturer_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in)
 {
@@ -2243,15 +1900,7 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/**
- * Read the register Manufacturer ID, 7Eh to 7Fh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Manufacturer ID, 7Eh to 7Fh. */
 CW_NODISCARD
 static inline cw_result lika_am36_read_manufacturer_id(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -2272,17 +1921,13 @@ static inline cw_result lika_am36_read_manufacturer_id(
 /**
  * Some registers of the encoder change its frames. The initialisers of the variants have the
  * factory defaults. These functions update a variant from the contents of these registers, either
- * as read from the encoder or as you wrote them.
+ * as read from the encoder or as you wrote them. They leave it unchanged if the encoder cannot hold
+ * such a value (RANGE) or if length is wrong.
  */
 
 /**
  * Update a variant from the content of the register No. of bits used for singleturn resolution:
  * used_singleturn_bits.
- *
- * @param variant  the variant to update, unchanged on error
- * @param bytes  contents of the register, lowest address first
- * @param length  number of bytes, LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH
- * @return OK, RANGE if the encoder cannot hold such a value, or LENGTH if length is wrong
  */
 CW_NODISCARD
 static inline cw_result lika_am36_take_singleturn_bits_used(
@@ -2302,11 +1947,6 @@ static inline cw_result lika_am36_take_singleturn_bits_used(
 /**
  * Update a variant from the content of the register No. of bits used for multiturn resolution:
  * used_multiturn_bits.
- *
- * @param variant  the variant to update, unchanged on error
- * @param bytes  contents of the register, lowest address first
- * @param length  number of bytes, LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH
- * @return OK, RANGE if the encoder cannot hold such a value, or LENGTH if length is wrong
  */
 CW_NODISCARD
 static inline cw_result lika_am36_take_multiturn_bits_used(
@@ -2323,14 +1963,7 @@ static inline cw_result lika_am36_take_multiturn_bits_used(
     return CW_OK;
 }
 
-/**
- * Update a variant from the content of the register Number of revolutions: used_revolutions.
- *
- * @param variant  the variant to update, unchanged on error
- * @param bytes  contents of the register, lowest address first
- * @param length  number of bytes, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH
- * @return OK, or LENGTH if length is wrong
- */
+/** Update a variant from the content of the register Number of revolutions: used_revolutions. */
 CW_NODISCARD
 static inline cw_result lika_am36_take_number_of_revolutions(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
@@ -2348,11 +1981,6 @@ static inline cw_result lika_am36_take_number_of_revolutions(
 
 /**
  * Update a variant from the content of the register Information per revolution: used_information.
- *
- * @param variant  the variant to update, unchanged on error
- * @param bytes  contents of the register, lowest address first
- * @param length  number of bytes, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH
- * @return OK, RANGE if the encoder cannot hold such a value, or LENGTH if length is wrong
  */
 CW_NODISCARD
 static inline cw_result lika_am36_take_information_per_revolution(
@@ -2370,14 +1998,7 @@ static inline cw_result lika_am36_take_information_per_revolution(
     return CW_OK;
 }
 
-/**
- * Update a variant from the content of the register Configuration: output_code.
- *
- * @param variant  the variant to update, unchanged on error
- * @param bytes  contents of the register, lowest address first
- * @param length  number of bytes, LIKA_AM36_REG_CONFIGURATION_LENGTH
- * @return OK, or LENGTH if length is wrong
- */
+/** Update a variant from the content of the register Configuration: output_code. */
 CW_NODISCARD
 static inline cw_result lika_am36_take_configuration(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
@@ -2393,12 +2014,7 @@ static inline cw_result lika_am36_take_configuration(
 /**
  * Read these registers and update the variant from all of them. Call it after power-on, after the
  * defaults were restored, and after any write or procedure that changes these registers or values
- * that they depend on.
- *
- * @param transport  your bus access functions
- * @param variant  the variant to update, unchanged on error
- * @param failure  details of the failure, or NULL. Its step is the index of a function above
- * @return OK, or the error of the first access or function that failed
+ * that they depend on. The step of a failure is the index of a function above.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_read_state(
@@ -2476,12 +2092,7 @@ typedef struct lika_am36_identity {
 } lika_am36_identity;
 
 /**
- * Read the registers that identify an encoder.
- *
- * @param transport  your bus access functions
- * @param out  the contents of the registers
- * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
- * @return OK, or the error of the first access that failed
+ * Read the registers that identify an encoder. The step of a failure is the index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_read_identity(
@@ -2540,11 +2151,8 @@ static inline bool lika_am36_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one per call.
- *
- * @param read  the contents of its registers
- * @param next  index in the list of order codes. Set it to 0 before the first call
- * @return the next order code, or NULL if there are no more
+ * Return the next order code that an encoder with these registers can have, or NULL if there are no
+ * more. next is an index in the list of order codes. Set it to 0 before the first call.
  */
 static inline const lika_am36_order_code *lika_am36_next_candidate(
     const lika_am36_identity *read, size_t *next)
@@ -2571,20 +2179,10 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
  */
 #define LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT 4U
 
-/**
- * Write the steps of lika_am36_set_configuration() into an array.
- *
- * @param variant  variant of the encoder
- * @param configuration  as for lika_am36_set_configuration()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_am36_set_configuration_steps(
-    const lika_am36_variant *variant,
-    uint8_t configuration,
+    const lika_am36_variant *variant, uint8_t configuration,
     cw_step *steps, size_t capacity, size_t *count)
 {
     if (capacity < LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT) {
@@ -2611,19 +2209,13 @@ static inline cw_result lika_am36_set_configuration_steps(
  * write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_am36_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param configuration  Value of the whole register, with its unused bits set to 0. Written to
- *                       Configuration.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * configuration: Value of the whole register, with its unused bits set to 0. Written to
+ *                Configuration.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_set_configuration(
     const cw_transport *transport, const lika_am36_variant *variant,
-    uint8_t configuration,
-    cw_failure *failure)
+    uint8_t configuration, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT];
@@ -2645,20 +2237,10 @@ static inline cw_result lika_am36_set_configuration(
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 14U
 
-/**
- * Write the steps of lika_am36_set_preset() into an array.
- *
- * @param variant  variant of the encoder
- * @param position  as for lika_am36_set_preset()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_AM36_SET_PRESET_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_am36_set_preset_steps(
-    const lika_am36_variant *variant,
-    uint64_t position,
+    const lika_am36_variant *variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_reg_preset position_register;
@@ -2696,18 +2278,12 @@ static inline cw_result lika_am36_set_preset_steps(
 /**
  * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param position  New value for the present position. Written to Preset.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * position: New value for the present position. Written to Preset.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_set_preset(
     const cw_transport *transport, const lika_am36_variant *variant,
-    uint64_t position,
-    cw_failure *failure)
+    uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_AM36_SET_PRESET_STEPS_COUNT];
@@ -2728,20 +2304,10 @@ static inline cw_result lika_am36_set_preset(
  */
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 14U
 
-/**
- * Write the steps of lika_am36_store_preset() into an array.
- *
- * @param variant  variant of the encoder
- * @param position  as for lika_am36_store_preset()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_AM36_STORE_PRESET_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_am36_store_preset_steps(
-    const lika_am36_variant *variant,
-    uint64_t position,
+    const lika_am36_variant *variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_reg_preset position_register;
@@ -2779,18 +2345,12 @@ static inline cw_result lika_am36_store_preset_steps(
 /**
  * Set and save a preset without activating it, over BiSS C-mode. The transport needs
  * read_registers, write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param position  Value to save for later activation. Written to Preset.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * position: Value to save for later activation. Written to Preset.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_store_preset(
     const cw_transport *transport, const lika_am36_variant *variant,
-    uint64_t position,
-    cw_failure *failure)
+    uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_AM36_STORE_PRESET_STEPS_COUNT];
@@ -2820,14 +2380,7 @@ static inline const cw_step *lika_am36_save_parameters_steps(size_t *count)
     return steps;
 }
 
-/**
- * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us. */
 CW_NODISCARD
 static inline cw_result lika_am36_save_parameters(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -2861,11 +2414,6 @@ static inline const cw_step *lika_am36_activate_preset_steps(size_t *count)
 /**
  * Save the parameters and activate the current preset, over BiSS C-mode. The transport needs
  * write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_am36_activate_preset(
@@ -2904,11 +2452,6 @@ static inline const cw_step *lika_am36_restore_defaults_steps(size_t *count)
 /**
  * Load and save the default parameters, over BiSS C-mode. The transport needs write_registers and
  * wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_am36_restore_defaults(
@@ -2935,24 +2478,11 @@ static inline cw_result lika_am36_restore_defaults(
  */
 #define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 28U
 
-/**
- * Write the steps of lika_am36_set_resolution() into an array.
- *
- * @param variant  variant of the encoder
- * @param information_per_revolution  as for lika_am36_set_resolution()
- * @param number_of_revolutions  as for lika_am36_set_resolution()
- * @param position  as for lika_am36_set_resolution()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_AM36_SET_RESOLUTION_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_am36_set_resolution_steps(
-    const lika_am36_variant *variant,
-    uint32_t information_per_revolution,
-    uint32_t number_of_revolutions,
-    uint64_t position,
+    const lika_am36_variant *variant, uint32_t information_per_revolution,
+    uint32_t number_of_revolutions, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_reg_information_per_revolution information_per_revolution_register;
@@ -3059,26 +2589,17 @@ typedef struct lika_am36_set_resolution_read {
  * needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_am36_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param information_per_revolution  Positions per revolution, a power of two. Written to
- *                                    Information per revolution.
- * @param number_of_revolutions  Revolutions to count, 1 to 65,536. Written to Number of
- *                               revolutions.
- * @param position  New value for the present position, below the product of the other two. Written
- *                  to Preset.
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * information_per_revolution: Positions per revolution, a power of two. Written to Information per
+ *                             revolution.
+ * number_of_revolutions: Revolutions to count, 1 to 65,536. Written to Number of revolutions.
+ * position: New value for the present position, below the product of the other two. Written to
+ *           Preset.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_set_resolution(
     const cw_transport *transport, const lika_am36_variant *variant,
-    uint32_t information_per_revolution,
-    uint32_t number_of_revolutions,
-    uint64_t position,
-    lika_am36_set_resolution_read *out, cw_failure *failure)
+    uint32_t information_per_revolution, uint32_t number_of_revolutions, uint64_t position,
+        lika_am36_set_resolution_read *out, cw_failure *failure)
 {
     uint8_t bytes[2];
     size_t count = 0U;
@@ -3150,15 +2671,7 @@ typedef struct lika_am36_identify_read {
     uint8_t multiturn_bits_used[1];
 } lika_am36_identify_read;
 
-/**
- * Read the identification of the encoder, over BiSS C-mode. The transport needs read_registers.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Read the identification of the encoder, over BiSS C-mode. The transport needs read_registers. */
 CW_NODISCARD
 static inline cw_result lika_am36_identify(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -3230,191 +2743,62 @@ static inline cw_result lika_am36_identify(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum input_levels (open, omission) [Electrical safety p.8, 4, 4.4 p.15, 4.5 p.15]:
- *   Printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
- *   Used: 0VDC is the low level. +VDC is the high level.
- *   Why: The table of connections lists +10VDC +30VDC but not +VDC. The supply is probably meant.
- *   The manual does not give the threshold voltages or the input current. It does not say whether
- *   an input may be left open.
- * Erratum order_code_17 (settled, wrong limit) [6, 6.5 p.31]:
- *   Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-...
- *   Used: I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
- *   Why: Registers 7Ah and 7Bh of the Device ID, which the manual relates to the order code,
- *   contain 49h 37h. The words next to them are "I7 = BiSS C interface". The text comes from
- *   optical character recognition, which confuses I and 1 in other places too.
+ * Erratum input_levels (open, omission) [Electrical safety p.8, 4, 4.4 p.15, 4.5 p.15]: Used: 0VDC
+ * is the low level. +VDC is the high level.
+ * Erratum order_code_17 (settled, wrong limit) [6, 6.5 p.31]: Used: I7 is the code for BiSS. 17 is
+ * also accepted and shown as unlisted.
  * Erratum order_code_edition_1_1 (open, wrong limit) [5, 6, am36_1_1_biss: p.21, am36_1_1: p.22]:
- *   Printed: Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1:
- *   AMx36xx/4096SCx-..., in a table AMM3616/4096SCx...
- *   Used: Labels of both editions are accepted. SCx is read as I7. BG and GG are also accepted
- *   without the hyphen and with a digit after them.
- *   Why: Only the BiSS pages of edition 1.1 are available. The series under which that manual is
- *   listed is AM 3616/4096BG, without the hyphen. The meaning of the digit x is not known. In other
- *   families it stands for the supply. AMM is assumed to be a misprint for AM.
- * Erratum output_letters (open, wrong data) [5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2]:
- *   Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark that the output code can
- *   be Gray or Binary, see the order code.
- *   Used: BG is binary, GG is Gray.
- *   Why: The manual does not say which is which. The AMM5 manual calls the output of its BG1 models
- *   binary. The SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. This
- *   spec infers that the letters have the same meaning in this manual. To check, turn the shaft
- *   slowly. If neighbouring positions jump, the other code is in use.
+ * Used: Labels of both editions are accepted. SCx is read as I7. BG and GG are also accepted
+ * without the hyphen and with a digit after them.
+ * Erratum output_letters (open, wrong data) [5, 5.1, 5.2, amm5: 5 p.27, amm5: 5.2]: Used: BG is
+ * binary, GG is Gray.
  * Erratum biss_singleturn_resolution (open, wrong data) [6, 6.5 p.27, 6.5 p.31, am36_1_1: p.22,
- * am36_1_1: p.29]:
- *   Printed: AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as
- *   default and maximum in all BiSS models.
- *   Used: The widths come from registers 56h and 57h, with their printed defaults, regardless of
- *   the order code.
- *   Why: The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
- *   1.1 lists the same two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the
- *   default of 20 bits.
- * Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
- *   Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum.
- *   Warning: if more than 4,096 are set, the shaft may turn by at most 2,047 revolutions in either
- *   direction while the encoder is switched off.
- *   Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
- *   Why: An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is
- *   half of 4,096 minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the
- *   order code while it is off, and counts the others only while it is powered. The manual does not
- *   say so.
- * Erratum ssi_positions_28_bits (settled, wrong limit) [5.2]:
- *   Printed: AMx3616/4096: 28 bits, 268,425,456.
- *   Used: 268,435,456.
- *   Why: 2^28 is 268,435,456. The next row, 2^31, is correct.
- * Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]:
- *   Printed: The bits of the SSI words are numbered 28 ... 1 and 31 ... 1.
- *   Used: The words have bits 27:0 and 30:0.
- *   Why: The table counts from 1. Section 6 of the same manual counts from 0, as this spec does
- *   everywhere.
- * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
- *   Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks
- *   as data bits.
- *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
- *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
- *   few, the LSB may be lost.
- * Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]:
- *   Printed: The manual gives only the length of the position, not the order of singleturn and
- *   multiturn.
- *   Used: Multiturn comes first, as the more significant part. Singleturn follows. In Gray code,
- *   both form one word.
- *   Why: The preset, which becomes the position, is one number from 0 to Information per revolution
- *   x Number of revolutions - 1. Figures that might show the order are lost.
- * Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
- *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
- *   to 3 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: For cables of 200 m or more, the table allows no clock within the range.
- * Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
- *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
- *   to 3 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
- *   used at 400 kHz to 3 MHz.
- * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
- *   Printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us (Tp > 12 us).
- *   Used: The minimum is 12 us. Use a longer pause.
- *   Why: The words "at least" allow 12 us, but the sign ">" does not. A pause of exactly 12 us
- *   leaves no margin in either case. A typical value means that longer times occur, and an encoder
- *   with a Tm above 12 us is not ready then. The AMM5 manual, with the same Tm, asks for 20 us.
+ * am36_1_1: p.29]: Used: The widths come from registers 56h and 57h, with their printed defaults,
+ * regardless of the order code.
+ * Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]: Used: The registers and the
+ * frame use 65,536. 4096 is used only as the text on the label.
+ * Erratum ssi_positions_28_bits (settled, wrong limit) [5.2]: Used: 268,435,456.
+ * Erratum ssi_bit_numbers (settled, wrong data) [5.2, 6.3.1 p.21]: Used: The words have bits 27:0
+ * and 30:0.
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]: Used: The outputs do not enforce either
+ * rule. n + 1 clocks satisfy both.
+ * Erratum position_order (open, omission) [5.2, 6.3.1 p.21, 6.5 p.29]: Used: Multiturn comes first,
+ * as the more significant part. Singleturn follows. In Gray code, both form one word.
+ * Erratum ssi_cable_400_m (open, wrong limit) [5.3]: Used: Both limits are listed as printed.
+ * Erratum ssi_cable_50_m (open, wrong limit) [5.3]: Used: Both limits are listed as printed.
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]: Used: The minimum is 12 us. Use a
+ * longer pause.
  * Erratum biss_crc_start (open, omission) [6.3.1 p.22, 6.4, prot: p.7-8, renishaw: data sheet,
- * icmu: p.30]:
- *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
- *   value. The logic circuits are lost.
- *   Used: The start value is 0.
- *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
- *   devices may have another start value. With another start value, the CRC of every frame fails,
- *   with or without errors on the line.
- * Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]:
- *   Printed: Position has a variable length according to the resolution of the encoder, at most 36
- *   bits.
- *   Used: As soon as a resolution is written, the position has the number of bits given by
- *   registers 56h and 57h.
- *   Why: 56h and 57h show the bits used for the current resolution, and a new resolution is active
- *   at once. The manual does not state directly that the frame then becomes shorter instead of
- *   containing zeros.
- * Erratum revolution_bits_rounding (open, omission) [6.5 p.28, 6.5 p.31]:
- *   Printed: Number of revolutions may be any number. Register 57h shows the bits used for it.
- *   Used: The number of bits is read from register 57h, not computed.
- *   Why: The manual does not give the number of bits for numbers that are not powers of two. For
- *   2,000, at least 11 bits are needed to represent 0 to 1,999.
+ * icmu: p.30]: Used: The start value is 0.
+ * Erratum scd_length_at_run_time (open, omission) [6.3.1 p.21, 6.5 p.31]: Used: As soon as a
+ * resolution is written, the position has the number of bits given by registers 56h and 57h.
+ * Erratum revolution_bits_rounding (open, omission) [6.5 p.28, 6.5 p.31]: Used: The number of bits
+ * is read from register 57h, not computed.
  * Erratum profile_id_variant (open, wrong data) [6.5 p.24, 6.3.1 p.21, prot: p.14, sma21: 6.4,
- * asc85: 6.4]:
- *   Printed: Profile ID 00 00. See Standard encoder profile, Variant 0-24.
- *   Used: The value is 00 00. The outputs do not derive a data length from it.
- *   Why: In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have
- *   28xx, with the data length in the low byte, for variants 0-24 and similar ones. Nor does a
- *   position of up to 36 bits fit into 24.
+ * asc85: 6.4]: Used: The value is 00 00. The outputs do not derive a data length from it.
  * Erratum serial_number_coding (open, wrong data) [6.5 p.24, amm5: 6.4 p.38, asc85: 6.4, amm36:
- * p.38]:
- *   Printed: In hexadecimal notation. Register 44: year, register 45: week, registers 46 and 47:
- *   serial number.
- *   Used: The values are plain binary numbers. The year is the plain value of its byte. 46h is the
- *   high byte of the serial number.
- *   Why: The manual does not say whether year and week are binary or packed decimal digits, or from
- *   which year the year is counted. It does not say which of 46h and 47h is the high byte. There is
- *   no example. In the AMM5, the same registers contain the decimal digits of one number. In the
- *   ASC85, they contain one serial number. Both have the high byte first. The AMM36 manual prints
- *   the AMM5's example with its four bytes in reverse.
- * Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]:
- *   Printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with
- *   a new resolution and a new preset set together, Save parameters and activate Preset stores the
- *   resolution but zeroes the preset.
- *   Used: set_resolution saves the resolution first, and only then writes and activates the preset.
- *   Why: According to 4Bh and 4Eh, a preset written after the resolution would remain. According to
- *   48h and 50h, the command clears it. The manual does not say what the command Save parameters on
- *   EEPROM does to such a preset.
+ * p.38]: Used: The values are plain binary numbers. The year is the plain value of its byte. 46h is
+ * the high byte of the serial number.
+ * Erratum preset_cleared_when (open, omission) [6.5 p.24, 6.5 p.27, 6.5 p.28, 6.5 p.29]: Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset.
  * Erratum enable_preset_polarity (settled, wrong data) [6.5 p.25, 6.5 p.29, 4.4 p.15, 7 p.33,
- * sma21: 6.4, am36_1_1: p.30]:
- *   Printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if
- *   the bit is "1". The Configuration table says that 0 is Enable and 1 is Disable.
- *   Used: 0 enables the preset function. 1 disables it.
- *   Why: The table, the default (0 = Enable), 4.4, both examples and the list of defaults have 0
- *   for enable. So does the same bit in the SMA21 manual. Edition 1.1 repeats the warning in
- *   Preset.
- * Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]:
- *   Printed: Bit 8 Counting direction, in the list of the configuration example.
- *   Used: Counting direction is bit 6.
- *   Why: In the list, the entry is between bits 5 and 7. The register has only 8 bits. The table
- *   lists it as bit 6. The result 60h = 01100000 has bit 6 set.
+ * sma21: 6.4, am36_1_1: p.30]: Used: 0 enables the preset function. 1 disables it.
+ * Erratum example_bit_8 (settled, wrong data) [6.5 p.25, 6.5]: Used: Counting direction is bit 6.
  * Erratum resolution_byte_order (open, omission) [6.5 p.27, 6.5 p.28, 6.5 p.29, prot: p.14-15]:
- *   Printed: The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F,
- *   without a table of the bytes.
- *   Used: The high byte comes first.
- *   Why: Only Preset has such a table, with its MSB in the first register. In the BiSS protocol
- *   description, the most significant byte has the lowest address.
- * Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]:
- *   Printed: A new value is active immediately after transmission. Values that are not a power of
- *   two cannot be accepted.
- *   Used: The bytes are written in ascending order of address, without another access in between.
- *   Why: The registers are written byte by byte. In a change from 10 00 00h to 00 10 00h, the first
- *   byte alone gives 00 00 00h, which is not a power of two. The manual does not say when a value
- *   of several bytes counts as transmitted.
- * Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]:
- *   Printed: Default = 00 00 00 00 00 00h.
- *   Used: The default is five bytes of 00.
- *   Why: The register has five bytes, 50h to 54h. The default in the list and both limits also have
- *   five bytes. The next byte is the Device type register.
- * Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]:
- *   Printed: Error and warning: not used, always 1.
- *   Used: A frame with either bit at 0 is decoded, and the bit is reported. The position is not
- *   usable if nE is 0. If nW is 0, it is usable with a warning.
- *   Why: The manual does not say what 0 means in these bits. In the BiSS protocol, both bits are
- *   active when they are 0. Another encoder or a later firmware may use them.
- * Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]:
- *   Printed: The manual gives one device ID, AM I7 2 with the software version, for all models.
- *   Used: The device ID is used as printed.
- *   Why: BiSS requires a different device ID for each data length. Here the length follows the
- *   current resolution, while the device ID remains the same. A master must read 56h and 57h to
- *   know the length.
- * Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
- *   Printed: BiSS time-out self-adaptable to the clock, 10 us max.
- *   Used: The time-out is at most 10 us. No rule is given.
- *   Why: The manual does not say how the time follows the clock. In the BiSS protocol description,
- *   the shortest adaptive time-out is 1.5 periods, which is 7.5 us at 200 kHz and within the limit.
- * Erratum preset_example_bit (settled, wrong data) [6.5]:
- *   Printed: Table of the preset example: address 49, bit 2, data 0.
- *   Used: Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
- *   Why: A register is written as a whole byte. 00h in 49h would also set the output code to Gray
- *   (bit 5).
+ * Used: The high byte comes first.
+ * Erratum resolution_byte_by_byte (open, omission) [6.5 p.27, 6.5 p.28, prot: p.9-14]: Used: The
+ * bytes are written in ascending order of address, without another access in between.
+ * Erratum preset_default_length (settled, wrong data) [6.5 p.29, 7 p.33]: Used: The default is five
+ * bytes of 00.
+ * Erratum error_and_warning_unused (open, omission) [6.3.1 p.21, prot: p.3-5]: Used: A frame with
+ * either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0. If nW
+ * is 0, it is usable with a warning.
+ * Erratum device_id_shared (open, omission) [6.5 p.31, prot: p.14-15]: Used: The device ID is used
+ * as printed.
+ * Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]: Used: The time-out is at
+ * most 10 us. No rule is given.
+ * Erratum preset_example_bit (settled, wrong data) [6.5]: Used: Register 49h is set to 20h, with
+ * bit 2 at 0 and the other bits at their defaults.
  * In edition 1.1 [am36_1_1: p.22]:
  *   Not present: unlisted values of part singleturn of the order code, the values that may
  *   accompany unlisted values of part singleturn of the order code, unlisted values of part turns

@@ -44,22 +44,27 @@
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
  * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters and explained at the end of this header. Errata that
- * concern only wording are omitted.
+ * erratum is mentioned where it matters, and the end of this header says what is used instead. The
+ * printed text and the reason are on the page of the encoder. Wording errata are omitted.
  *
- * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
- * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
- * as 0 or as 1. Pointers must not be null.
+ * Arguments and results, where a function does not say more:
+ *   variant     variant of the order code
+ *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
+ *   bytes       a frame in the order sent, or a register with its lowest address first
+ *   length      number of bytes, the _LENGTH macro of the frame or register
+ *   out         the result, unchanged on error, like the bytes of an encoder
+ *   transport   your bus access functions
+ *   failure     details of the failed step or access, or NULL
+ * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
+ * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
+ * member repeats others (a position and its turns, a number and its digits), an encoder requires
+ * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
+ * whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
 #ifndef LIKA_AMM5_H
 #define LIKA_AMM5_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "codewheel/bits.h"
 #include "codewheel/encoder.h"
@@ -70,10 +75,7 @@
 #error "lika/amm5.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
 
-/**
- * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
- */
-#define LIKA_AMM5_VERSION "0.1.0"
+#define LIKA_AMM5_VERSION "0.1.0" /**< semantic version of this header */
 
 #ifdef __cplusplus
 extern "C" {
@@ -226,11 +228,8 @@ static inline const lika_amm5_order_code *lika_amm5_order_codes(size_t *count)
 }
 
 /**
- * Find the order code on a label, to choose one at run time.
- *
- * @param label  text of the label
- * @param unlisted  always 0, since the manual leaves no part open
- * @return the order code, or NULL if the label has none
+ * Return the order code on a label, to choose one at run time, or NULL if the label has none.
+ * unlisted becomes 0, since the manual leaves no part open.
  */
 static inline const lika_amm5_order_code *lika_amm5_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -286,7 +285,7 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -297,9 +296,6 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
  * 12 with 2 and at 6 with 1, until 6 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 {
@@ -316,7 +312,7 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -326,9 +322,6 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
  * How it folds: the remainder of x^4 is x + 1. By squaring, the remainder of x^8 is x^2 + 1, and of
  * x^16 is x^4 + 1. With h = v >> 16, v becomes (v mod 2^16) ^ h ^ (h << 4). The same is done at 8
  * with 2 and at 4 with 1, until 4 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 {
@@ -346,7 +339,7 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 }
 
 /**
- * Compute the CRC of the given bytes.
+ * Return the CRC of bytes in the order sent.
  * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.6
  * p.47].
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
@@ -354,10 +347,6 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * the start value 0.
  * Erratum crc_code_bit_order (settled, wrong data).
  * With this polynomial, the CRC of whole bytes is their XOR.
- *
- * @param bytes  the bytes that the CRC covers, in the order sent
- * @param length  number of bytes
- * @return the CRC
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
@@ -424,12 +413,7 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 #define LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED 0x10000U /**< MTERR [7.4 p.43]. */
 #define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x20000U /**< BATT [7.4 p.43]. */
 
-/**
- * Return the texts about a report.
- *
- * @param reports  a mask of reports, of which the lowest bit is used
- * @return the texts, with empty members if no bit is set
- */
+/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_amm5_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -640,10 +624,8 @@ static inline const cw_report_text *lika_amm5_report_text(uint32_t reports)
 #define LIKA_AMM5_B23_65KBG1_SSI_RX_BYTES 6U
 
 /**
- * Return the frequency in hertz that the clock must stay below with a cable of this length [5.3].
- *
- * @param cable_m  length of the cable in metres
- * @return the frequency, or 0 if the manual has none for a cable of this length
+ * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
+ * 0 if the manual has none for this length [5.3].
  */
 static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -688,14 +670,7 @@ static inline uint32_t lika_amm5_ssi_word_bits(const lika_amm5_variant *variant)
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
 }
 
-/**
- * Set position together with multiturn and singleturn.
- *
- * @param variant  variant of the encoder
- * @param position  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set position together with multiturn and singleturn. */
 CW_NODISCARD
 static inline cw_result lika_amm5_ssi_word_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_ssi_word *out)
@@ -710,14 +685,7 @@ static inline cw_result lika_amm5_ssi_word_set_position(
     return CW_OK;
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_amm5_ssi_word_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_ssi_word *out)
@@ -733,14 +701,7 @@ static inline cw_result lika_amm5_ssi_word_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_amm5_ssi_word_encode(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *in, uint64_t *out)
@@ -762,13 +723,7 @@ static inline cw_result lika_amm5_ssi_word_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame. The frame has no status bit.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return CW_UNKNOWN
- */
+/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_ssi_word_verdict(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *frame)
@@ -919,10 +874,8 @@ static inline uint32_t lika_amm5_single_cycle_data_bits(const lika_amm5_variant 
 }
 
 /**
- * Compute CRC biss_6 over a whole word, CRC included.
- *
- * @param word  a word as received, or one with 0 in place of its CRC
- * @return 0 if the received word is valid, or the CRC to send if its place was 0
+ * Compute CRC biss_6 over a whole word. The result is 0 if a received word is valid. With 0 in
+ * place of the CRC, it is the CRC to send.
  */
 static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
 {
@@ -948,14 +901,7 @@ static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
 #endif
 }
 
-/**
- * Set position together with multiturn and singleturn.
- *
- * @param variant  variant of the encoder
- * @param position  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set position together with multiturn and singleturn. */
 CW_NODISCARD
 static inline cw_result lika_amm5_single_cycle_data_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_single_cycle_data *out)
@@ -970,14 +916,7 @@ static inline cw_result lika_amm5_single_cycle_data_set_position(
     return CW_OK;
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_amm5_single_cycle_data_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_single_cycle_data *out)
@@ -998,14 +937,7 @@ static inline cw_result lika_amm5_single_cycle_data_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_amm5_single_cycle_data_encode(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *in, uint64_t *out)
@@ -1030,13 +962,7 @@ static inline cw_result lika_amm5_single_cycle_data_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_single_cycle_data_verdict(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *frame)
@@ -1050,13 +976,7 @@ static inline cw_verdict lika_amm5_single_cycle_data_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_single_cycle_data_reports(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *frame)
 {
@@ -1190,15 +1110,7 @@ typedef struct lika_amm5_data_request {
     lika_amm5_data_id data_id;
 } lika_amm5_data_request;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_DATA_REQUEST_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_amm5_data_request_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -1229,15 +1141,7 @@ static inline cw_result lika_amm5_data_request_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_DATA_REQUEST_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_amm5_data_request_encode(
     const lika_amm5_variant *variant, const lika_amm5_data_request *in, uint8_t *bytes,
@@ -1287,16 +1191,7 @@ typedef struct lika_amm5_eeprom_write_request {
     uint8_t data; /**< EDF: Byte to write. */
 } lika_amm5_eeprom_write_request;
 
-/**
- * Decode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_write_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
@@ -1334,16 +1229,7 @@ static inline cw_result lika_amm5_eeprom_write_request_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_write_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
@@ -1393,16 +1279,7 @@ typedef struct lika_amm5_eeprom_read_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
 } lika_amm5_eeprom_read_request;
 
-/**
- * Decode 3 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 3 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_read_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
@@ -1437,16 +1314,7 @@ static inline cw_result lika_amm5_eeprom_read_request_decode(
     return CW_OK;
 }
 
-/**
- * Encode 3 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 3 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_read_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
@@ -1522,15 +1390,7 @@ typedef struct lika_amm5_singleturn_reply {
     uint8_t unused;
 } lika_amm5_singleturn_reply;
 
-/**
- * Decode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_singleturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -1570,15 +1430,7 @@ static inline cw_result lika_amm5_singleturn_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_singleturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in, uint8_t *bytes,
@@ -1610,13 +1462,7 @@ static inline cw_result lika_amm5_singleturn_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_amm5_singleturn_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in)
 {
@@ -1624,13 +1470,7 @@ static inline bool lika_amm5_singleturn_reply_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_singleturn_reply_verdict(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *frame)
@@ -1645,13 +1485,7 @@ static inline cw_verdict lika_amm5_singleturn_reply_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_singleturn_reply_reports(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *frame)
 {
@@ -1708,15 +1542,7 @@ typedef struct lika_amm5_multiturn_reply {
     uint8_t unused;
 } lika_amm5_multiturn_reply;
 
-/**
- * Decode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_multiturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -1751,15 +1577,7 @@ static inline cw_result lika_amm5_multiturn_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_multiturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in, uint8_t *bytes,
@@ -1784,13 +1602,7 @@ static inline cw_result lika_amm5_multiturn_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_amm5_multiturn_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in)
 {
@@ -1798,13 +1610,7 @@ static inline bool lika_amm5_multiturn_reply_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_multiturn_reply_verdict(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *frame)
@@ -1819,13 +1625,7 @@ static inline cw_verdict lika_amm5_multiturn_reply_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_multiturn_reply_reports(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *frame)
 {
@@ -1883,15 +1683,7 @@ typedef struct lika_amm5_encoder_id_reply {
     uint8_t unused;
 } lika_amm5_encoder_id_reply;
 
-/**
- * Decode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_encoder_id_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -1921,15 +1713,7 @@ static inline cw_result lika_amm5_encoder_id_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_encoder_id_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in, uint8_t *bytes,
@@ -1953,13 +1737,7 @@ static inline cw_result lika_amm5_encoder_id_reply_encode(
 /** value of encoder_id stated by the manual */
 #define LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_amm5_encoder_id_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in)
 {
@@ -1967,13 +1745,7 @@ static inline bool lika_amm5_encoder_id_reply_is_expected(
     return (in->encoder_id == LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED) && (in->unused == 0U);
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_encoder_id_reply_reports(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *frame)
 {
@@ -2083,14 +1855,7 @@ typedef struct lika_amm5_complete_reply {
     uint16_t unused;
 } lika_amm5_complete_reply;
 
-/**
- * Set position together with multiturn and singleturn.
- *
- * @param variant  variant of the encoder
- * @param position  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set position together with multiturn and singleturn. */
 CW_NODISCARD
 static inline cw_result lika_amm5_complete_reply_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_complete_reply *out)
@@ -2105,15 +1870,7 @@ static inline cw_result lika_amm5_complete_reply_set_position(
     return CW_OK;
 }
 
-/**
- * Decode 11 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 11 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_complete_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -2165,15 +1922,7 @@ static inline cw_result lika_amm5_complete_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 11 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 11 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_complete_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in, uint8_t *bytes,
@@ -2215,13 +1964,7 @@ static inline cw_result lika_amm5_complete_reply_encode(
 /** value of encoder_id stated by the manual */
 #define LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_amm5_complete_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in)
 {
@@ -2229,13 +1972,7 @@ static inline bool lika_amm5_complete_reply_is_expected(
     return (in->encoder_id == LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED) && (in->unused == 0U);
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_complete_reply_verdict(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *frame)
@@ -2252,13 +1989,7 @@ static inline cw_verdict lika_amm5_complete_reply_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_complete_reply_reports(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *frame)
 {
@@ -2311,16 +2042,7 @@ typedef struct lika_amm5_eeprom_write_reply {
     uint8_t data; /**< EDF: Byte of the request, or 00h while busy. */
 } lika_amm5_eeprom_write_reply;
 
-/**
- * Decode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_write_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
@@ -2356,16 +2078,7 @@ static inline cw_result lika_amm5_eeprom_write_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_write_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
@@ -2392,13 +2105,7 @@ static inline cw_result lika_amm5_eeprom_write_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_eeprom_write_reply_reports(
     const lika_amm5_variant *variant, const lika_amm5_eeprom_write_reply *frame)
 {
@@ -2437,16 +2144,7 @@ typedef struct lika_amm5_eeprom_read_reply {
     uint8_t data; /**< EDF: Byte read, or 00h while busy. */
 } lika_amm5_eeprom_read_reply;
 
-/**
- * Decode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_read_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
@@ -2482,16 +2180,7 @@ static inline cw_result lika_amm5_eeprom_read_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param eeprom_address  your choice where the manual is ambiguous
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_eeprom_read_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
@@ -2519,13 +2208,7 @@ static inline cw_result lika_amm5_eeprom_read_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_AMM5_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_AMM5_REPORT_ bits. */
 static inline uint32_t lika_amm5_eeprom_read_reply_reports(
     const lika_amm5_variant *variant, const lika_amm5_eeprom_read_reply *frame)
 {
@@ -2573,13 +2256,7 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
     }
 }
 
-/**
- * Find the frame that the master sends for this data ID.
- *
- * @param data_id  value of the field that selects the frame
- * @param frame  the frame
- * @return OK, or RANGE if there is none
- */
+/** Find the frame that the master sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_request_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
@@ -2606,12 +2283,8 @@ static inline cw_result lika_amm5_rs485_request_for(
 }
 
 /**
- * Find the frame of the master from its first bytes. Its decoder checks the rest.
- *
- * @param bytes  the bytes
- * @param length  number of bytes, at least 1
- * @param frame  the frame
- * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
+ * Find the frame of the master from its first 1 byte. Its decoder checks the rest. The result is
+ * RANGE if there is no such frame.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_request_frame(
@@ -2623,13 +2296,7 @@ static inline cw_result lika_amm5_rs485_request_frame(
     return lika_amm5_rs485_request_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
 
-/**
- * Find the frame that the encoder sends for this data ID.
- *
- * @param data_id  value of the field that selects the frame
- * @param frame  the frame
- * @return OK, or RANGE if there is none
- */
+/** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
@@ -2662,12 +2329,8 @@ static inline cw_result lika_amm5_rs485_reply_for(
 }
 
 /**
- * Find the frame of the encoder from its first bytes. Its decoder checks the rest.
- *
- * @param bytes  the bytes
- * @param length  number of bytes, at least 1
- * @param frame  the frame
- * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
+ * Find the frame of the encoder from its first 1 byte. Its decoder checks the rest. The result is
+ * RANGE if there is no such frame.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reply_frame(
@@ -2792,14 +2455,7 @@ typedef struct lika_amm5_reg_preset {
     uint64_t position;
 } lika_amm5_reg_preset;
 
-/**
- * Set position together with multiturn and singleturn.
- *
- * @param variant  variant of the encoder
- * @param position  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set position together with multiturn and singleturn. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_preset_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_reg_preset *out)
@@ -2814,15 +2470,7 @@ static inline cw_result lika_amm5_reg_preset_set_position(
     return CW_OK;
 }
 
-/**
- * Decode 7 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AMM5_REG_PRESET_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 7 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_preset_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -2858,15 +2506,7 @@ static inline cw_result lika_amm5_reg_preset_decode(
     return CW_OK;
 }
 
-/**
- * Encode 7 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_REG_PRESET_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 7 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_preset_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_preset *in, uint8_t *bytes, size_t length)
@@ -2897,15 +2537,7 @@ static inline cw_result lika_amm5_reg_preset_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Preset, 11h to 17h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Preset, 11h to 17h. */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2920,15 +2552,7 @@ static inline cw_result lika_amm5_read_preset(
     return lika_amm5_reg_preset_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/**
- * Write the register Preset, 11h to 17h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Preset, 11h to 17h. */
 CW_NODISCARD
 static inline cw_result lika_amm5_write_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2962,15 +2586,7 @@ typedef enum lika_amm5_preset_setting_enable {
     LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE = 0x01 /**< 01: Preset registers open. */
 } lika_amm5_preset_setting_enable;
 
-/**
- * Write the register Preset setting enable, 40h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param value  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Preset setting enable, 40h. */
 CW_NODISCARD
 static inline cw_result lika_amm5_write_preset_setting_enable(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3010,14 +2626,7 @@ typedef struct lika_amm5_reg_serial_number {
     uint32_t number;
 } lika_amm5_reg_serial_number;
 
-/**
- * Set serial together with year, week, number.
- *
- * @param variant  variant of the encoder
- * @param serial  the value
- * @param out  the struct with these members, unchanged on error
- * @return OK, or RANGE if the value does not fit
- */
+/** Set serial together with year, week, number. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_serial_number_set_serial(
     const lika_amm5_variant *variant, uint32_t serial, lika_amm5_reg_serial_number *out)
@@ -3033,15 +2642,7 @@ static inline cw_result lika_amm5_reg_serial_number_set_serial(
     return CW_OK;
 }
 
-/**
- * Decode 4 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_serial_number_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -3063,15 +2664,7 @@ static inline cw_result lika_amm5_reg_serial_number_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_serial_number_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_serial_number *in, uint8_t *bytes,
@@ -3102,15 +2695,7 @@ static inline cw_result lika_amm5_reg_serial_number_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Serial number, 44h to 47h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Serial number, 44h to 47h. */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_serial_number(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3147,15 +2732,7 @@ typedef enum lika_amm5_command {
     LIKA_AMM5_COMMAND_ACTIVATE_PRESET = 0x02
 } lika_amm5_command;
 
-/**
- * Write the register Command, 77h, then wait 30 ms.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param value  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Command, 77h, then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_amm5_write_command(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3199,15 +2776,7 @@ typedef struct lika_amm5_reg_device_id {
     uint16_t release; /**< Hardware-software release, printed as xx xx. */
 } lika_amm5_reg_device_id;
 
-/**
- * Decode 6 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AMM5_REG_DEVICE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 6 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_device_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -3226,15 +2795,7 @@ static inline cw_result lika_amm5_reg_device_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_REG_DEVICE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_device_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in, uint8_t *bytes,
@@ -3255,13 +2816,7 @@ static inline cw_result lika_amm5_reg_device_id_encode(
 
 #define LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED "AMM5" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_amm5_reg_device_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in)
 {
@@ -3272,15 +2827,7 @@ static inline bool lika_amm5_reg_device_id_is_expected(
         (in->name[3] == LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
-/**
- * Read the register Device ID, 78h to 7Dh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Device ID, 78h to 7Dh. */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_device_id(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3315,15 +2862,7 @@ typedef struct lika_amm5_reg_manufacturer_id {
     char name[2];
 } lika_amm5_reg_manufacturer_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_manufacturer_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
@@ -3338,15 +2877,7 @@ static inline cw_result lika_amm5_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reg_manufacturer_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in, uint8_t *bytes,
@@ -3363,13 +2894,7 @@ static inline cw_result lika_amm5_reg_manufacturer_id_encode(
 
 #define LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_amm5_reg_manufacturer_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in)
 {
@@ -3378,15 +2903,7 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/**
- * Read the register Manufacturer ID, 7Eh to 7Fh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Manufacturer ID, 7Eh to 7Fh. */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_manufacturer_id(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3411,12 +2928,7 @@ typedef struct lika_amm5_identity {
 } lika_amm5_identity;
 
 /**
- * Read the registers that identify an encoder.
- *
- * @param transport  your bus access functions
- * @param out  the contents of the registers
- * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
- * @return OK, or the error of the first access that failed
+ * Read the registers that identify an encoder. The step of a failure is the index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_identity(
@@ -3457,11 +2969,8 @@ static inline bool lika_amm5_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one per call.
- *
- * @param read  the contents of its registers
- * @param next  index in the list of order codes. Set it to 0 before the first call
- * @return the next order code, or NULL if there are no more
+ * Return the next order code that an encoder with these registers can have, or NULL if there are no
+ * more. next is an index in the list of order codes. Set it to 0 before the first call.
  */
 static inline const lika_amm5_order_code *lika_amm5_next_candidate(
     const lika_amm5_identity *read, size_t *next)
@@ -3489,20 +2998,10 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 20U
 
-/**
- * Write the steps of lika_amm5_set_preset() into an array.
- *
- * @param variant  variant of the encoder
- * @param position  as for lika_amm5_set_preset()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_AMM5_SET_PRESET_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_amm5_set_preset_steps(
-    const lika_amm5_variant *variant,
-    uint64_t position,
+    const lika_amm5_variant *variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_amm5_reg_preset position_register;
@@ -3544,18 +3043,12 @@ static inline cw_result lika_amm5_set_preset_steps(
 /**
  * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param position  New value for the present position. Written to Preset.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * position: New value for the present position. Written to Preset.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_set_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
-    uint64_t position,
-    cw_failure *failure)
+    uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_AMM5_SET_PRESET_STEPS_COUNT];
@@ -3575,20 +3068,10 @@ static inline cw_result lika_amm5_set_preset(
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 18U
 
-/**
- * Write the steps of lika_amm5_store_preset() into an array.
- *
- * @param variant  variant of the encoder
- * @param position  as for lika_amm5_store_preset()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_AMM5_STORE_PRESET_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_amm5_store_preset_steps(
-    const lika_amm5_variant *variant,
-    uint64_t position,
+    const lika_amm5_variant *variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_amm5_reg_preset position_register;
@@ -3628,18 +3111,12 @@ static inline cw_result lika_amm5_store_preset_steps(
 /**
  * Set and save a preset without activating it, over BiSS C-mode. The transport needs
  * read_registers, write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param position  Value to save for later activation. Written to Preset.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * position: Value to save for later activation. Written to Preset.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_store_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
-    uint64_t position,
-    cw_failure *failure)
+    uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_AMM5_STORE_PRESET_STEPS_COUNT];
@@ -3670,14 +3147,7 @@ static inline const cw_step *lika_amm5_save_parameters_steps(size_t *count)
     return steps;
 }
 
-/**
- * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us. */
 CW_NODISCARD
 static inline cw_result lika_amm5_save_parameters(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3708,14 +3178,7 @@ static inline const cw_step *lika_amm5_activate_preset_steps(size_t *count)
     return steps;
 }
 
-/**
- * Activate the saved preset, over BiSS C-mode. The transport needs write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Activate the saved preset, over BiSS C-mode. The transport needs write_registers and wait_us. */
 CW_NODISCARD
 static inline cw_result lika_amm5_activate_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3757,11 +3220,6 @@ static inline const cw_step *lika_amm5_reset_singleturn_and_multiturn_steps(size
 
 /**
  * Reset singleturn and multiturn data, over RS-485. The transport needs wait_us and send_request.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_reset_singleturn_and_multiturn(
@@ -3800,11 +3258,6 @@ static inline const cw_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *
 
 /**
  * Reset multiturn data and all errors, over RS-485. The transport needs wait_us and send_request.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_reset_multiturn_and_errors(
@@ -3841,14 +3294,7 @@ static inline const cw_step *lika_amm5_reset_errors_steps(size_t *count)
     return steps;
 }
 
-/**
- * Reset all errors, over RS-485. The transport needs wait_us and send_request.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Reset all errors, over RS-485. The transport needs wait_us and send_request. */
 CW_NODISCARD
 static inline cw_result lika_amm5_reset_errors(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -3940,254 +3386,88 @@ static inline cw_result lika_amm5_reset_errors(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum heading_g1 (settled, wrong limit) [4.1.2 p.20, it: 4.1.2 p.21]:
- *   Printed: Heading of the cable table: ...G1-... and ...SC1-... order codes.
- *   Used: The cable belongs to the ...BG1-... and ...SC1-... order codes.
- *   Why: The connector that mates with the cable (4.1.1) and all lists of models have BG1. No model
- *   has G1.
- * Erratum battery_range (open, wrong limit) [4.3 p.23, 7.4.1 p.44]:
- *   Printed: Battery voltage between 3 V and 5.5 V. Alarms below 3.15 V (Battery alarm) and below
- *   3.05 V (MT error).
- *   Used: Both are listed as printed. Only with .../65K...
- *   Why: From 3.00 V to 3.15 V, a battery is within its range but still raises an alarm.
- * Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]:
- *   Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code
- *   is BINARY, see the order code.
- *   Used: Binary.
- *   Why: 5.1 describes SSI in general, 5.2 this encoder. The order code has no part for the output
- *   code and only one SSI variant, BG1.
- * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2, it: 5.1]:
- *   Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13
- *   bits. 5.2: at least as many clocks as data bits.
- *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
- *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
- *   few, the LSB may be lost.
- * Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2, it: 5.2]:
- *   Printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
- *   Used: 65KBG1.
- *   Why: The table just below it and the Italian edition have 65KBG1. No model has KG1.
- * Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]:
- *   Printed: The manual prints only "17 + 16 bits" and the like, not the order of singleturn and
- *   multiturn in the position.
- *   Used: Multiturn comes first, as the more significant part. Singleturn follows.
- *   Why: The Preset registers contain one number with multiturn above singleturn (6.4). Figures
- *   that might show the order are lost.
- * Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
- *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
- *   to 4 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: For cables of 200 m or more, the table allows no clock within the range.
- * Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
- *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
- *   to 4 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
- *   used at 400 kHz to 4 MHz.
- * Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
- *   Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is
- *   listed.
- *   Used: The outputs have no profile ID.
- *   Why: The BiSS register map has the profile ID at 42h to 43h. The manual does not say what an
- *   unlisted register returns.
- * Erratum scd_length (settled, wrong data) [6.2.1 p.32, it: 6.2.1 p.32]:
- *   Printed: SCD data is nbitres+7 long.
- *   Used: The length is position_bits + 8.
- *   Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8. nbitres+7 is
- *   the number of the top bit in the table.
+ * Erratum heading_g1 (settled, wrong limit) [4.1.2 p.20, it: 4.1.2 p.21]: Used: The cable belongs
+ * to the ...BG1-... and ...SC1-... order codes.
+ * Erratum battery_range (open, wrong limit) [4.3 p.23, 7.4.1 p.44]: Used: Both are listed as
+ * printed. Only with .../65K...
+ * Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]: Used: Binary.
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2, it: 5.1]: Used: The outputs do not enforce
+ * either rule. n + 1 clocks satisfy both.
+ * Erratum ssi_table_65kkg1 (settled, wrong limit) [5.2, it: 5.2]: Used: 65KBG1.
+ * Erratum position_order (open, omission) [5.2, 6.2.1 p.32, 6.4]: Used: Multiturn comes first, as
+ * the more significant part. Singleturn follows.
+ * Erratum ssi_cable_400_m (open, wrong limit) [5.3]: Used: Both limits are listed as printed.
+ * Erratum ssi_cable_50_m (open, wrong limit) [5.3]: Used: Both limits are listed as printed.
+ * Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]: Used: The outputs
+ * have no profile ID.
+ * Erratum scd_length (settled, wrong data) [6.2.1 p.32, it: 6.2.1 p.32]: Used: The length is
+ * position_bits + 8.
  * Erratum biss_crc_start (open, omission) [6.2.1 p.33, 6.3 p.34, prot: p.7-8, renishaw: data sheet,
- * icmu: p.30]:
- *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
- *   value. The logic circuits are lost.
- *   Used: The start value is 0.
- *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
- *   devices may have another start value. With another start value, the CRC of every frame fails,
- *   with or without errors on the line.
+ * icmu: p.30]: Used: The start value is 0.
  * Erratum error_bits_leds_alarms (open, omission) [6.2.1 p.32, 6.2.1 p.33, 7.3.2 p.42, 7.4.1 p.44,
- * 9 p.51]:
- *   Printed: nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and
- *   LED 2: an error in the magnetic multiturn system, or a low battery, see Battery alarm. RS-485:
- *   EE_0 for ST error, EE_1 for BUSY flag, PS error, Battery alarm and MT error.
- *   Used: Each bit, LED and alarm is used as printed. None is derived from another.
- *   Why: The bits, LEDs and alarms do not map one to one. Over RS-485, MT error means a depleted
- *   battery and corresponds to LED 1, but an error in the multiturn system is the warning of LED 2.
- *   PS error and BUSY flag have no LED and no bit of their own, and ST error is not mentioned with
- *   nE. Over BiSS, a depleted battery is an error. Over RS-485, it shares a bit with a low battery.
- * Erratum unused_status_bits (open, omission) [7.3.2 p.42, 7.4 p.43]:
- *   Printed: EI_3 to EI_0 and four more bits of SF and ALMC are printed as 0.
- *   Used: A reply with other values is decoded, and the bits are reported. Its position is usable
- *   with a warning.
- *   Why: The manual does not say what other values mean. Later firmware may use such a bit. Sync
- *   code, data ID, parity and CRC show that the frame is valid without it.
+ * 9 p.51]: Used: Each bit, LED and alarm is used as printed. None is derived from another.
+ * Erratum unused_status_bits (open, omission) [7.3.2 p.42, 7.4 p.43]: Used: A reply with other
+ * values is decoded, and the bits are reported. Its position is usable with a warning.
  * Erratum position_under_error (open, omission) [6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24,
- * 7.3.2 p.42, 7.4.1 p.44]:
- *   Printed: BUSY: all position data are 0. "The battery is spent. The encoder cannot operate." Low
- *   battery (warning alone): the position is kept. The manual does not say how the other errors
- *   affect the position.
- *   Used: The position is not usable if any of these is active: error, BUSY, PS error or ST error.
- *   Latched errors count until they are reset. In multiturn models, the MT error or the warning bit
- *   also makes the position not usable. With the battery alarm, it is usable with a warning. EE_1,
- *   which combines BUSY, PS error, battery alarm and MT error, makes the position not usable. If
- *   the frame also carries these four flags (data ID 3), they decide instead.
- *   Why: PS error and ST error are faults of the counting itself. The position may have been
- *   counted wrongly before the error was detected. If EE_1 is the only information, the position
- *   may be the 0 that is sent while BUSY is active. The warning bit means a low battery, with which
- *   the position is kept (4.3.1), or an error in the magnetic multiturn system, which may make the
- *   number of revolutions wrong. The frame does not distinguish them, so the worse case applies.
- *   After a depleted battery the singleturn position is correct (4.3.2, step 9). Replies that carry
- *   only the singleturn position are still treated as not usable.
- * Erratum preset_limit (settled, wrong limit) [6.4, it: 6.4]:
- *   Printed: English: less than the total hardware resolution. Italian: less than or equal to it
- *   (minore o uguale).
- *   Used: The maximum is 2^position_bits - 1.
- *   Why: The total resolution itself needs one bit more than the register has for it.
- * Erratum preset_revolutions (settled, wrong limit) [6.4, it: 6.4]:
- *   Printed: English: the number of revolutions is always 65,536 in all models. Italian: in all
- *   multiturn models.
- *   Used: Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.
- *   Why: Models with 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not
- *   give the content of their bits 48:33.
- * Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]:
- *   Printed: Only bits 9:8 and byte 11h are said to be 0. The lowest singleturn bit is 12 with 21
- *   bits and 16 with 17 bits.
- *   Used: All bits below the lowest singleturn bit are 0.
- *   Why: The example with 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual has the
- *   same with 20 bits. For 17 bits, the manual does not define bits 15:10.
- * Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]:
- *   Printed: Register 40h is Preset setting enable. The preset is at 11h to 17h.
- *   Used: The registers are used as printed.
- *   Why: In the BiSS register map, 40h selects the bank, and 00h to 3Fh is the area that it
- *   switches. A master that follows the map may write 40h on its own. Bank 1 would open the preset,
- *   and bank 0 would close it.
- * Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]:
- *   Printed: The manual gives one device ID, AMM5 with the release, for all models.
- *   Used: The device ID is used as printed.
- *   Why: BiSS requires a different device ID for each data length. The SC1 models have six lengths.
- *   Unless the release bytes, printed as xx, differ with them, a master cannot distinguish the
- *   models.
- * Erratum serial_number_order (open, wrong data) [6.4 p.38, amm36: p.38, amm80: 6.4 p.41]:
- *   Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630.
- *   Used: The high byte comes first, as printed.
- *   Why: The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to
- *   47h and reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to
- *   47h, so an older AMM5 may answer in the other order. An impossible year or week indicates the
- *   wrong order.
- * Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
- *   Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
- *   Used: The lowest clock is 50 kHz.
- *   Why: In the BiSS protocol description, the clock range starts at 80 kHz.
+ * 7.3.2 p.42, 7.4.1 p.44]: Used: The position is not usable if any of these is active: error, BUSY,
+ * PS error or ST error. Latched errors count until they are reset. In multiturn models, the MT
+ * error or the warning bit also makes the position not usable. With the battery alarm, it is usable
+ * with a warning. EE_1, which combines BUSY, PS error, battery alarm and MT error, makes the
+ * position not usable. If the frame also carries these four flags (data ID 3), they decide instead.
+ * Erratum preset_limit (settled, wrong limit) [6.4, it: 6.4]: Used: The maximum is 2^position_bits
+ * - 1.
+ * Erratum preset_revolutions (settled, wrong limit) [6.4, it: 6.4]: Used: Singleturn models have no
+ * multiturn bits. Their bits 48:33 are taken as 0.
+ * Erratum preset_bits_below_lsb (open, omission) [6.4, amm80: 6.4 p.40]: Used: All bits below the
+ * lowest singleturn bit are 0.
+ * Erratum biss_bank_select (open, omission) [6.4 p.38, prot: p.14-15]: Used: The registers are used
+ * as printed.
+ * Erratum device_id_shared (open, omission) [6.4 p.39, prot: p.14-15]: Used: The device ID is used
+ * as printed.
+ * Erratum serial_number_order (open, wrong data) [6.4 p.38, amm36: p.38, amm80: 6.4 p.41]: Used:
+ * The high byte comes first, as printed.
+ * Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]: Used: The lowest clock is 50
+ * kHz.
  * Erratum control_field_structure (settled, omission) [7.3.1 p.42, stmbl: src/comps/smartabs.c]:
- *   Printed: The manual prints one byte for each data ID, without its structure.
- *   Used: Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.
- *   Why: All nine printed bytes fit this structure. Public sources give it for the T-format.
+ * Used: Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.
  * Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst]:
- *   Printed: ENID: encoder ID, fixed value = 23h.
- *   Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is
- *   reported.
- *   Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample
- *   prints ENID 0x17. The 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does
- *   not show whether the frame is valid. Sync code, data ID, length and CRC do.
- * Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]:
- *   Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error.
- *   Used: EE_1 is one flag, status_other_error. Do not trust a position received with it until ALMC
- *   has been read.
- *   Why: BUSY does not latch, and all position data are 0 while it is active. The other three
- *   latch, and the position may be correct. The replies to data IDs 0, 1, 2, 7, 8 and C do not
- *   distinguish them. Data ID 3 has ALMC, which does.
- * Erratum power_on_twice (open, omission) [7.4.1 p.44, 4.3.2 p.24]:
- *   Printed: How to clear PS error and ST error: Turn on the main power twice or reset the error
- *   (ID 7, ID C).
- *   Used: The remedy is given as printed. To be safe, switch the supply off and on two times.
- *   Why: This could mean two power cycles, or that the supply is switched off and on again. The
- *   manual does not say. After a battery replacement, the supply is switched on, off and on again
- *   before the ERROR LED is off (4.3.2, steps 5 to 8), which suggests two cycles.
+ * samples/drivers/sei/slave/tamagawa/README_en.rst]: Used: 23h is the expected encoder ID. A frame
+ * with another ID is decoded, and the ID is reported.
+ * Erratum busy_and_errors_in_one_bit (open, omission) [7.3.2 p.42, 7.4.1 p.44]: Used: EE_1 is one
+ * flag, status_other_error. Do not trust a position received with it until ALMC has been read.
+ * Erratum power_on_twice (open, omission) [7.4.1 p.44, 4.3.2 p.24]: Used: The remedy is given as
+ * printed. To be safe, switch the supply off and on two times.
  * Erratum singleturn_without_battery (open, omission) [4.3 p.23, 3.4, 6.2.1 p.33, 7.4 p.43, 7.4.1
- * p.44, 9 p.51]:
- *   Printed: "Battery power supply is only available in multiturn encoder versions (.../65K...
- *   order code)". The warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step
- *   Connect the battery (3.4) are printed for all models.
- *   Used: In singleturn models (.../1...), nW, BATT and MTERR have no explanation. An active bit is
- *   reported, and the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1
- *   makes the position not usable, since it may be BUSY. The step is left out. Only with .../1...
- *   Why: The manual does not say what these bits mean without a battery and a multiturn system, or
- *   whether they are always 0 or always 1 there. The conditions printed for them affect only the
- *   number of revolutions, and singleturn models have none. If BATT or MTERR is always 1, so is
- *   EE_1, and only data ID 3 gives usable positions.
- * Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]:
- *   Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch
- *   errors (PS error, ST error, MT error).
- *   Used: Data IDs 7 and C also clear the battery alarm. Only with .../65K...
- *   Why: 7.4.1 says so explicitly for this alarm. The lists in 7.4.2 are meant to contain all
- *   latched errors but omit it.
+ * p.44, 9 p.51]: Used: In singleturn models (.../1...), nW, BATT and MTERR have no explanation. An
+ * active bit is reported, and the position is usable with a warning. Without ALMC (data IDs 0 and
+ * 1), EE_1 makes the position not usable, since it may be BUSY. The step is left out. Only with
+ * .../1...
+ * Erratum battery_alarm_reset (open, omission) [7.4.1 p.44, 7.4.2 p.45]: Used: Data IDs 7 and C
+ * also clear the battery alarm. Only with .../65K...
  * Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
- * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
- *   Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting
- *   after Data ID 8.
- *   Used: The outputs follow the table. Data ID 8 resets singleturn and multiturn data.
- *   Why: The table says it twice, the note only in passing. However, public T-format documents list
- *   three resets: of the data in one revolution, of the multiturn data, and of errors. C and 7 are
- *   two of them, so the first would be this request.
+ * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]: Used: The outputs follow
+ * the table. Data ID 8 resets singleturn and multiturn data.
  * Erratum mem_busy_position (open, wrong data) [7.5 p.46, hpm_sdk:
  * samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
- * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]:
- *   Printed: MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is
- *   sent as 0Ah.
- *   Used: Either position is possible. The user must choose, and there is no default. With the
- *   wrong choice, an access reaches twice the address or half of it, and a write destroys other
- *   data there. Read and compare before you write.
- *   Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro
- *   prints 32 7F 01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address
- *   01h). Bit 0 is 1 in all of them, but according to this manual it is 0 from a master. TI's
- *   driver sends the address as given, EA 05 EF for address 5, where this manual has EA 0A E0. Only
- *   address 0 is the same in both.
- * Erratum crc_example_frame (settled, wrong data) [7.6]:
- *   Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF, DF0 to DF3, CRC.
- *   Used: The bytes are used only as a check of the CRC. As a reply, they are rejected because of
- *   their length.
- *   Why: The CRC is correct. A reply begins with the control field of its request. 32h is the
- *   control field of data ID 6, whose reply has four bytes and no SF. No data ID has four data
- *   bytes.
- * Erratum crc_code_bit_order (settled, wrong data) [7.6]:
- *   Printed: Data is configured LSB first. The printed code takes the bits of a string in order.
- *   Used: The CRC is the XOR of all bytes before it, which is x^8 + 1 with input and output
- *   reflected.
- *   Why: With the bits of the example LSB first, the code returns CDh, which is the printed B3h
- *   with its bits reversed. It returns B3h only if each byte is passed MSB first.
- * Erratum preset_default_length (settled, wrong data) [10 p.52, it: 10 p.53]:
- *   Printed: Default of Preset: 00 00 00 00 00.
- *   Used: The default is seven bytes of 00.
- *   Why: The register has seven bytes, 11h to 17h. Five bytes written from 11h on would leave 16h
- *   and 17h, most of the multiturn part, unchanged.
- * Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
- *   Printed: The request is sent ten times in succession, at transmission intervals of 40 us or
- *   more.
- *   Used: No other request is sent in between. After each request, at least 40 us pass before the
- *   next one begins.
- *   Why: The manual does not say whether an interval is the gap between two requests or the time
- *   from start to start. A gap of 40 us satisfies both. It also does not say whether a request with
- *   another data ID restarts the count.
- * Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]:
- *   Printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or
- *   less).
- *   Used: The condition is standstill, which the manual defines as 300 rpm or less.
- *   Why: A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition
- *   at all. The description of data ID 8 requires a stop but gives no speed.
- * Erratum busy_clear (open, omission) [7.4.1 p.44, it: 7.4.1 p.44]:
- *   Printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed
- *   decreased to 300 rpm or less).
- *   Used: Both are given as printed.
- *   Why: The description mentions no speed. The manual does not say whether power-on above 300 rpm
- *   keeps the flag set, with all position data at 0.
- * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
- *   Printed: Pause of at least 20 us (Tp > 20 us).
- *   Used: The minimum is 20 us. Use a longer pause.
- *   Why: The words "at least" allow 20 us, but the sign ">" does not.
- * Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
- *   Printed: The manual describes requests and replies, but not the time between them.
- *   Used: The outputs have no reply time and no time-out. The master chooses its time-out.
- *   Why: The manual gives neither the shortest nor the longest time from the end of a request to
- *   the reply. Without a shortest time, the master must release the line immediately after the stop
- *   bit of its request. Otherwise the first byte of the reply is lost.
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]: Used: Either position is possible. The
+ * user must choose, and there is no default. With the wrong choice, an access reaches twice the
+ * address or half of it, and a write destroys other data there. Read and compare before you write.
+ * Erratum crc_example_frame (settled, wrong data) [7.6]: Used: The bytes are used only as a check
+ * of the CRC. As a reply, they are rejected because of their length.
+ * Erratum crc_code_bit_order (settled, wrong data) [7.6]: Used: The CRC is the XOR of all bytes
+ * before it, which is x^8 + 1 with input and output reflected.
+ * Erratum preset_default_length (settled, wrong data) [10 p.52, it: 10 p.53]: Used: The default is
+ * seven bytes of 00.
+ * Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]: Used: No other request is
+ * sent in between. After each request, at least 40 us pass before the next one begins.
+ * Erratum reset_standstill (open, wrong limit) [7.4.2 p.45, it: 7.4.2 p.45]: Used: The condition is
+ * standstill, which the manual defines as 300 rpm or less.
+ * Erratum busy_clear (open, omission) [7.4.1 p.44, it: 7.4.1 p.44]: Used: Both are given as
+ * printed.
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]: Used: The minimum is 20 us. Use a
+ * longer pause.
+ * Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]: Used:
+ * The outputs have no reply time and no time-out. The master chooses its time-out.
  * Before edition 1.8 [Document release]:
  *   Not present: order codes with mount B.
  *   Why: This revision introduced AMM5B.

@@ -36,22 +36,27 @@
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
  * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters and explained at the end of this header. Errata that
- * concern only wording are omitted.
+ * erratum is mentioned where it matters, and the end of this header says what is used instead. The
+ * printed text and the reason are on the page of the encoder. Wording errata are omitted.
  *
- * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
- * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
- * as 0 or as 1. Pointers must not be null.
+ * Arguments and results, where a function does not say more:
+ *   variant     variant of the order code
+ *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
+ *   bytes       a frame in the order sent, or a register with its lowest address first
+ *   length      number of bytes, the _LENGTH macro of the frame or register
+ *   out         the result, unchanged on error, like the bytes of an encoder
+ *   transport   your bus access functions
+ *   failure     details of the failed step or access, or NULL
+ * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
+ * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
+ * member repeats others (a position and its turns, a number and its digits), an encoder requires
+ * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
+ * whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
 #ifndef LIKA_ASC85_H
 #define LIKA_ASC85_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "codewheel/bits.h"
 #include "codewheel/encoder.h"
@@ -62,10 +67,7 @@
 #error "lika/asc85.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
 
-/**
- * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
- */
-#define LIKA_ASC85_VERSION "0.1.0"
+#define LIKA_ASC85_VERSION "0.1.0" /**< semantic version of this header */
 
 #ifdef __cplusplus
 extern "C" {
@@ -200,13 +202,9 @@ static inline const lika_asc85_order_code *lika_asc85_order_codes(size_t *count)
 #define LIKA_ASC85_UNLISTED_SUPPLY 0x01U
 
 /**
- * Find the order code on a label, to choose one at run time.
- * A part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code whose other parts match.
- *
- * @param label  text of the label
- * @param unlisted  the parts whose values are not listed, as bits
- * @return the order code, or NULL if the label has none
+ * Return the order code on a label, to choose one at run time, or NULL if the label has none. A
+ * part that the manual leaves open can have a value that is not listed. The result is then the
+ * first order code whose other parts match, and unlisted has a bit for each such part.
  */
 static inline const lika_asc85_order_code *lika_asc85_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -293,7 +291,7 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -304,9 +302,6 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
  * 12 with 2 and at 6 with 1, until 6 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 {
@@ -323,7 +318,7 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -333,9 +328,6 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
  * How it folds: the remainder of x^4 is x + 1. By squaring, the remainder of x^8 is x^2 + 1, and of
  * x^16 is x^4 + 1. With h = v >> 16, v becomes (v mod 2^16) ^ h ^ (h << 4). The same is done at 8
  * with 2 and at 4 with 1, until 4 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 {
@@ -388,12 +380,7 @@ typedef enum lika_asc85_report {
     LIKA_ASC85_REPORT_WARNING = 0x2 /**< Warning, nW [6.2.1 p.20]. */
 } lika_asc85_report;
 
-/**
- * Return the texts about a report.
- *
- * @param reports  a mask of reports, of which the lowest bit is used
- * @return the texts, with empty members if no bit is set
- */
+/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_asc85_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -504,11 +491,8 @@ static inline const cw_report_text *lika_asc85_report_text(uint32_t reports)
 #define LIKA_ASC85_25_GG2_SSI_RX_BYTES 4U
 
 /**
- * Return the frequency in hertz that the clock must stay below with a cable of this length [5.3
- * p.17].
- *
- * @param cable_m  length of the cable in metres
- * @return the frequency, or 0 if the manual has none for a cable of this length
+ * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
+ * 0 if the manual has none for this length [5.3 p.17].
  */
 static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -549,14 +533,7 @@ static inline uint32_t lika_asc85_ssi_word_bits(const lika_asc85_variant *varian
     return variant->position_bits;
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_asc85_ssi_word_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_ssi_word *out)
@@ -571,14 +548,7 @@ static inline cw_result lika_asc85_ssi_word_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_asc85_ssi_word_encode(
     const lika_asc85_variant *variant, const lika_asc85_ssi_word *in, uint64_t *out)
@@ -592,13 +562,7 @@ static inline cw_result lika_asc85_ssi_word_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame. The frame has no status bit.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return CW_UNKNOWN
- */
+/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
 CW_NODISCARD
 static inline cw_verdict lika_asc85_ssi_word_verdict(
     const lika_asc85_variant *variant, const lika_asc85_ssi_word *frame)
@@ -753,10 +717,8 @@ static inline uint32_t lika_asc85_single_cycle_data_bits(
 }
 
 /**
- * Compute CRC biss_6 over a whole word, CRC included.
- *
- * @param word  a word as received, or one with 0 in place of its CRC
- * @return 0 if the received word is valid, or the CRC to send if its place was 0
+ * Compute CRC biss_6 over a whole word. The result is 0 if a received word is valid. With 0 in
+ * place of the CRC, it is the CRC to send.
  */
 static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 {
@@ -780,15 +742,7 @@ static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 #endif
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param zero_bit  your choice where the manual is ambiguous
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_asc85_single_cycle_data_decode(
     const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit, uint64_t word,
@@ -810,15 +764,7 @@ static inline cw_result lika_asc85_single_cycle_data_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param zero_bit  your choice where the manual is ambiguous
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_asc85_single_cycle_data_encode(
     const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit,
@@ -836,13 +782,7 @@ static inline cw_result lika_asc85_single_cycle_data_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_asc85_single_cycle_data_verdict(
     const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
@@ -857,13 +797,7 @@ static inline cw_verdict lika_asc85_single_cycle_data_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_ASC85_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_ASC85_REPORT_ bits. */
 static inline uint32_t lika_asc85_single_cycle_data_reports(
     const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
 {
@@ -955,15 +889,7 @@ typedef struct lika_asc85_reg_profile_id {
     uint8_t data_length;
 } lika_asc85_reg_profile_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_PROFILE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_profile_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -980,15 +906,7 @@ static inline cw_result lika_asc85_reg_profile_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_PROFILE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_profile_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in, uint8_t *bytes,
@@ -1006,13 +924,7 @@ static inline cw_result lika_asc85_reg_profile_id_encode(
 /** value of variant stated by the manual */
 #define LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED 0x28U
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_asc85_reg_profile_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in)
 {
@@ -1020,15 +932,7 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
     return in->variant == LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED;
 }
 
-/**
- * Read the register Profile ID, 42h to 43h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Profile ID, 42h to 43h. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_profile_id(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1059,15 +963,7 @@ typedef struct lika_asc85_reg_serial_number {
     uint32_t serial; /**< Serial number. */
 } lika_asc85_reg_serial_number;
 
-/**
- * Decode 4 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_serial_number_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1083,15 +979,7 @@ static inline cw_result lika_asc85_reg_serial_number_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_serial_number_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_serial_number *in, uint8_t *bytes,
@@ -1108,15 +996,7 @@ static inline cw_result lika_asc85_reg_serial_number_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Serial number, 44h to 47h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Serial number, 44h to 47h. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_serial_number(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1200,15 +1080,7 @@ typedef struct lika_asc85_reg_diagnostic_data {
     bool ac_minimum_amplitude;
 } lika_asc85_reg_diagnostic_data;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_diagnostic_data_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1230,15 +1102,7 @@ static inline cw_result lika_asc85_reg_diagnostic_data_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_diagnostic_data_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_diagnostic_data *in, uint8_t *bytes,
@@ -1257,15 +1121,7 @@ static inline cw_result lika_asc85_reg_diagnostic_data_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Diagnostic data, 5Ah.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Diagnostic data, 5Ah. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_diagnostic_data(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1339,15 +1195,7 @@ typedef enum lika_asc85_command {
     LIKA_ASC85_COMMAND_CLEAR_SIMULATED_ERROR = 0x06
 } lika_asc85_command;
 
-/**
- * Write the register Command & status, Command mode, 60h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param value  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Command & status, Command mode, 60h. */
 CW_NODISCARD
 static inline cw_result lika_asc85_write_command(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1438,15 +1286,7 @@ typedef struct lika_asc85_reg_status {
     bool position_data_valid;
 } lika_asc85_reg_status;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_STATUS_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_status_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1468,15 +1308,7 @@ static inline cw_result lika_asc85_reg_status_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_STATUS_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_status_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_status *in, uint8_t *bytes,
@@ -1494,15 +1326,7 @@ static inline cw_result lika_asc85_reg_status_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Command & status, Status mode, 60h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Command & status, Status mode, 60h. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_status(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1543,15 +1367,7 @@ typedef struct lika_asc85_reg_position {
     uint32_t position; /**< Position within one revolution. Unit: counts. */
 } lika_asc85_reg_position;
 
-/**
- * Decode 4 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_POSITION_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_position_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1571,15 +1387,7 @@ static inline cw_result lika_asc85_reg_position_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_POSITION_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_position_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_position *in, uint8_t *bytes,
@@ -1599,15 +1407,7 @@ static inline cw_result lika_asc85_reg_position_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Position, 61h to 64h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Position, 61h to 64h. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_position(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1683,15 +1483,7 @@ typedef struct lika_asc85_reg_error_register {
     bool control_error;
 } lika_asc85_reg_error_register;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_ERROR_REGISTER_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_error_register_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1711,15 +1503,7 @@ static inline cw_result lika_asc85_reg_error_register_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_ERROR_REGISTER_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_error_register_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_error_register *in, uint8_t *bytes,
@@ -1736,15 +1520,7 @@ static inline cw_result lika_asc85_reg_error_register_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Error register, 69h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Error register, 69h. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_error_register(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1784,15 +1560,7 @@ typedef struct lika_asc85_reg_device_id {
     char release[2]; /**< Hardware-software release, printed as 30 31. ASCII text. No terminator. */
 } lika_asc85_reg_device_id;
 
-/**
- * Decode 6 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_DEVICE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 6 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_device_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1811,15 +1579,7 @@ static inline cw_result lika_asc85_reg_device_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_DEVICE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_device_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in, uint8_t *bytes,
@@ -1840,13 +1600,7 @@ static inline cw_result lika_asc85_reg_device_id_encode(
 
 #define LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED "AS85" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_asc85_reg_device_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in)
 {
@@ -1857,15 +1611,7 @@ static inline bool lika_asc85_reg_device_id_is_expected(
         (in->name[3] == LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
-/**
- * Read the register Device ID, 78h to 7Dh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Device ID, 78h to 7Dh. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_device_id(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1899,15 +1645,7 @@ typedef struct lika_asc85_reg_manufacturer_id {
     char name[2];
 } lika_asc85_reg_manufacturer_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_manufacturer_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
@@ -1922,15 +1660,7 @@ static inline cw_result lika_asc85_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reg_manufacturer_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in, uint8_t *bytes,
@@ -1947,13 +1677,7 @@ static inline cw_result lika_asc85_reg_manufacturer_id_encode(
 
 #define LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_asc85_reg_manufacturer_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in)
 {
@@ -1962,15 +1686,7 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/**
- * Read the register Manufacturer ID, 7Eh to 7Fh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Manufacturer ID, 7Eh to 7Fh. */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_manufacturer_id(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1996,12 +1712,7 @@ typedef struct lika_asc85_identity {
 } lika_asc85_identity;
 
 /**
- * Read the registers that identify an encoder.
- *
- * @param transport  your bus access functions
- * @param out  the contents of the registers
- * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
- * @return OK, or the error of the first access that failed
+ * Read the registers that identify an encoder. The step of a failure is the index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_identity(
@@ -2052,11 +1763,8 @@ static inline bool lika_asc85_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one per call.
- *
- * @param read  the contents of its registers
- * @param next  index in the list of order codes. Set it to 0 before the first call
- * @return the next order code, or NULL if there are no more
+ * Return the next order code that an encoder with these registers can have, or NULL if there are no
+ * more. next is an index in the list of order codes. Set it to 0 before the first call.
  */
 static inline const lika_asc85_order_code *lika_asc85_next_candidate(
     const lika_asc85_identity *read, size_t *next)
@@ -2109,12 +1817,6 @@ typedef struct lika_asc85_request_position_read {
 /**
  * Request new position data and read them, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_request_position(
@@ -2172,12 +1874,6 @@ typedef struct lika_asc85_save_configuration_read {
 /**
  * Save the configuration, over BiSS C-mode. The transport needs read_registers, write_registers and
  * wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_save_configuration(
@@ -2233,12 +1929,6 @@ typedef struct lika_asc85_read_absolute_data_read {
 /**
  * Read absolute data again, over BiSS C-mode. The transport needs read_registers, write_registers
  * and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_absolute_data(
@@ -2299,12 +1989,6 @@ typedef struct lika_asc85_software_reset_read {
 /**
  * Reset the encoder, over BiSS C-mode. The transport needs read_registers, write_registers and
  * wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_software_reset(
@@ -2357,12 +2041,6 @@ typedef struct lika_asc85_verify_configuration_read {
 /**
  * Verify the CRC of the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_verify_configuration(
@@ -2409,15 +2087,7 @@ typedef struct lika_asc85_simulate_error_read {
     uint8_t status[1];
 } lika_asc85_simulate_error_read;
 
-/**
- * Simulate an error, over BiSS C-mode. The transport needs read_registers and write_registers.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Simulate an error, over BiSS C-mode. The transport needs read_registers and write_registers. */
 CW_NODISCARD
 static inline cw_result lika_asc85_simulate_error(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -2465,12 +2135,6 @@ typedef struct lika_asc85_clear_simulated_error_read {
 /**
  * End the simulation of an error, over BiSS C-mode. The transport needs read_registers and
  * write_registers.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_clear_simulated_error(
@@ -2528,15 +2192,7 @@ typedef struct lika_asc85_reset_errors_read {
     uint8_t error_register_2[1];
 } lika_asc85_reset_errors_read;
 
-/**
- * Read and reset errors and warnings, over BiSS C-mode. The transport needs read_registers.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Read and reset errors and warnings, over BiSS C-mode. The transport needs read_registers. */
 CW_NODISCARD
 static inline cw_result lika_asc85_reset_errors(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -2604,15 +2260,7 @@ typedef struct lika_asc85_identify_read {
     uint8_t serial_number[4]; /**< Serial number */
 } lika_asc85_identify_read;
 
-/**
- * Identify the encoder, over BiSS C-mode. The transport needs read_registers.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Identify the encoder, over BiSS C-mode. The transport needs read_registers. */
 CW_NODISCARD
 static inline cw_result lika_asc85_identify(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -2718,153 +2366,50 @@ static inline cw_result lika_asc85_identify(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum supply_digit (open, omission) [Cover, 4 p.13, 5 p.15]:
- *   Printed: The supply voltage is explained for SC1 and SC2 only, as an example. BG and GG are
- *   printed with three dots.
- *   Used: 1 and 2 have the same meaning after BG and GG. Any other digit is accepted as unlisted.
- *   Why: The table of connections and its footnote, the supply voltage as in the order code, apply
- *   to SSI and BiSS alike. The manual does not list which digits exist.
+ * Erratum supply_digit (open, omission) [Cover, 4 p.13, 5 p.15]: Used: 1 and 2 have the same
+ * meaning after BG and GG. Any other digit is accepted as unlisted.
  * Erratum ssi_code_letters (open, wrong data) [Cover, 5.2 p.16, amm5: 5.2, sma21: 4.1, sma21: 5]:
- *   Printed: The output code can be Gray or binary, see the order code. The order codes are BG and
- *   GG, without their meaning.
- *   Used: BG is binary, GG is Gray.
- *   Why: The AMM5 manual has one SSI code, BG1, and calls its output binary. The SMA21 manual calls
- *   the output of its G1x models Gray and also lists BG and GG. This spec infers that the letters
- *   have the same meaning in this manual. To check, turn the shaft slowly. If neighbouring
- *   positions jump, the other code is in use.
- * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]:
- *   Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks
- *   as data bits.
- *   Used: The outputs do not enforce either rule. n + 1 clocks satisfy both.
- *   Why: The word is left-aligned, so one extra clock reads a zero after it. With one clock too
- *   few, the LSB may be lost.
- * Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]:
- *   Printed: The SSI bits are numbered 20 ... 1 to 25 ... 1.
- *   Used: The bits are 19:0 to 24:0, with bit 0 as the LSB.
- *   Why: The table of lengths gives words of 20 to 25 bits, which leaves no room for a further bit
- *   at 0. Everything else in the manual counts from 0. (The SMA21 manual also numbers its position
- *   n ... 1, and has an error bit at 0.).
- * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
- *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
- *   to 4 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: For cables of 200 m or more, the table allows no clock within the range.
- * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
- *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
- *   to 4 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
- *   used at 400 kHz to 4 MHz.
- * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
- *   Printed: Pause of at least 12 us (Tp > 12 us). Tm has a typical duration of 12 us.
- *   Used: The minimum is 12 us. Use a longer pause.
- *   Why: The words "at least" allow 12 us, but the sign ">" does not. A pause of exactly 12 us
- *   leaves no margin in either case. The encoder is ready again only after Tm, and the typical Tm
- *   is too short for every encoder with a longer Tm. The AMM5 manual asks for 20 us with the same
- *   Tm, the SMA21 manual for 16 us.
+ * Used: BG is binary, GG is Gray.
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2]: Used: The outputs do not enforce either
+ * rule. n + 1 clocks satisfy both.
+ * Erratum ssi_bit_numbers (settled, wrong data) [5.2, sma21: 5.2]: Used: The bits are 19:0 to 24:0,
+ * with bit 0 as the LSB.
+ * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]: Used: Both limits are listed as printed.
+ * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]: Used: Both limits are listed as printed.
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]: Used: The minimum
+ * is 12 us. Use a longer pause.
  * Erratum biss_crc_start (open, omission) [6.2.1 p.21, 6.3 p.22, prot: p.7-8, renishaw: data sheet,
- * icmr: p.35, onstepx: src/lib/encoder/bissc/Asc85.cpp]:
- *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
- *   value. The logic circuits are lost.
- *   Used: The start value is 0.
- *   Why: In public BiSS documents, the start value is 0 unless something else is stated. The one
- *   public driver for this encoder does so too. However, a public controller with the same
- *   registers lets its manufacturer set any start value. With another start value, the CRC of every
- *   frame fails, with or without errors on the line.
- * Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]:
- *   Printed: Command 02 sets the cycle counter. Synchronization error is about the cycle counter
- *   and the interpolator.
- *   Used: The command and the error are described as printed.
- *   Why: This encoder has a single turn and no revolutions to count. The manual does not say what
- *   the counter counts. In a public controller with the same commands, it counts the periods of the
- *   sine and cosine signals within the turn.
+ * icmr: p.35, onstepx: src/lib/encoder/bissc/Asc85.cpp]: Used: The start value is 0.
+ * Erratum cycle_counter (open, omission) [6.4 p.26, 6.4 p.30, icmr: p.26]: Used: The command and
+ * the error are described as printed.
  * Erratum scd_length (open, wrong data) [6.2.1 p.20, Preliminary information p.7, 6.4 p.23,
- * onstepx: src/lib/encoder/bissc/Asc85.cpp]:
- *   Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and
- *   the preliminary information has 34 bits for 25.
- *   Used: Either layout is possible. The user must choose, and there is no default: position_bits +
- *   9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it. If
- *   the CRC of every frame fails, the other layout is likely.
- *   Why: nbitres+8 is the number of the top bit in the table, and the profile ID also has 25 + 1
- *   bits. However, the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC
- *   bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that reads one
- *   bit too many or too few rejects every undisturbed frame, because the inverted CRC never fits a
- *   frame shifted by one bit. This does not hold for a word that a master received with the correct
- *   length. The CRC does not detect leading zeros, so the wrong layout accepts every second
- *   position and shows half or twice its value. Also, the frame for 25 bits without the 0 bit is as
- *   long as the frame for 24 bits with it.
+ * onstepx: src/lib/encoder/bissc/Asc85.cpp]: Used: Either layout is possible. The user must choose,
+ * and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
+ * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
  * Erratum profile_id_data_length (open, wrong data) [6.2.1 p.20, 6.4 p.23, sma21: 6.4, icmr:
- * p.34-35]:
- *   Printed: The manual gives the profile ID 28 1A, data length 25 + 1 bits, for all models.
- *   Used: The profile ID is 281Ah for all models, as printed. It determines neither the resolution
- *   nor the zero bit of the frame.
- *   Why: It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1
- *   bits. In the SMA21 manual, the same byte differs between models and is the data length. A
- *   different ID at a lower resolution is likely. A public controller with the same registers
- *   supports only 24 or 26 singleturn bits, so the frame might differ instead.
- * Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]:
- *   Printed: The manual describes a serial number in ascending order, with the example 171256846.
- *   Used: The serial number is one number.
- *   Why: In the AMM5 manual, the same register contains year, week and number as decimal digits.
- *   Read this way, the example is 17 12 56846, week 12 of 2017, two months before this manual. The
- *   SMA21 manual has the year in 44h and the week in 45h, which contain 0Ah and 35h here.
- * Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]:
- *   Printed: Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1.
- *   Used: Absolute data valid is bit 1.
- *   Why: The list gives each of the eight bits once and has Internal data bus busy at bit 2. A
- *   public controller with the same commands lists its status byte in the same order.
+ * p.34-35]: Used: The profile ID is 281Ah for all models, as printed. It determines neither the
+ * resolution nor the zero bit of the frame.
+ * Erratum serial_number_digits (open, omission) [6.4 p.23, amm5: 6.4 p.38, sma21: 6.4]: Used: The
+ * serial number is one number.
+ * Erratum absolute_data_valid_bit (settled, wrong data) [6.4 p.26, 6.4 p.28, icmr: p.41]: Used:
+ * Absolute data valid is bit 1.
  * Erratum internal_data_bus_busy_bit (settled, wrong data) [6.4 p.26, 6.4 p.27, 6.4 p.28, icmr:
- * p.41]:
- *   Printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit
- *   2.
- *   Used: Internal data bus busy is bit 2.
- *   Why: The list gives each of the eight bits once and has the write access to the EDS memory area
- *   at bit 3. A public controller with the same commands lists its status byte in the same order.
- * Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]:
- *   Printed: For the active warning refer to the Error register. Its six bits are all called
- *   errors.
- *   Used: No bit of the error register is interpreted as a warning. All are active errors.
- *   Why: The manual does not say which of them make nE active and set Error message, and which set
- *   nW and Warning message. A public controller with the same registers has two masks for this,
- *   which the manufacturer sets.
- * Erratum position_under_error (open, omission) [6.2.1 p.20, 6.4 p.29]:
- *   Printed: nE and nW report an active error or warning. The effect on the position is not given.
- *   Used: Error bit active: the position is not usable. Warning bit active: the position is usable
- *   with a warning.
- *   Why: The errors of the error register concern the signals, the conversion and the
- *   configuration. The position is derived from all of these.
- * Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]:
- *   Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all
- *   models.
- *   Used: The exponents number the bits of the register. The position is left-aligned at bit 31 and
- *   position_bits wide. The bits below it are unspecified.
- *   Why: 26 bits are more than any model has. 25 bits and the constant 0 bit of the frame fill
- *   them. The manual does not say whether the position remains left-aligned at 20 to 24 bits, or
- *   what the bits below it contain then. A public controller with the same addresses has 26
- *   singleturn bits there.
- * Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]:
- *   Printed: The reset is performed upon reading out position data.
- *   Used: Reading the position register resets the messages.
- *   Why: Each BiSS frame carries the position, and a register is read bit by bit over many frames.
- *   If each frame counted as reading out position data, a message would be reset before the
- *   register could show it. The manual does not say which reading is meant.
- * Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]:
- *   Printed: The manual gives one device ID, AS85 with the release 01, for all models.
- *   Used: The device ID is used as printed.
- *   Why: BiSS requires a different device ID for each data length. The SC models have six lengths.
- *   Since the profile ID is also the same, a master cannot distinguish the models.
- * Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
- *   Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
- *   Used: Only this value is used. The outputs have no rule for other clock frequencies.
- *   Why: An adaptive time-out follows the clock, but the manual gives no rule. At 10 MHz, the one
- *   and a half clock periods of the BiSS description and of the AMM5 manual are 0.15 us. 0.35 us
- *   are three and a half periods.
- * Erratum eds_bank_missing (open, omission) [6.4 p.22, prot: p.14-15]:
- *   Printed: Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h
- *   are listed.
- *   Used: The outputs have no EDS.
- *   Why: In the BiSS register map, 40h selects the bank and 41h contains the EDS bank. The manual
- *   does not say whether there is an EDS, or where.
+ * p.41]: Used: Internal data bus busy is bit 2.
+ * Erratum warning_sources (open, omission) [6.2.1 p.20, 6.4 p.28, 6.4 p.29, icmr: p.42]: Used: No
+ * bit of the error register is interpreted as a warning. All are active errors.
+ * Erratum position_under_error (open, omission) [6.2.1 p.20, 6.4 p.29]: Used: Error bit active: the
+ * position is not usable. Warning bit active: the position is usable with a warning.
+ * Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]: Used: The
+ * exponents number the bits of the register. The position is left-aligned at bit 31 and
+ * position_bits wide. The bits below it are unspecified.
+ * Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]: Used: Reading the position register
+ * resets the messages.
+ * Erratum device_id_shared (open, omission) [6.4 p.31, prot: p.14-15]: Used: The device ID is used
+ * as printed.
+ * Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]: Used: Only this
+ * value is used. The outputs have no rule for other clock frequencies.
+ * Erratum eds_bank_missing (open, omission) [6.4 p.22, prot: p.14-15]: Used: The outputs have no
+ * EDS.
  */
 
 #ifdef __cplusplus

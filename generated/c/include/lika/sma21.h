@@ -42,22 +42,27 @@
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
  * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters and explained at the end of this header. Errata that
- * concern only wording are omitted.
+ * erratum is mentioned where it matters, and the end of this header says what is used instead. The
+ * printed text and the reason are on the page of the encoder. Wording errata are omitted.
  *
- * The first argument of a decoder or encoder is the variant of the order code. If a member repeats
- * others (a position and its turns, a number and its digits), an encoder requires that they agree.
- * The _set_ functions keep them consistent. A flag is true while it is active, whether it is sent
- * as 0 or as 1. Pointers must not be null.
+ * Arguments and results, where a function does not say more:
+ *   variant     variant of the order code
+ *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
+ *   bytes       a frame in the order sent, or a register with its lowest address first
+ *   length      number of bytes, the _LENGTH macro of the frame or register
+ *   out         the result, unchanged on error, like the bytes of an encoder
+ *   transport   your bus access functions
+ *   failure     details of the failed step or access, or NULL
+ * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
+ * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
+ * member repeats others (a position and its turns, a number and its digits), an encoder requires
+ * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
+ * whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
 #ifndef LIKA_SMA21_H
 #define LIKA_SMA21_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "codewheel/bits.h"
 #include "codewheel/encoder.h"
@@ -68,10 +73,7 @@
 #error "lika/sma21.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
 
-/**
- * Version of this header. A new major version can break code. Before 1.0.0, a new minor one can.
- */
-#define LIKA_SMA21_VERSION "0.1.0"
+#define LIKA_SMA21_VERSION "0.1.0" /**< semantic version of this header */
 
 #ifdef __cplusplus
 extern "C" {
@@ -279,13 +281,9 @@ static inline const lika_sma21_order_code *lika_sma21_order_codes(size_t *count)
 #define LIKA_SMA21_UNLISTED_SUPPLY 0x01U
 
 /**
- * Find the order code on a label, to choose one at run time.
- * A part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code whose other parts match.
- *
- * @param label  text of the label
- * @param unlisted  the parts whose values are not listed, as bits
- * @return the order code, or NULL if the label has none
+ * Return the order code on a label, to choose one at run time, or NULL if the label has none. A
+ * part that the manual leaves open can have a value that is not listed. The result is then the
+ * first order code whose other parts match, and unlisted has a bit for each such part.
  */
 static inline const lika_sma21_order_code *lika_sma21_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -374,7 +372,7 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26, prot: p.7-8, renishaw:
  * data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -385,9 +383,6 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
  * 12 with 2 and at 6 with 1, until 6 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 {
@@ -404,7 +399,7 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 }
 
 /**
- * Compute the CRC of the given bits.
+ * Return the CRC of bits, the last one sent as bit 0.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -414,9 +409,6 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
  * How it folds: the remainder of x^4 is x + 1. By squaring, the remainder of x^8 is x^2 + 1, and of
  * x^16 is x^4 + 1. With h = v >> 16, v becomes (v mod 2^16) ^ h ^ (h << 4). The same is done at 8
  * with 2 and at 4 with 1, until 4 bits are left.
- *
- * @param data  the bits that the CRC covers, with the last one sent as bit 0
- * @return the CRC
  */
 static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 {
@@ -434,17 +426,13 @@ static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 }
 
 /**
- * Compute the CRC of the given bytes.
+ * Return the CRC of bytes in the order sent.
  * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.3.4
  * p.42].
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. Both printed frames
  * are consistent with a start value of 0.
  * With this polynomial, the CRC of whole bytes is their XOR.
- *
- * @param bytes  the bytes that the CRC covers, in the order sent
- * @param length  number of bytes
- * @return the CRC
  */
 static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
@@ -482,12 +470,7 @@ typedef enum lika_sma21_report {
     LIKA_SMA21_REPORT_TEMPERATURE_ALARM = 0x2000
 } lika_sma21_report;
 
-/**
- * Return the texts about a report.
- *
- * @param reports  a mask of reports, of which the lowest bit is used
- * @return the texts, with empty members if no bit is set
- */
+/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -702,11 +685,8 @@ static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
 #define LIKA_SMA21_G14_0001_SSI_RX_BYTES 4U
 
 /**
- * Return the frequency in hertz that the clock must stay below with a cable of this length [5.3
- * p.22].
- *
- * @param cable_m  length of the cable in metres
- * @return the frequency, or 0 if the manual has none for a cable of this length
+ * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
+ * 0 if the manual has none for this length [5.3 p.22].
  */
 static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -758,14 +738,7 @@ static inline uint32_t lika_sma21_ssi_word_bits(const lika_sma21_variant *varian
     return 1U + variant->position_bits;
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_sma21_ssi_word_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_ssi_word *out)
@@ -781,14 +754,7 @@ static inline cw_result lika_sma21_ssi_word_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_sma21_ssi_word_encode(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *in, uint64_t *out)
@@ -804,13 +770,7 @@ static inline cw_result lika_sma21_ssi_word_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_sma21_ssi_word_verdict(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *frame)
@@ -822,13 +782,7 @@ static inline cw_verdict lika_sma21_ssi_word_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_SMA21_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_SMA21_REPORT_ bits. */
 static inline uint32_t lika_sma21_ssi_word_reports(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *frame)
 {
@@ -970,10 +924,8 @@ static inline uint32_t lika_sma21_single_cycle_data_bits(const lika_sma21_varian
 }
 
 /**
- * Compute CRC biss_6 over a whole word, CRC included.
- *
- * @param word  a word as received, or one with 0 in place of its CRC
- * @return 0 if the received word is valid, or the CRC to send if its place was 0
+ * Compute CRC biss_6 over a whole word. The result is 0 if a received word is valid. With 0 in
+ * place of the CRC, it is the CRC to send.
  */
 static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 {
@@ -997,14 +949,7 @@ static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 #endif
 }
 
-/**
- * Decode a word.
- *
- * @param variant  variant of the encoder
- * @param word  the word, with its last bit sent as bit 0, and zeros above its length
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode a word. */
 CW_NODISCARD
 static inline cw_result lika_sma21_single_cycle_data_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_single_cycle_data *out)
@@ -1027,14 +972,7 @@ static inline cw_result lika_sma21_single_cycle_data_decode(
     return CW_OK;
 }
 
-/**
- * Encode a word.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param out  the word, with the last bit to send as bit 0, unchanged on error
- * @return OK, or RANGE if a value does not fit
- */
+/** Encode a word. */
 CW_NODISCARD
 static inline cw_result lika_sma21_single_cycle_data_encode(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *in, uint64_t *out)
@@ -1053,13 +991,7 @@ static inline cw_result lika_sma21_single_cycle_data_encode(
     return CW_OK;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_sma21_single_cycle_data_verdict(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *frame)
@@ -1074,13 +1006,7 @@ static inline cw_verdict lika_sma21_single_cycle_data_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_SMA21_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_SMA21_REPORT_ bits. */
 static inline uint32_t lika_sma21_single_cycle_data_reports(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *frame)
 {
@@ -1170,15 +1096,7 @@ typedef struct lika_sma21_data_request {
     lika_sma21_data_id data_id;
 } lika_sma21_data_request;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_SMA21_DATA_REQUEST_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_sma21_data_request_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -1207,15 +1125,7 @@ static inline cw_result lika_sma21_data_request_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_DATA_REQUEST_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_sma21_data_request_encode(
     const lika_sma21_variant *variant, const lika_sma21_data_request *in, uint8_t *bytes,
@@ -1328,15 +1238,7 @@ typedef struct lika_sma21_position_reply {
     uint8_t unused;
 } lika_sma21_position_reply;
 
-/**
- * Decode 7 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_SMA21_POSITION_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 7 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -1384,15 +1286,7 @@ static inline cw_result lika_sma21_position_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 7 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_POSITION_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 7 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in, uint8_t *bytes,
@@ -1428,13 +1322,7 @@ static inline cw_result lika_sma21_position_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_sma21_position_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in)
 {
@@ -1442,13 +1330,7 @@ static inline bool lika_sma21_position_reply_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_sma21_position_reply_verdict(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *frame)
@@ -1466,13 +1348,7 @@ static inline cw_verdict lika_sma21_position_reply_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_SMA21_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_SMA21_REPORT_ bits. */
 static inline uint32_t lika_sma21_position_reply_reports(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *frame)
 {
@@ -1546,15 +1422,7 @@ typedef struct lika_sma21_wide_position_reply {
     uint8_t unused;
 } lika_sma21_wide_position_reply;
 
-/**
- * Decode 9 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 9 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_wide_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -1586,15 +1454,7 @@ static inline cw_result lika_sma21_wide_position_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 9 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 9 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_wide_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in, uint8_t *bytes,
@@ -1623,13 +1483,7 @@ static inline cw_result lika_sma21_wide_position_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_sma21_wide_position_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in)
 {
@@ -1637,13 +1491,7 @@ static inline bool lika_sma21_wide_position_reply_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_sma21_wide_position_reply_verdict(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *frame)
@@ -1658,13 +1506,7 @@ static inline cw_verdict lika_sma21_wide_position_reply_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_SMA21_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_SMA21_REPORT_ bits. */
 static inline uint32_t lika_sma21_wide_position_reply_reports(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *frame)
 {
@@ -1767,15 +1609,7 @@ typedef struct lika_sma21_identification_reply {
     uint8_t unused;
 } lika_sma21_identification_reply;
 
-/**
- * Decode 9 bytes.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes in the order sent
- * @param length  number of bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 9 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_identification_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -1823,15 +1657,7 @@ static inline cw_result lika_sma21_identification_reply_decode(
     return CW_OK;
 }
 
-/**
- * Encode 9 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 9 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_identification_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in, uint8_t *bytes,
@@ -1863,13 +1689,7 @@ static inline cw_result lika_sma21_identification_reply_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_sma21_identification_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in)
 {
@@ -1877,13 +1697,7 @@ static inline bool lika_sma21_identification_reply_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Return the verdict on the position in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return the verdict of the most severe active report, otherwise CW_USABLE
- */
+/** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 static inline cw_verdict lika_sma21_identification_reply_verdict(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *frame)
@@ -1901,13 +1715,7 @@ static inline cw_verdict lika_sma21_identification_reply_verdict(
     return CW_USABLE;
 }
 
-/**
- * Return the reports in a frame.
- *
- * @param variant  variant of the encoder
- * @param frame  the decoded frame
- * @return a mask of LIKA_SMA21_REPORT_ bits
- */
+/** Return the active reports, as a mask of LIKA_SMA21_REPORT_ bits. */
 static inline uint32_t lika_sma21_identification_reply_reports(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *frame)
 {
@@ -1952,13 +1760,7 @@ static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
     }
 }
 
-/**
- * Find the frame that the master sends for this data ID.
- *
- * @param data_id  value of the field that selects the frame
- * @param frame  the frame
- * @return OK, or RANGE if there is none
- */
+/** Find the frame that the master sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_request_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
@@ -1977,12 +1779,8 @@ static inline cw_result lika_sma21_rs485_request_for(
 }
 
 /**
- * Find the frame of the master from its first bytes. Its decoder checks the rest.
- *
- * @param bytes  the bytes
- * @param length  number of bytes, at least 1
- * @param frame  the frame
- * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
+ * Find the frame of the master from its first 1 byte. Its decoder checks the rest. The result is
+ * RANGE if there is no such frame.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_request_frame(
@@ -1994,13 +1792,7 @@ static inline cw_result lika_sma21_rs485_request_frame(
     return lika_sma21_rs485_request_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
 
-/**
- * Find the frame that the encoder sends for this data ID.
- *
- * @param data_id  value of the field that selects the frame
- * @param frame  the frame
- * @return OK, or RANGE if there is none
- */
+/** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_reply_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
@@ -2023,12 +1815,8 @@ static inline cw_result lika_sma21_rs485_reply_for(
 }
 
 /**
- * Find the frame of the encoder from its first bytes. Its decoder checks the rest.
- *
- * @param bytes  the bytes
- * @param length  number of bytes, at least 1
- * @param frame  the frame
- * @return OK, RANGE if there is no such frame, or LENGTH if there are too few bytes
+ * Find the frame of the encoder from its first 1 byte. Its decoder checks the rest. The result is
+ * RANGE if there is no such frame.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_reply_frame(
@@ -2188,15 +1976,7 @@ typedef struct lika_sma21_reg_profile_id {
     uint16_t profile_id;
 } lika_sma21_reg_profile_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_SMA21_REG_PROFILE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_profile_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -2211,15 +1991,7 @@ static inline cw_result lika_sma21_reg_profile_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_REG_PROFILE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_profile_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in, uint8_t *bytes,
@@ -2234,28 +2006,14 @@ static inline cw_result lika_sma21_reg_profile_id_encode(
     return CW_OK;
 }
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_sma21_reg_profile_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in)
 {
     return in->profile_id == variant->profile_id;
 }
 
-/**
- * Read the register Profile ID, 42h to 43h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Profile ID, 42h to 43h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_profile_id(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2294,15 +2052,7 @@ typedef struct lika_sma21_reg_serial_number {
     uint16_t number; /**< Serial number in ascending order. */
 } lika_sma21_reg_serial_number;
 
-/**
- * Decode 4 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_serial_number_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -2321,15 +2071,7 @@ static inline cw_result lika_sma21_reg_serial_number_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_serial_number_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_serial_number *in, uint8_t *bytes,
@@ -2346,15 +2088,7 @@ static inline cw_result lika_sma21_reg_serial_number_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Serial number, 44h to 47h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Serial number, 44h to 47h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_serial_number(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2401,15 +2135,7 @@ typedef enum lika_sma21_command {
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
 
-/**
- * Write the register Command, 48h, then wait 30 ms.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param value  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Command, 48h, then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_sma21_write_command(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2501,15 +2227,7 @@ typedef struct lika_sma21_reg_configuration {
     lika_sma21_select_preset_offset select_preset_offset; /**< Default: 0. */
 } lika_sma21_reg_configuration;
 
-/**
- * Decode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_SMA21_REG_CONFIGURATION_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_configuration_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -2533,15 +2251,7 @@ static inline cw_result lika_sma21_reg_configuration_decode(
     return CW_OK;
 }
 
-/**
- * Encode 1 byte.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_REG_CONFIGURATION_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 1 byte. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_configuration_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_configuration *in, uint8_t *bytes,
@@ -2569,15 +2279,7 @@ static inline cw_result lika_sma21_reg_configuration_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Configuration, 49h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Configuration, 49h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_configuration(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2597,12 +2299,6 @@ static inline cw_result lika_sma21_read_configuration(
  * Write the register Configuration, 49h.
  * The frames depend on the register, so call lika_sma21_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_write_configuration(
@@ -2632,15 +2328,7 @@ static inline cw_result lika_sma21_write_configuration(
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /**< byte */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS CW_ACCESS_READ_ONLY
 
-/**
- * Read the register Absolute resolution, 4Dh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register Absolute resolution, 4Dh. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_absolute_resolution(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2714,15 +2402,7 @@ typedef struct lika_sma21_reg_preset_offset {
     uint32_t preset_offset;
 } lika_sma21_reg_preset_offset;
 
-/**
- * Decode 4 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_SMA21_REG_PRESET_OFFSET_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 4 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_preset_offset_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -2738,15 +2418,7 @@ static inline cw_result lika_sma21_reg_preset_offset_decode(
     return CW_OK;
 }
 
-/**
- * Encode 4 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_REG_PRESET_OFFSET_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 4 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_preset_offset_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_preset_offset *in, uint8_t *bytes,
@@ -2763,15 +2435,7 @@ static inline cw_result lika_sma21_reg_preset_offset_encode(
     return CW_OK;
 }
 
-/**
- * Read the register Preset / Offset, 50h to 53h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Preset / Offset, 50h to 53h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_preset_offset(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2787,15 +2451,7 @@ static inline cw_result lika_sma21_read_preset_offset(
     return lika_sma21_reg_preset_offset_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/**
- * Write the register Preset / Offset, 50h to 53h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param in  the value to write
- * @param failure  details of the failure, or NULL
- * @return OK, the error of the access, or RANGE if a value is not allowed
- */
+/** Write the register Preset / Offset, 50h to 53h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_write_preset_offset(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2822,15 +2478,7 @@ static inline cw_result lika_sma21_write_preset_offset(
 #define LIKA_SMA21_REG_DEVICE_TYPE_DEFAULT 0x08U /**< factory default */
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /**< value stated by the manual */
 
-/**
- * Read the register Device type, 55h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register Device type, 55h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_device_type(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2860,15 +2508,7 @@ static inline cw_result lika_sma21_read_device_type(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_DEFAULT 0x00U /**< factory default */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /**< value stated by the manual */
 
-/**
- * Read the register Sine cosine resolution, 58h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register Sine cosine resolution, 58h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_sine_cosine_resolution(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2898,15 +2538,7 @@ static inline cw_result lika_sma21_read_sine_cosine_resolution(
 #define LIKA_SMA21_REG_POSITION_CHECK_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /**< factory default */
 
-/**
- * Read the register Position check, 59h.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access
- */
+/** Read the register Position check, 59h. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_position_check(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2947,15 +2579,7 @@ typedef struct lika_sma21_reg_device_id {
     uint16_t release; /**< Hardware-software release, printed as xx xx. */
 } lika_sma21_reg_device_id;
 
-/**
- * Decode 6 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_SMA21_REG_DEVICE_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 6 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_device_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -2974,15 +2598,7 @@ static inline cw_result lika_sma21_reg_device_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 6 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_REG_DEVICE_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 6 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_device_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in, uint8_t *bytes,
@@ -3003,13 +2619,7 @@ static inline cw_result lika_sma21_reg_device_id_encode(
 
 #define LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED "SM21" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_sma21_reg_device_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in)
 {
@@ -3020,15 +2630,7 @@ static inline bool lika_sma21_reg_device_id_is_expected(
         (in->name[3] == LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
-/**
- * Read the register Device ID, 78h to 7Dh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Device ID, 78h to 7Dh. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_device_id(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -3063,15 +2665,7 @@ typedef struct lika_sma21_reg_manufacturer_id {
     char name[2];
 } lika_sma21_reg_manufacturer_id;
 
-/**
- * Decode 2 bytes, lowest address first.
- *
- * @param variant  variant of the encoder
- * @param bytes  the bytes
- * @param length  number of bytes, LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH
- * @param out  the decoded values, unchanged on error
- * @return OK, or the first error found
- */
+/** Decode 2 bytes, lowest address first. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_manufacturer_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
@@ -3086,15 +2680,7 @@ static inline cw_result lika_sma21_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/**
- * Encode 2 bytes.
- *
- * @param variant  variant of the encoder
- * @param in  the values
- * @param bytes  the bytes, unchanged on error
- * @param length  number of bytes, LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH
- * @return OK, LENGTH if length is wrong, or RANGE if a value does not fit
- */
+/** Encode 2 bytes. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reg_manufacturer_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in, uint8_t *bytes,
@@ -3111,13 +2697,7 @@ static inline cw_result lika_sma21_reg_manufacturer_id_encode(
 
 #define LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/**
- * Return true if the values are as the manual states. Decoding accepts other values too.
- *
- * @param variant  variant of the encoder
- * @param in  the decoded values
- * @return true if all values match
- */
+/** Return true if the values are as the manual states. Decoding accepts other values too. */
 static inline bool lika_sma21_reg_manufacturer_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in)
 {
@@ -3126,15 +2706,7 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/**
- * Read the register Manufacturer ID, 7Eh to 7Fh.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the value read, unchanged on error
- * @param failure  details of the failure, or NULL
- * @return OK, or the error of the access or the decoder
- */
+/** Read the register Manufacturer ID, 7Eh to 7Fh. */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_manufacturer_id(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -3155,16 +2727,12 @@ static inline cw_result lika_sma21_read_manufacturer_id(
 /**
  * Some registers of the encoder change its frames. The initialisers of the variants have the
  * factory defaults. These functions update a variant from the contents of these registers, either
- * as read from the encoder or as you wrote them.
+ * as read from the encoder or as you wrote them. They leave it unchanged if the encoder cannot hold
+ * such a value (RANGE) or if length is wrong.
  */
 
 /**
  * Update a variant from the content of the register Configuration: offset_selected, output_code.
- *
- * @param variant  the variant to update, unchanged on error
- * @param bytes  contents of the register, lowest address first
- * @param length  number of bytes, LIKA_SMA21_REG_CONFIGURATION_LENGTH
- * @return OK, or LENGTH if length is wrong
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_take_configuration(
@@ -3183,12 +2751,7 @@ static inline cw_result lika_sma21_take_configuration(
 /**
  * Read these registers and update the variant from all of them. Call it after power-on, after the
  * defaults were restored, and after any write or procedure that changes these registers or values
- * that they depend on.
- *
- * @param transport  your bus access functions
- * @param variant  the variant to update, unchanged on error
- * @param failure  details of the failure, or NULL. Its step is the index of a function above
- * @return OK, or the error of the first access or function that failed
+ * that they depend on. The step of a failure is the index of a function above.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_state(
@@ -3224,12 +2787,7 @@ typedef struct lika_sma21_identity {
 } lika_sma21_identity;
 
 /**
- * Read the registers that identify an encoder.
- *
- * @param transport  your bus access functions
- * @param out  the contents of the registers
- * @param failure  details of the failure, or NULL. Its step is the index of the struct's member
- * @return OK, or the error of the first access that failed
+ * Read the registers that identify an encoder. The step of a failure is the index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_identity(
@@ -3304,11 +2862,8 @@ static inline bool lika_sma21_could_be(
 }
 
 /**
- * Find the order codes that an encoder can have, one per call.
- *
- * @param read  the contents of its registers
- * @param next  index in the list of order codes. Set it to 0 before the first call
- * @return the next order code, or NULL if there are no more
+ * Return the next order code that an encoder with these registers can have, or NULL if there are no
+ * more. next is an index in the list of order codes. Set it to 0 before the first call.
  */
 static inline const lika_sma21_order_code *lika_sma21_next_candidate(
     const lika_sma21_identity *read, size_t *next)
@@ -3333,20 +2888,10 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
  */
 #define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 4U
 
-/**
- * Write the steps of lika_sma21_set_configuration() into an array.
- *
- * @param variant  variant of the encoder
- * @param configuration  as for lika_sma21_set_configuration()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_configuration_steps(
-    const lika_sma21_variant *variant,
-    uint8_t configuration,
+    const lika_sma21_variant *variant, uint8_t configuration,
     cw_step *steps, size_t capacity, size_t *count)
 {
     if (capacity < LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT) {
@@ -3373,18 +2918,12 @@ static inline cw_result lika_sma21_set_configuration_steps(
  * write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_sma21_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param configuration  Value of the whole register. Written to Configuration.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * configuration: Value of the whole register. Written to Configuration.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_configuration(
     const cw_transport *transport, const lika_sma21_variant *variant,
-    uint8_t configuration,
-    cw_failure *failure)
+    uint8_t configuration, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT];
@@ -3407,20 +2946,10 @@ static inline cw_result lika_sma21_set_configuration(
  */
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 10U
 
-/**
- * Write the steps of lika_sma21_set_preset() into an array.
- *
- * @param variant  variant of the encoder
- * @param position  as for lika_sma21_set_preset()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_SMA21_SET_PRESET_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_preset_steps(
-    const lika_sma21_variant *variant,
-    uint32_t position,
+    const lika_sma21_variant *variant, uint32_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_sma21_reg_preset_offset position_register;
@@ -3458,18 +2987,12 @@ static inline cw_result lika_sma21_set_preset_steps(
 /**
  * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param position  New value for the present position. Written to Preset / Offset as its preset.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * position: New value for the present position. Written to Preset / Offset as its preset.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_preset(
     const cw_transport *transport, const lika_sma21_variant *variant,
-    uint32_t position,
-    cw_failure *failure)
+    uint32_t position, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_SMA21_SET_PRESET_STEPS_COUNT];
@@ -3512,11 +3035,6 @@ static inline const cw_step *lika_sma21_select_preset_steps(size_t *count)
  * write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_sma21_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_select_preset(
@@ -3545,20 +3063,10 @@ static inline cw_result lika_sma21_select_preset(
  */
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 16U
 
-/**
- * Write the steps of lika_sma21_set_offset() into an array.
- *
- * @param variant  variant of the encoder
- * @param offset  as for lika_sma21_set_offset()
- * @param steps  the steps
- * @param capacity  size of the array, at least LIKA_SMA21_SET_OFFSET_STEPS_COUNT
- * @param count  number of steps written
- * @return OK, LENGTH if the array is too small, or RANGE if a value is not allowed
- */
+/** Write these steps to an array that has room for all of them. count becomes their number. */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_offset_steps(
-    const lika_sma21_variant *variant,
-    uint32_t offset,
+    const lika_sma21_variant *variant, uint32_t offset,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_sma21_reg_preset_offset offset_register;
@@ -3606,19 +3114,12 @@ static inline cw_result lika_sma21_set_offset_steps(
  * write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_sma21_read_state() afterwards to update the
  * variant.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param offset  Value by which the positions are shifted. Written to Preset / Offset as its
- *                offset.
- * @param failure  details of the failed step, or NULL
- * @return OK, RANGE if a value is not allowed, or the result of the step that failed
+ * offset: Value by which the positions are shifted. Written to Preset / Offset as its offset.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_offset(
     const cw_transport *transport, const lika_sma21_variant *variant,
-    uint32_t offset,
-    cw_failure *failure)
+    uint32_t offset, cw_failure *failure)
 {
     size_t count = 0U;
     cw_step steps[LIKA_SMA21_SET_OFFSET_STEPS_COUNT];
@@ -3648,14 +3149,7 @@ static inline const cw_step *lika_sma21_save_parameters_steps(size_t *count)
     return steps;
 }
 
-/**
- * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us. */
 CW_NODISCARD
 static inline cw_result lika_sma21_save_parameters(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -3688,11 +3182,6 @@ static inline const cw_step *lika_sma21_restore_defaults_steps(size_t *count)
 /**
  * Load and save all default parameters, over BiSS C-mode. The transport needs write_registers and
  * wait_us.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_restore_defaults(
@@ -3745,15 +3234,7 @@ typedef struct lika_sma21_identify_read {
     uint8_t serial_number[4]; /**< Serial number: year, week and number */
 } lika_sma21_identify_read;
 
-/**
- * Identify the device, over BiSS C-mode. The transport needs read_registers.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param out  the bytes read, unchanged on error
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Identify the device, over BiSS C-mode. The transport needs read_registers. */
 CW_NODISCARD
 static inline cw_result lika_sma21_identify(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -3808,14 +3289,7 @@ static inline const cw_step *lika_sma21_reset_errors_steps(size_t *count)
     return steps;
 }
 
-/**
- * Reset all errors, over RS-485. The transport needs wait_us and send_request.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Reset all errors, over RS-485. The transport needs wait_us and send_request. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reset_errors(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -3851,14 +3325,7 @@ static inline const cw_step *lika_sma21_reset_position_steps(size_t *count)
     return steps;
 }
 
-/**
- * Reset the position to 0, over RS-485. The transport needs wait_us and send_request.
- *
- * @param transport  your bus access functions
- * @param variant  variant of the encoder
- * @param failure  details of the failed step, or NULL
- * @return OK, or the result of the step that failed
- */
+/** Reset the position to 0, over RS-485. The transport needs wait_us and send_request. */
 CW_NODISCARD
 static inline cw_result lika_sma21_reset_position(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -3943,212 +3410,71 @@ static inline cw_result lika_sma21_reset_position(
 /* -- errata ------------------------------------------------------------------------------------ */
 
 /**
- * Erratum order_code_key (open, omission) [4.1 p.15, 5.1, 5.2 p.20]:
- *   Printed: The manual refers to the order code (si veda il codice di ordinazione) for the output
- *   code, the supply and the incremental signals.
- *   Used: BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.
- *   Why: The manual does not contain the key to the order code. It explains only G1 (Gray with AB
- *   /AB) and SC, and it shows the supplies 1 and 4 with SC as an example. BG is binary in the AMM5
- *   manual of the same manufacturer. GG is the remaining code. Other supply digits and the rest of
- *   the label have no explanation.
+ * Erratum order_code_key (open, omission) [4.1 p.15, 5.1, 5.2 p.20]: Used: BG is binary and GG is
+ * Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.
  * Erratum biss_crc_start (open, omission) [6.2 p.26, 6.3 p.27, prot: p.7-8, renishaw: data sheet,
- * icmu: p.30]:
- *   Printed: The manual gives the polynomials and the inverted output of both CRCs, but no start
- *   value. The logic circuits are lost.
- *   Used: The start value is 0.
- *   Why: In public BiSS documents, the start value is 0 unless something else is stated. BiSS
- *   devices may have another start value. With another start value, the CRC of every frame fails,
- *   with or without errors on the line.
- * Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
- *   Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only,
- *   not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
- *   Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
- *   Why: 7.3.3.2 describes it in detail, including the write to the EEPROM. For the SSI models, 5.5
- *   leaves it to the master, if needed.
- * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]:
- *   Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least
- *   as many clocks as data bits.
- *   Used: The outputs do not enforce either rule. Sending one more clock than there are bits in the
- *   word satisfies both.
- *   Why: Because of the error bit, the word is one bit longer than the resolution. n + 1 edges with
- *   the resolution as n would be just enough for that last bit. 5.1 describes SSI in general, where
- *   the word has as many bits as the resolution.
- * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
- *   Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz
- *   to 1 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: For cables of 200 m or more, the table allows no clock within the range.
- * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
- *   Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz
- *   to 1 MHz.
- *   Used: Both limits are listed as printed.
- *   Why: 50 m is the shortest cable length in the table. According to the table, no cable may be
- *   used at 400 kHz to 1 MHz.
- * Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]:
- *   Printed: The manual says that the output code can be binary or Gray, but not which bits of the
- *   frame it covers.
- *   Used: Only the position is coded. The error bit, the warning bit and the CRC are sent
- *   unchanged.
- *   Why: 6.4 refers to the absolute position information, and a flag in Gray code would change with
- *   the bit next to it. The zeros above the position in the BiSS frame are the same either way.
- * Erratum scd_length (settled, wrong data) [6.2 p.25]:
- *   Printed: SCD (32 bit), with a position of 24 or 25 bits.
- *   Used: The frame has 32 bits from 50 um to 2 um and 33 bits at 1 um.
- *   Why: Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 um. The table below
- *   has bits 32 to 0 for it.
- * Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
- *   Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 um,
- *   added to positions of 20 bits.
- *   Used: While an offset is selected in the Configuration register, 6.4 applies: the position
- *   takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above the
- *   position, and a frame with another bit there is rejected.
- *   Why: The limit of the offset is the number of positions of the whole field minus that of the
- *   resolution, with a reference to that field. The sum is therefore meant to fill the field, so
- *   from 50 um to 5 um the bits above the position carry data. The zeros of 6.2 apply without an
- *   offset. Only a frame of an encoder with an offset could confirm this.
- * Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]:
- *   Printed: Positions before the preset get a value according to it. The manual does not give the
- *   values sent below zero or above the maximum.
- *   Used: Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit
- *   replies over RS-485, it wraps around after as many counts as its bits can represent. The 48-bit
- *   position goes below zero.
- *   Why: A preset of 0 or a reset of the position within the travel leaves positions below it. All
- *   position fields are unsigned except that of data ID 5.
- * Erratum warning_level (open, omission) [6.2 p.26, 9.1]:
- *   Printed: The manual lists Warning, nW, but does not say which level means a warning.
- *   Used: 0 means a warning, as with the error bit.
- *   Why: The name nW and the BiSS documents make it active low. The bit is only for Lika's
- *   technicians.
- * Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
- *   Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit
- *   position in a field of 24 bits.
- *   Used: Each is used as printed.
- *   Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the
- *   length of the whole field, not of the position, and the variant with one more bit has one plus
- *   sign fewer. A master that takes the length of the data from the profile ID would miss 4, 2 or 1
- *   bits here.
- * Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]:
- *   Printed: The manual gives year, week and number in hexadecimal (in esadecimale), without an
- *   example.
- *   Used: The values are three binary numbers: one byte, one byte, and two bytes with the high byte
- *   first.
- *   Why: The text does not say whether the digits are binary or decimal in each byte, from which
- *   year the year is counted, or which of 46h and 47h is the high byte. The AMM5 manual reads the
- *   same four registers as one number whose decimal digits are year, week and number.
- * Erratum offset_meaning (open, wrong data) [6.4 p.32]:
- *   Printed: An offset gives a position a wanted value, is applied to the position at its
- *   activation, and shifts all values by its amount.
- *   Used: All transmitted values are shifted by the offset.
- *   Why: The range that the text gives, from the offset up, and the limit fit a simple shift, which
- *   does not depend on the sensor position. A value given to a position would be a preset.
- * Erratum offset_range (settled, wrong limit) [6.4 p.32]:
- *   Printed: The values run from the offset to the sum of offset and number of positions.
- *   Used: The highest value is that sum minus 1.
- *   Why: The same number of values as before, starting with the offset, ends one below the sum.
- *   With the highest offset, the sum itself would need one bit more than the field has.
- * Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]:
- *   Printed: The manual gives one device ID, SM21 with the release, for all models.
- *   Used: The device ID is used as printed.
- *   Why: BiSS requires a different device ID for each data length, and 1 um has one more bit.
- *   Unless the release bytes, printed as xx, differ, only the profile ID distinguishes the models.
- * Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
- *   Printed: The BiSS time-out adapts to the clock frequency and is at most 16 us. The manual does
- *   not print a rule.
- *   Used: The time-out is at most 16 us.
- *   Why: In the BiSS protocol description, the time-out is at least 1.5 clock periods, which is 7.5
- *   us at 200 kHz. The ASC85 manual has 3.5 periods, which would be 17.5 us.
- * Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35, 6.4 p.30]:
- *   Printed: Bit 8 Direzione di conteggio.
- *   Used: Counting direction is bit 6.
- *   Why: The register has bits 7 to 0. 6.4 and section 12 have bit 6. The value 60h of the example
- *   sets bits 6 and 5.
+ * icmu: p.30]: Used: The start value is 0.
+ * Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]: Used: Data ID F
+ * is used as described in 7.3.1 and 7.3.3.2.
+ * Erratum ssi_clock_count (open, wrong limit) [5.1, 5.2 p.20]: Used: The outputs do not enforce
+ * either rule. Sending one more clock than there are bits in the word satisfies both.
+ * Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]: Used: Both limits are listed as printed.
+ * Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]: Used: Both limits are listed as printed.
+ * Erratum gray_scope (open, omission) [5.2 p.20, 6.4 p.31]: Used: Only the position is coded. The
+ * error bit, the warning bit and the CRC are sent unchanged.
+ * Erratum scd_length (settled, wrong data) [6.2 p.25]: Used: The frame has 32 bits from 50 um to 2
+ * um and 33 bits at 1 um.
+ * Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]: Used: While an offset is
+ * selected in the Configuration register, 6.4 applies: the position takes the whole field of 24 or
+ * 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
+ * there is rejected.
+ * Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]: Used: Over SSI and BiSS,
+ * the position wraps around after 2^position_bits counts. In the 24-bit replies over RS-485, it
+ * wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
+ * Erratum warning_level (open, omission) [6.2 p.26, 9.1]: Used: 0 means a warning, as with the
+ * error bit.
+ * Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]: Used: Each is used as
+ * printed.
+ * Erratum serial_number_coding (open, omission) [6.4 p.29, amm5: 6.4 p.38]: Used: The values are
+ * three binary numbers: one byte, one byte, and two bytes with the high byte first.
+ * Erratum offset_meaning (open, wrong data) [6.4 p.32]: Used: All transmitted values are shifted by
+ * the offset.
+ * Erratum offset_range (settled, wrong limit) [6.4 p.32]: Used: The highest value is that sum minus
+ * 1.
+ * Erratum device_id_shared (open, omission) [6.4 p.34, prot: p.14-15]: Used: The device ID is used
+ * as printed.
+ * Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]: Used: The time-out
+ * is at most 16 us.
+ * Erratum configuration_bit_8 (settled, wrong data) [6.6.1 p.35, 6.4 p.30]: Used: Counting
+ * direction is bit 6.
  * Erratum control_field_structure (settled, omission) [7.3.1 p.38, 7.2.2 p.37, stmbl:
- * src/comps/smartabs.c]:
- *   Printed: The ID code has five bits, cc0 to cc4.
- *   Used: cc0 to cc3 are the data ID, and cc4 is its even parity bit.
- *   Why: 7.2.2 mentions a parity that the structure does not show. All five printed bytes fit. With
- *   five bits, A2h would be ID 14h and DAh would be ID 1Bh.
- * Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]:
- *   Printed: ea0: a fault may follow, but the position is correct. ea1: there is a fault or an
- *   error in the position, or the motor must stop. nE: the last valid position may be frozen, or
- *   wrong data may be sent. The manual does not say how single alarms and nW affect the position.
- *   Used: The position is not usable if any of these is active: nE, ea1 or an alarm that is part of
- *   ea1. Stored errors count until they are reset. The position is usable with a warning if any of
- *   these is active: ea0, an alarm that is part of ea0, or nW. It is usable while none is active
- *   (9.1).
- *   Why: ea1 does not show which of the three it is. With an error only in the EEPROM, the position
- *   may be correct, but the manual does not say so. nW is for Lika's technicians, and there is no
- *   evidence that a position with it is wrong.
- * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]:
- *   Printed: The 48-bit position ranges from 800000000000h to 7FFFFFFFFFh.
- *   Used: The highest value is 7FFFFFFFFFFFh.
- *   Why: Two digits are missing. The highest 48-bit number in two's complement has twelve.
- * Erratum abs_range_24 (settled, wrong limit) [7.3.3]:
- *   Printed: The 24-bit position ranges from 000000h to FFFFFFFh.
- *   Used: The highest value is FFFFFFh.
- *   Why: Seven digits are 28 bits.
- * Erratum wide_position_sign (open, omission) [7.3.3]:
- *   Printed: Unused high bits are 0. The 48-bit position is signed.
- *   Used: The position is signed, over all 48 bits.
- *   Why: A negative number has ones in its high bits. The manual does not say when the position
- *   becomes negative. The 24-bit position of the same encoder is never negative.
- * Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]:
- *   Printed: SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and
- *   20 bits without a model, and at most 24 bits.
- *   Used: The position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
- *   Why: These are the widths of SSI and BiSS, cut to 24 bits at 1 um, for which 4.10 halves the
- *   travel. A resolution probably has the same width as over the other interfaces, but the manual
- *   does not say so.
- * Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
- *   Printed: The request is sent ten times in succession (in successione, in sequenza), at
- *   transmission intervals of 40 us or more.
- *   Used: No other request is sent in between. After each request, at least 40 us pass before the
- *   next one begins.
- *   Why: The manual does not say whether an interval is the gap between two requests or the time
- *   from start to start. A gap of 40 us satisfies both. It also does not say whether a request with
- *   another data ID restarts the count.
- * Erratum rs485_reset_duration (open, omission) [7.3.3.2 p.41]:
- *   Printed: Send no request until the initialization is over. None is accepted while the position
- *   is reset. No time is given.
- *   Used: The outputs give no waiting time.
- *   Why: The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they
- *   apply to this encoder.
- * Erratum data_id_5_example_status (open, wrong data) [7.3.4, 7.3.2 p.38]:
- *   Printed: The reply to data ID 5 has SF = 02h.
- *   Used: dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the
- *   bits are reported.
- *   Why: 02h sets dd1, which 7.3.2 fixes at 0. Alarm and error would be 10h and 20h. However, it is
- *   the only reply to data ID 5 that the manual prints, and its CRC is correct. Only hardware can
- *   show whether the example is wrong or an encoder may set these bits. The manual does not
- *   describe the position in this case. It is treated as usable with a warning.
- * Erratum error_bit_level (settled, wrong data) [9 p.47, 9.1, 7.3.2 p.38]:
- *   Printed: When the fault is gone the error bit goes to the high level (commuta al livello logico
- *   alto).
- *   Used: This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error,
- *   and it stays high until it is reset.
- *   Why: 7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.
- * Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]:
- *   Printed: Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of
- *   transmission.
- *   Used: ABS0 is sent first.
- *   Why: The text above both tables says that the position is sent from the least to the most
- *   significant byte. The examples do so.
- * Erratum position_check_default (open, omission) [6.4 p.33, 12 p.51]:
- *   Printed: Register 59h can be written and has the default 00h. The list of defaults leaves it
- *   out.
- *   Used: 00h.
- *   Why: The manual does not say whether loading the defaults resets it. It is the only register of
- *   this kind that is missing from the list.
- * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
- *   Printed: Pause of at least 16 us (Tp > 16 us).
- *   Used: The minimum is 16 us. Use a longer pause.
- *   Why: The words "at least" allow 16 us, but the sign ">" does not.
- * Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
- *   Printed: The manual describes requests and replies, but not the time between them.
- *   Used: The outputs have no reply time and no time-out. The master chooses its time-out.
- *   Why: The manual gives neither the shortest nor the longest time from the end of a request to
- *   the reply. Without a shortest time, the master must release the line immediately after the stop
- *   bit of its request. Otherwise the first byte of the reply is lost.
+ * src/comps/smartabs.c]: Used: cc0 to cc3 are the data ID, and cc4 is its even parity bit.
+ * Erratum position_under_error (open, omission) [6.2 p.26, 7.3.2 p.38, 9 p.47, 9.1 p.47]: Used: The
+ * position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored
+ * errors count until they are reset. The position is usable with a warning if any of these is
+ * active: ea0, an alarm that is part of ea0, or nW. It is usable while none is active (9.1).
+ * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]: Used: The highest value is
+ * 7FFFFFFFFFFFh.
+ * Erratum abs_range_24 (settled, wrong limit) [7.3.3]: Used: The highest value is FFFFFFh.
+ * Erratum wide_position_sign (open, omission) [7.3.3]: Used: The position is signed, over all 48
+ * bits.
+ * Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]: Used: The
+ * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
+ * Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]: Used: No other request is
+ * sent in between. After each request, at least 40 us pass before the next one begins.
+ * Erratum rs485_reset_duration (open, omission) [7.3.3.2 p.41]: Used: The outputs give no waiting
+ * time.
+ * Erratum data_id_5_example_status (open, wrong data) [7.3.4, 7.3.2 p.38]: Used: dd0 to dd3 are
+ * unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are reported.
+ * Erratum error_bit_level (settled, wrong data) [9 p.47, 9.1, 7.3.2 p.38]: Used: This applies to
+ * SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it stays high until
+ * it is reset.
+ * Erratum position_sending_order (settled, wrong data) [7.3.3 p.39]: Used: ABS0 is sent first.
+ * Erratum position_check_default (open, omission) [6.4 p.33, 12 p.51]: Used: 00h.
+ * Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]: Used: The minimum is 16 us. Use a longer
+ * pause.
+ * Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]: Used: The outputs have no reply
+ * time and no time-out. The master chooses its time-out.
  * Before edition 1.1 [Release table]:
  *   In the spec: whether field encoder_inharmonious_error of group of fields alarm_field is
  *   implemented and whether alarm encoder_inharmonious_error is implemented.

@@ -1,0 +1,153 @@
+"""Measure how long the command line takes, as multiples of a Python program that only imports what any one needs.
+
+    python benchmarks/tool_speed.py [--rounds N] [--families N]
+
+All commands take turns, and the shortest CPU time of each counts, because other programs only make it longer.
+A cold run begins with an empty cache. Peers that are not installed are left out with a message.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+SPECS = ROOT / "specs" / "lika"
+FLOOR = [sys.executable, "-c", "import argparse, dataclasses, json, pathlib, re"]
+DBC = """VERSION ""
+BO_ 496 Encoder: 8 Vector__XXX
+ SG_ Position : 0|32@1+ (1,0) [0|0] "" Vector__XXX
+ SG_ Error : 32|1@1+ (1,0) [0|0] "" Vector__XXX
+"""
+RDL = "addrmap demo { reg { field {} position[31:0]; } position; };\n"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A command to measure. ``before`` is called before each run, outside the measured time.
+
+    ``cache`` is the folder in which it keeps results.
+    """
+
+    name: str
+    command: Sequence[str]
+    goal: float | None = None
+    text: str = ""
+    cache: str = "warm"
+    before: Callable[[], object] = lambda: None
+
+
+def codewheel(*arguments: str) -> list[str]:
+    return [sys.executable, "-m", "codewheel", *arguments]
+
+
+def seconds(run: Run, folder: Path) -> float:
+    """Return the CPU time of one run."""
+    run.before()
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / run.cache)}
+    with tempfile.TemporaryFile() as text:
+        text.write(run.text.encode())
+        text.seek(0)
+        process = subprocess.Popen(
+            run.command, stdin=text, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder, env=environment
+        )
+        usage = os.wait4(process.pid, 0)[2]
+    process.returncode = 0
+    return usage.ru_utime + usage.ru_stime
+
+
+def copies(place: Path, count: int) -> None:
+    """Write a folder with a family of ours under several names."""
+    place.mkdir()
+    shutil.copy(SPECS / "manufacturer.yaml", place)
+    text = (SPECS / "sma21.yaml").read_text(encoding="utf-8")
+    for number in range(1000, 1000 + count):
+        renamed = text.replace("device: sma21", f"device: sma{number}").replace("SMA21", f"SMA{number}")
+        (place / f"sma{number}.yaml").write_text(renamed, encoding="utf-8")
+
+
+def runs(work: Path, families: int) -> list[Run]:
+    """Return all commands, in the order of the table."""
+    specs, many, out = work / "specs", work / "many", work / "out"
+    shutil.copytree(SPECS, specs)
+    copies(many, families)
+    spec = specs / "asc85.yaml"
+
+    def empty() -> None:
+        shutil.rmtree(work / "cold", ignore_errors=True)
+
+    def edit() -> None:
+        text = spec.read_text(encoding="utf-8")
+        stamp = re.search(r"^# (\d+)\n", text)
+        number = int(stamp[1]) + 1 if stamp else 1
+        spec.write_text(f"# {number}\n{text[stamp.end() if stamp else 0 :]}", encoding="utf-8")
+
+    frame, last = ("AMM5A21/65KSC1", "0xF4243D3"), f"SMA{999 + families}-SC4-0050"
+    ours, generate = str(specs), ("generate", str(specs), "-o", str(out))
+    return [
+        Run("decode", codewheel("decode", *frame, "--specs", str(SPECS)), 4.5),
+        Run("show", codewheel("show", frame[0], "--specs", str(SPECS)), 4.5),
+        Run("decode, cold", codewheel("decode", *frame, "--specs", str(SPECS)), 10, cache="cold", before=empty),
+        Run("list", codewheel("list", "--specs", str(SPECS)), 3),
+        Run("--version", codewheel("--version"), 1.5),
+        Run("--help", codewheel("--help"), 1.5),
+        Run("check, one spec changed", codewheel("check", ours), 20, before=edit),
+        Run("check, nothing changed", codewheel("check", ours), 6),
+        Run("generate, one spec changed", codewheel(*generate), 28, before=edit),
+        Run("generate, nothing changed", codewheel(*generate), 6),
+        Run("generate --check, nothing changed", codewheel(*generate, "--check"), 6),
+        Run("decode -, 1000 lines", codewheel("decode", frame[0], "-", "--json"), text=f"{frame[1]}\n" * 1000),
+        Run(f"{families} families: decode", codewheel("decode", last, "0x1", "--specs", str(many)), 5),
+        Run(f"{families} families: list", codewheel("list", "--specs", str(many))),
+        *peers(work),
+    ]
+
+
+def peers(work: Path) -> list[Run]:
+    """Return comparable commands of other tools that are installed."""
+    (work / "peer.dbc").write_text(DBC, encoding="utf-8")
+    (work / "peer.rdl").write_text(RDL, encoding="utf-8")
+    scripts = Path(sys.executable).parent
+    found = {
+        "cantools": ("decode", str(work / "peer.dbc")),
+        "peakrdl": ("dump", str(work / "peer.rdl")),
+        "nnvg": ("--version",),
+    }
+    made = []
+    for name, arguments in found.items():
+        if (scripts / name).exists():
+            text = "vcan0 1F0 [8] 43 42 0F 00 00 00 00 00\n" if name == "cantools" else ""
+            made.append(Run(f"{name} {arguments[0]}", [str(scripts / name), *arguments], text=text))
+        else:
+            print(f"{name} is not installed and is left out", file=sys.stderr)
+    return made
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=15, help="runs of each command")
+    parser.add_argument("--families", type=int, default=50, help="copies of a family in a folder of their own")
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        every = [Run("floor", FLOOR), *runs(work, chosen.families)]
+        best = dict.fromkeys((run.name for run in every), float("inf"))
+        for _ in range(chosen.rounds):
+            for run in every:
+                best[run.name] = min(best[run.name], seconds(run, work))
+    print("| command | ms | floors | goal |\n| --- | ---: | ---: | ---: |")
+    for run in every:
+        goal = "" if run.goal is None else f"{run.goal:g}"
+        print(f"| {run.name} | {best[run.name] * 1000:.0f} | {best[run.name] / best['floor']:.1f} | {goal} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,31 @@
+"""Output of ``codewheel check``, as text and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..language.problems import Report
+from ..say.numbers import counted
+from .look_up import read_line
+
+
+def as_data(report: Report) -> dict[str, Any]:
+    """Return the problems in the form that ``--json`` prints."""
+    problems = [problem.to_json() for problem in report.problems]
+    return {"files": report.files, "passed_over": report.passed_over, "problems": problems}
+
+
+def as_text(families: Sequence[str], report: Report, paths: Sequence[Path]) -> str:
+    """Return the problems as text, with the files read and a summary. ``families`` are the names of all families."""
+    lines = [problem.format() for problem in report.problems]
+    lines.append(read_line(paths, families, report))
+    if report:
+        lines.append(counted(len(report), "problem"))
+    elif families:
+        names = ", ".join(families)
+        lines.append(f"no problems in {len(families)} {'family' if len(families) == 1 else 'families'}: {names}")
+    else:  # Some files define no family, such as those of masters.
+        lines.append("no problems")
+    return "\n".join(lines)

@@ -1,0 +1,61 @@
+"""``codewheel list``: a few facts about each family, as text at most 80 columns wide and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..say.lines import WIDTH, pairs, wrapped
+
+if TYPE_CHECKING:
+    from ..model import Device
+
+#: Facts about a family.
+Row = Mapping[str, Any]
+
+
+def rows(devices: Sequence[Device]) -> list[Row]:
+    """Return the facts about each family, as data that JSON can express."""
+    return [
+        {
+            "family": device.name,
+            "title": device.title,
+            "manufacturer": device.manufacturer.title,
+            "interfaces": [[item.name, item.title] for item in device.interfaces],
+            "pattern": device.order_code.pattern,
+            "order_codes": [variant.code for variant in device.variants],
+            "manual": {
+                "title": device.manual.title,
+                "revision": device.manual.revision,
+                "date": device.manual.date or None,
+            },
+        }
+        for device in devices
+    ]
+
+
+def as_data(families: Sequence[Row]) -> dict[str, Any]:
+    """Return the families in the form that ``--json`` prints."""
+    shown = [{**item, "interfaces": [name for name, _ in item["interfaces"]]} for item in families]
+    return {"version": 1, "families": shown}
+
+
+def as_text(families: Sequence[Row]) -> str:
+    """Return a few lines about each family."""
+    lines = []
+    for item in families:
+        manual = item["manual"]
+        date = f" of {manual['date']}" if manual["date"] else ""
+        lines += [
+            wrapped(f"{item['title']} ({item['manufacturer']})", WIDTH, " " * 10, f"{item['family']:<8}  "),
+            *pairs(
+                [
+                    ("interfaces", ", ".join(title for _, title in item["interfaces"])),
+                    ("order codes", f"{len(item['order_codes'])}, {item['pattern']}"),
+                    ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
+                ],
+                10,
+            ),
+            "",
+        ]
+    return "\n".join(lines).rstrip()

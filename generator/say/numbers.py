@@ -1,0 +1,19 @@
+"""Numbers with their units in words. Unlike ``words``, this module needs no model."""
+
+from __future__ import annotations
+
+
+def number(value: int) -> str:
+    """Return a number in groups of three digits."""
+    return f"{value:,}"
+
+
+def counted(count: int | str, thing: str) -> str:
+    """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
+def with_unit(value: int | str, unit: str) -> str:
+    """Return a value with a unit that specs give in the plural: ``1 revolution``, ``8 revolutions``, ``50 µm``."""
+    is_word = len(unit) > 3  # unlike ms, µs and ns
+    return f"{value} {unit.removesuffix('s') if is_word and str(value) == '1' else unit}".rstrip()
