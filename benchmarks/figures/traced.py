@@ -33,6 +33,8 @@ from jinja2.runtime import Context
 TEMPLATE, PYTHON = "t", "p"
 
 _PLACEHOLDER = re.compile(r"%[sdr]|%\(\w+\)s|\{\w*\}")
+#: Line that a target replaces by the imports of a module.
+_IMPORTS = "IMPORTS\n"
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 #: A Python formatter adds brackets and commas where it breaks a line.
 _MOVED = frozenset(" \t\n\r(),")
@@ -216,6 +218,12 @@ def _origin(text: str) -> str:
             for at, place in zip(code, places, strict=True):
                 origin[at] = item.origin[place]
             return "".join(origin)
+    for item in _RENDERED:
+        # Imports that replace a line of their own after the module was rendered.
+        head, mark, tail = str.partition(item, _IMPORTS)
+        if mark and text.startswith(head) and text.endswith(tail):
+            added = len(text) - len(head) - len(tail)
+            return item.origin[: len(head)] + PYTHON * added + item.origin[len(head) + len(mark) :]
     parts = [item for item in _RENDERED if item.strip() and item.strip() in text]
     return aligned(text, sorted(parts, key=lambda item: text.find(item.strip()))).origin
 

@@ -22,8 +22,6 @@ ALLOWED = {
     *(("c", f"{name}.jinja") for name in ("config-version.cmake", "config.cmake", "pkgconfig.pc")),
     *(("c", f"zephyr_{name}.jinja") for name in ("CMakeLists.txt", "Kconfig", "module.yml")),
     ("python", "pyproject.toml.jinja"),
-    # The C runtime, which is not in runtime/c yet.
-    *(("c", f"{name}.h.jinja") for name in ("angle", "biss", "encoder", "runner", "tracker")),
 }
 
 
