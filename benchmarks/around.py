@@ -38,7 +38,8 @@ class Part:
 
     @property
     def source(self) -> str:
-        includes = "".join(f'#include "lika/{name}.h"\n' for name in self.headers)
+        folders = {"amm5": "lika"}
+        includes = "".join(f'#include "{folders.get(name, "codewheel")}/{name}.h"\n' for name in self.headers)
         head = f"uint32_t measured({self.given})"
         return f"{includes}{head};\n{head}\n{{\n    {self.body}\n}}\n"
 

@@ -194,15 +194,14 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
 def ours(frame: Frame) -> Iterator[Candidate]:
     """Yield our decoders: with the order code fixed at compile time, chosen at run time, and with a CRC table."""
     given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
-    result = f"{frame.maker.lower()}_result"
     passed = given if frame.is_word else "bytes, sizeof bytes"
     forms = {"ours, order code fixed": ""}
     if frame.is_word:
         forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
     for name, macro in forms.items():
-        head = f'{macro}#include "{frame.header}"\n{result} decode_ours({parameters}, {frame.layout} *out);\n'
+        head = f'{macro}#include "{frame.header}"\ncw_result decode_ours({parameters}, {frame.layout} *out);\n'
         body = f"""static const {frame.variant_type} encoder = {frame.variant};
-{result} decode_ours({parameters}, {frame.layout} *out)
+cw_result decode_ours({parameters}, {frame.layout} *out)
 {{
     return {frame.layout}_decode(&encoder, {given}, out);
 }}
@@ -215,7 +214,7 @@ def ours(frame: Frame) -> Iterator[Candidate]:
             f"decode_ours({passed}, &out)",
             frame.good,
         )
-    signature = f"{result} decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)"
+    signature = f"cw_result decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)"
     head = f'#include "{frame.header}"\n{signature};\n'
     body = f"""{signature}
 {{

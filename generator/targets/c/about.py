@@ -178,7 +178,9 @@ def about_register(device: Device, item: Register) -> list[Paragraph]:
 def about_access(device: Device, item: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
     """Yield the comment on a function that reads or writes a register."""
     waits = f", then wait {item.wait_at_least_ms} ms" if writes and item.wait_at_least_ms is not None else ""
-    yield f"{'Write' if writes else 'Read'} the register {title(item)}, {addresses(item)}{waits}."
+    name = title(item)
+    kind = "" if name.lower().endswith(("register", "registers")) else " register"
+    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(item)}){waits}."
     selector = device.bank_selector(item)
     if selector:
         yield f"It first writes to {title(device.register(selector))} to select bank {item.bank}."
