@@ -9,7 +9,7 @@ from typing import Any
 
 from ..changes.pairs import paired
 from ..language.problems import Path
-from .fact import NOTHING, Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
+from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .frame_bits import continues, run
 from .mistaken_names import are_settled, mistaken
 from .printed_names import same_name
@@ -227,9 +227,9 @@ def _compare_words(made: Comparison, word: Word, other: Word | None) -> None:
 def _note_all(made: Comparison, placed: Placed) -> None:
     for bit in placed.bits:
         made.note(Sort.POSITION, bit.place, Read.ONCE)
-    for aspects in placed.fields.values():
-        for aspect in aspects.values():
-            made.note(aspect.sort, aspect.place, Read.ONCE)
+    for properties in placed.fields.values():
+        for fact in properties.values():
+            made.note(fact.sort, fact.place, Read.ONCE)
 
 
 def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterator[Disagreement]:
@@ -243,8 +243,9 @@ def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterat
     for one, two in zip(own.bits, other.bits, strict=True):
         if _alike(one, two):
             made.note(Sort.POSITION, one.place, Read.TWICE)
-    for (low, width), aspects in own.fields.items():
-        yield from _compare_aspects(made, word, (low, width), aspects, other.fields.get((low, width), {}))
+    for span, properties in own.fields.items():
+        near = next((fact.place for fact in properties.values()), word.place)
+        yield from _compare_properties(made, properties, other.fields.get(span, {}), near)
     yield from _compare_names(made, own.names, other.names)
 
 
@@ -272,29 +273,23 @@ def _runs(own: tuple[Bit, ...], other: tuple[Bit, ...]) -> Iterator[tuple[int, i
         yield high, 0
 
 
-def _compare_aspects(
-    made: Comparison,
-    word: Word,
-    span: tuple[int, int],
-    own: Mapping[str, Aspect],
-    other: Mapping[str, Aspect],
+def _compare_properties(
+    made: Comparison, own: Mapping[Key, Fact], other: Mapping[Key, Fact], near: Path
 ) -> Iterator[Disagreement]:
-    low, width = span
-    where = f" of {bits(low + width - 1, low)} of {word.what}"
-    near = next((aspect.place for aspect in own.values()), word.place)
+    """Compare the properties of a field. ``near`` is the place for those that only the second reading has."""
     for pair in paired(list(own.items()), list(other.items()), name=_key):
-        _, aspect = pair.first
+        _, fact = pair.first
         theirs = pair.new[1] if pair.new is not None else None
-        what = aspect.what + ("" if aspect.alone else where)
+        value = _shown(fact.value)
         if pair.old is None:
-            if not aspect.mild and not aspect.implied:
-                yield Disagreement(aspect.sort, what, NOTHING, aspect.value, (), aspect.place, near)
-        elif aspect.implied:
+            if not fact.mild and not fact.implied:
+                yield Disagreement(fact.sort, fact.what, NOTHING, value, (), fact.place, near)
+        elif fact.implied:
             if theirs is not None and not theirs.implied:
-                yield Disagreement(aspect.sort, what, NOTHING, theirs.value, (), theirs.place, aspect.place)
+                yield Disagreement(fact.sort, fact.what, NOTHING, _shown(theirs.value), (), theirs.place, fact.place)
         elif theirs is None:
-            made.note(aspect.sort, aspect.place, Read.ONCE)
-        elif aspect.value == theirs.value or _alias(aspect.sort, aspect.value, theirs.value):
-            made.note(aspect.sort, aspect.place, Read.TWICE)
+            made.note(fact.sort, fact.place, Read.ONCE)
+        elif value == _shown(theirs.value) or _alias(fact.sort, value, _shown(theirs.value)):
+            made.note(fact.sort, fact.place, Read.TWICE)
         else:
-            yield Disagreement(aspect.sort, what, aspect.value, theirs.value, aspect.place, theirs.place, ())
+            yield Disagreement(fact.sort, fact.what, value, _shown(theirs.value), fact.place, theirs.place, ())

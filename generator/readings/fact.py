@@ -75,7 +75,8 @@ class Fact:
 
     ``under`` is the key of the fact that this one depends on, such as the register of a default. A ``mild`` fact may be
     missing from the other reading, such as a printed name in another language. ``name`` is the reader's name of the
-    item whose first fact this is.
+    item whose first fact this is. An ``implied`` fact follows from another one. If one reader still states it, the
+    other must, too.
     """
 
     sort: Sort
@@ -86,22 +87,6 @@ class Fact:
     under: Key = ()
     mild: bool = False
     name: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Aspect:
-    """A property of a field other than its bits, such as a named value.
-
-    In messages ``what`` is followed by the bits unless it is ``alone``. An ``implied`` property follows from another
-    fact. If one reader still states it, the other must, too.
-    """
-
-    sort: Sort
-    value: str
-    what: str
-    place: Path
-    mild: bool = False
-    alone: bool = False
     implied: bool = False
 
 
@@ -123,7 +108,7 @@ class Placed:
     """
 
     bits: tuple[Bit, ...]
-    fields: Mapping[tuple[int, int], Mapping[str, Aspect]]
+    fields: Mapping[tuple[int, int], Mapping[Key, Fact]]
     names: Mapping[Key, Names]
 
 

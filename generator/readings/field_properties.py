@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from ..language.problems import Path
 from ..model import Choice, CrcValue, Field, PlacedField, Register, Unused
-from ..model.expressions import Expression
-from .fact import Aspect, Key, Name, Names, Sort
-from .printed_names import printed_names
+from .fact import Fact, Key, Name, Names, Sort
 from .reading import Parameters, Reading, as_delivered, bits, in_hex, over
-from .stated import member_place, noun_of, stated
-
-Found = Iterator[tuple[str, Aspect]]
+from .stated import Subject
 
 _FIELDS: Key = ("field",)
 
@@ -20,8 +17,10 @@ _FIELDS: Key = ("field",)
 class Properties:
     """The properties of the fields of one frame or register."""
 
-    def __init__(self, reading: Reading, owner: Path, interface: str, register: Register | None = None) -> None:
-        self._reading, self.owner, self.interface, self._register = reading, owner, interface, register
+    def __init__(
+        self, reading: Reading, owner: Path, interface: str, what: str, register: Register | None = None
+    ) -> None:
+        self._reading, self.owner, self.interface, self.what, self._register = reading, owner, interface, what, register
         self._places: dict[str, Path] = {}
 
     def place(self, field: Field) -> Path:
@@ -46,51 +45,39 @@ class Properties:
     def _value_place(self, place: Path, name: str) -> Path:
         return self._reading.first((*place, "values", name), place)
 
-    def of(self, item: PlacedField, parameters: Parameters) -> Mapping[str, Aspect]:
-        """Return all properties of a field for these parameters, by their subject."""
-        return dict((*self._of_kind(item.field), *self._of_field(item, parameters)))
+    def of(self, item: PlacedField, parameters: Parameters) -> Mapping[Key, Fact]:
+        """Return all properties of a field for these parameters, by their keys."""
+        where = f"{bits(item.high, item.low)} of {self.what}"
+        subject = Subject(self._reading, (), self.place(item.field), where, self.interface)
+        found = (*self._of_kind(subject, item.field), *self._of_field(subject, item, parameters))
+        return {fact.key: fact for fact in found}
 
-    def _of_kind(self, field: Field) -> Found:
-        place = self.place(field)
-        is_unused = isinstance(field.kind, Unused)
-        for member, value in stated(self._reading, field.kind, self.interface):
-            here = member_place(self._reading, place, member)
-            if member.name == "makes_position":
-                here = self._reading.first(here, place)
-            yield member.name, Aspect(Sort(member.read), str(value), noun_of(member), here, mild=is_unused)
+    def _of_kind(self, subject: Subject, field: Field) -> Iterator[Fact]:
+        for fact in subject.stated(field.kind):
+            # The verdict of a flag that the interface defines is not in the spec.
+            is_verdict = fact.sort is Sort.VERDICT
+            place = self._reading.first(fact.place, subject.place) if is_verdict else fact.place
+            yield replace(fact, place=place, mild=is_verdict and isinstance(field.kind, Unused))
         if isinstance(field.kind, CrcValue):
-            crc = self._reading.device.crc(field.kind.crc)
-            for member, value in stated(self._reading, crc, self.interface):
-                what = f"{noun_of(member)} of the CRC over {over(self.interface)}"
-                here = ("crcs", crc.name, member.name)
-                yield f"CRC {member.name}", Aspect(Sort(member.read), str(value), what, here, alone=True)
+            what = f"the CRC over {over(self.interface)}"
+            crc = Subject(self._reading, ("crc",), ("crcs", field.kind.crc), what)
+            yield from crc.stated(self._reading.device.crc(field.kind.crc))
         for item in field.values:
-            here = self._value_place(place, item.name)
-            number = in_hex(item.value)
-            yield f"value {item.value}", Aspect(Sort.VALUE, "named", f"value {number}", here)
-            yield from self._printed(item, f"value {item.value}, ", here, f"printed name of value {number}")
+            place, what = self._value_place(subject.place, item.name), f"value {in_hex(item.value)} of {subject.what}"
+            value = Subject(self._reading, ("value", item.value), place, what)
+            yield value.first(Sort.VALUE, "named")
+            yield from value.stated(item)
 
-    def _printed(self, item: Field | object, about: str, place: Path, what: str) -> Found:
-        names = printed_names(self._reading, getattr(item, "printed_name", ""), getattr(item, "names", {}))
-        for language, text in names:
-            here = self._reading.name_place(place, language)
-            yield f"{about}name in {language}", Aspect(Sort.PRINTED, text, what, here, mild=True)
-
-    def _of_field(self, item: PlacedField, parameters: Parameters) -> Found:
-        field, place = item.field, self.place(item.field)
-        yield from self._printed(field, "", place, "printed name")
+    def _of_field(self, subject: Subject, item: PlacedField, parameters: Parameters) -> Iterator[Fact]:
+        field = item.field
         if field.equals is not None:
-            found = field.equals
-            number = found.value(parameters) if isinstance(found, Expression) else found
-            value = in_hex(number) if isinstance(number, int) else number
-            yield "equals", Aspect(Sort.VALUE, value, "value that is always there", (*place, "equals"))
+            number = field.documented(parameters)
+            value = in_hex(number) if isinstance(number, int) else str(number)
+            yield subject.fact(Sort.VALUE, "equals", value, "value that is always there")
         default, is_implied = self._default(item)
         if default is not None:
-            here = (*place, "default")
-            yield "default", Aspect(Sort.DEFAULT, in_hex(default), "default", here, implied=is_implied)
-        for member, text in stated(self._reading, field, self.interface):
-            here = member_place(self._reading, place, member)
-            yield member.name, Aspect(Sort(member.read), str(text), noun_of(member), here)
+            yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), implied=is_implied)
+        yield from subject.stated(field)
 
     def _default(self, item: PlacedField) -> tuple[int | None, bool]:
         """Return the default of a field, and True if the register's default implies it. None if both are the same."""

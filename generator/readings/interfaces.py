@@ -35,7 +35,7 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, facts: F
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, value)
         what = f"'{layout.name}'"
         facts.add(_of_frame(Subject(reading, key, owner, what, interface.name), layout))
-        facts.words[key] = word(reading, layout, key, what, Properties(reading, owner, interface.name))
+        facts.words[key] = word(reading, layout, key, what, Properties(reading, owner, interface.name, what))
         for item in layout.fields:
             if item.group:
                 bits = reading.bits_of(interface.name, item)

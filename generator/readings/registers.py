@@ -21,7 +21,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         facts.add(_facts(subject, register))
         _add_names(subject, register, facts)
         facts.follows(Sort.POSITION, len(register.layout.joins))
-        properties = Properties(reading, subject.place, register.interface, register)
+        properties = Properties(reading, subject.place, register.interface, what, register)
         facts.words[key] = word(reading, register.layout, key, what, properties)
 
 

@@ -48,27 +48,18 @@ class Subject:
 
     def stated(self, item: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
-        for member, value in stated(self.reading, item, self.interface):
+        for member, value in _stated(self.reading, item, self.interface):
             if member.name not in without:
-                place = member_place(self.reading, self.place, member)
-                yield self.fact(Sort(member.read), member.name, value, noun_of(member), place)
+                # The spec uses its name in the model or in the data.
+                place = self.reading.first((*self.place, member.attribute), (*self.place, member.name))
+                yield self.fact(Sort(member.read), member.name, value, member.noun or member.words, place)
         names = printed_names(self.reading, getattr(item, "printed_name", ""), getattr(item, "names", {}))
         for language, text in names:
             place = self.reading.name_place(self.place, language)
             yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, mild=True)
 
 
-def noun_of(member: Member) -> str:
-    """Return the name of a member in messages."""
-    return member.noun or member.words
-
-
-def member_place(reading: Reading, owner: Path, member: Member) -> Path:
-    """Return the place of a member in the spec, which uses its name in the model or in the data."""
-    return reading.first((*owner, member.attribute), (*owner, member.name))
-
-
-def stated(reading: Reading, item: Any, interface: str) -> Iterator[tuple[Member, Value]]:
+def _stated(reading: Reading, item: Any, interface: str) -> Iterator[tuple[Member, Value]]:
     """Yield the stated members of a part of the model with their values, in words without names."""
     own = {each.name for each in fields(item)}
     for member in PARTS_BY_CLASS[type(item).__name__].members:
