@@ -5,6 +5,7 @@ EL5042                   infosys el5042/4216721675: 80p8 with p = 0 and 1, types
                          ecmccfg, ecmcEL5042-Encoder-RLS-LA11-24bit.cmd: 16, 17 and 18 have one byte, defaults 13, 0, 0
 EJ5042                   infosys ej5042/10839989899: the same objects, CRC Polynomial is INT64
 AKD2G                    webhelp FBx.MULTITURNBITS: 3500h to 3504h, 0ch, Unsigned8, 0 to 32, default 12
+AKD                      AKD BASIC User Guide, p. 270, FB1.ENCRES: 3533h/0, encoder counts, default 1,024
 moteus                   fw/aux_common.h, BissC::Config: bool, uint32_t, uint8_t, uint8_t and their initial values
 hostmot2                 abs_encoder.c: frequency-khz is a HAL parameter of type float that starts with 500
 dsPIC33A                 B1CLTCONx: SCDLEN 5:0, SCDEN 6, GRAY 7, CRCLEN 14:8, CRCSEL 15, CRCSEED 31:16, reset value 0
@@ -68,6 +69,13 @@ EJ5042: list[Row] = [
 AKD2G: list[Row] = [
     ("FB#.MULTITURNBITS", "AKD2G", f"FB{number}", 0x34FF + number, 0x0C, "Unsigned8", "unsigned", 8, "bits", 12, 16)
     for number in (1, 2, 3, 4, 5)
+]
+
+#: The manual of the AKD gives an object for FB1.ENCRES alone, without a width: 2 to the power of 32 - 16 is 65536.
+AKD: list[Row] = [
+    ("FB1.SELECT", "Kollmorgen AKD", "", None, None, "", "", None, "none", None, 34),
+    ("FB1.BISSBITS", "Kollmorgen AKD", "", None, None, "", "", None, "bits", None, 37),
+    ("FB1.ENCRES", "Kollmorgen AKD", "", 0x3533, 0, "", "", None, "encoder counts", 1024, 65536),
 ]
 
 #: Setting, channel, symbol, type, kind, width, unit, default, value.
@@ -164,6 +172,7 @@ TYPED = [
     ("beckhoff_el5042", "EL5042", objects, [*EL5042, SUPPLY]),
     ("beckhoff_el5042", "EJ5042", objects, EJ5042),
     ("kollmorgen_akd2g", "AKD2G", objects, AKD2G),
+    ("kollmorgen_akd", "Kollmorgen AKD", objects, AKD),
     ("moteus", "moteus", symbols, MOTEUS),
     ("linuxcnc_hostmot2", "", symbols, HOSTMOT2),
     ("microchip_dspic33a", "dsPIC33A", registers, DSPIC33A),
