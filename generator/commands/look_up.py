@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..language.files import SUFFIXES, own_specs
-from ..say import label
+from ..order_codes import messages
 from ..say.words import counted
 from .terminal import Stop
 
@@ -143,12 +143,12 @@ def _unknown(devices: Sequence[Device], text: str) -> str:
     device = _family(devices, text)
     if device is not None:
         code = device.variants[0].code
-        return f"{label.family(text, code)} (codewheel show {device.name} explains them)"
+        return f"{messages.family(text, code)} (codewheel show {device.name} explains them)"
     if Path(text).suffix in SUFFIXES:
         return f"'{text}' is not an order code; give a spec as --specs {text}"
     near = ", ".join(nearest_codes(devices, text, NEAR))
-    remedy = label.nearest(near) if near else "; codewheel list shows the known patterns"
-    return label.unknown(text) + remedy
+    remedy = messages.nearest(near) if near else "; codewheel list shows the known patterns"
+    return messages.unknown(text) + remedy
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:

@@ -272,7 +272,8 @@ MANY = r"""
   const help = said(boxes[0]);
   type(code, "AMM5A21/65KSC1");
   type(text, "# bench\n\n0.001 0xF4243D3\n0.002, [0x0F, 0x42, 0x43, 0xD2]\n3 ms zz\n");
-  const rows = [...result.querySelectorAll("tbody tr")].map((row) => [...row.cells].map((cell) => cell.innerText.trim()));
+  const texts = (row) => [...row.cells].map((cell) => cell.innerText.trim());
+  const rows = [...result.querySelectorAll("tbody tr")].map(texts);
   const address = new URLSearchParams(location.hash.slice(1)).get("frame");
   let csv = "";
   navigator.clipboard.writeText = (given) => { csv = given; return Promise.resolve(); };
