@@ -171,18 +171,18 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
 def _unknown(devices: Sequence[Device], text: str) -> str:
     """Return the message for text that is not an order code."""
     from ..language.files import SUFFIXES
+    from ..order_codes import messages
     from ..order_codes.labels import NEAR, nearest_codes
-    from ..say import label
 
     device = _family(devices, text)
     if device is not None:
         code = device.variants[0].code
-        return f"{label.family(text, code)} (codewheel show {device.name} explains them)"
+        return f"{messages.family(text, code)} (codewheel show {device.name} explains them)"
     if Path(text).suffix in SUFFIXES:
         return f"'{text}' is not an order code; give a spec as --specs {text}"
     near = ", ".join(nearest_codes(devices, text, NEAR))
-    remedy = label.nearest(near) if near else "; codewheel list shows the known patterns"
-    return label.unknown(text) + remedy
+    remedy = messages.nearest(near) if near else "; codewheel list shows the known patterns"
+    return messages.unknown(text) + remedy
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:

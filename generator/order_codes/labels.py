@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from ..model import CodePart, Device, OrderCode, Spelling, Variant
-from ..say import label
+from . import messages
 
 #: Highest number of characters in a label.
 LONGEST = 100
@@ -74,7 +74,7 @@ def find(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
     if len(text) > LONGEST:
-        raise UnknownOrderCode(label.too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
+        raise UnknownOrderCode(messages.too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
     code = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
@@ -181,7 +181,7 @@ def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[s
         if any(_fitting(device, {**known, part.name: value.text}) for value in part.values)
     ]
     listed = " and ".join(f"{name} '{known[name] or parts[name]}'" for name in names) or "its parts"
-    return label.cannot_be_combined(code, listed, _nearest(device, code))
+    return messages.cannot_be_combined(code, listed, _nearest(device, code))
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
@@ -202,13 +202,13 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
                 )
             )
     if not found:
-        wrong = label.not_of_family(code, device.name.upper(), _nearest(device, code))
+        wrong = messages.not_of_family(code, device.name.upper(), _nearest(device, code))
         return UnknownOrderCode(wrong, close=False)
     # Prefer a part without which all others have listed values, and then a missing part.
     _, _, part, given = min(found, key=lambda item: item[:2])
     valid = ", ".join(value.text for value in part.values)
-    wrong = label.has_part(part.name, given) if given else label.has_no_part(part.name)
-    return UnknownOrderCode(label.wrong_part(code, wrong, valid, _nearest(device, code)), close=True)
+    wrong = messages.has_part(part.name, given) if given else messages.has_no_part(part.name)
+    return UnknownOrderCode(messages.wrong_part(code, wrong, valid, _nearest(device, code)), close=True)
 
 
 def _nearest(device: Device, code: str) -> str:

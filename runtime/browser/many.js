@@ -45,7 +45,8 @@ function tableOf(rows, measure, pick) {
       element("td", { class: `${CLASS}-value` }, shown, angle && part("span", "meaning", angle)),
       element("td", {}, remarkOf(row)));
   });
-  const cells = heads.map((text) => element("th", { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
+  const cells = heads.map((text) => element("th",
+    { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
   return element("table", { class: `${CLASS}-many` },
     element("caption", {}, counted(rows.length, "frame")),
     element("thead", {}, element("tr", {}, cells)), element("tbody", {}, body));

@@ -61,7 +61,10 @@ function sheet() {
     div.${CLASS} table.${CLASS}-many code { font-family: ui-monospace, monospace; font-size: .9em; }
     @container (min-width: 40rem) { div.${CLASS} .${CLASS}-value { white-space: nowrap; } }
     div.${CLASS} table.${CLASS}-many button { margin: 0; padding: .05rem .5rem; }
-    @container (max-width: 40rem) { div.${CLASS} .${CLASS}-frame { display: none; } .${CLASS}-badge { white-space: normal; } }
+    @container (max-width: 40rem) {
+      div.${CLASS} .${CLASS}-frame { display: none; }
+      .${CLASS}-badge { white-space: normal; }
+    }
     .${CLASS}-good { border-color: #388e3c; }
     .${CLASS}-warning { border-color: #c77700; }
     .${CLASS}-bad { border-color: #d32f2f; }

@@ -3,7 +3,8 @@
 
 class FrameText extends Error {}
 
-const quoted = (text) => (text.length <= TABLE.limits.quote ? `'${text}'` : `'${text.slice(0, TABLE.limits.quote - 3)}...'`);
+const LONGEST_QUOTE = TABLE.limits.quote;
+const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
 
 /** Spellings of programs and logs, and their replacement. The command line has the same list. */
 const PASTED = [
@@ -19,11 +20,12 @@ const TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-
   + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
 /** The frames in a text, one per line. Comments after # and empty lines are skipped. */
-function linesOf(text) {
-  return text.split(/\r\n|\r|\n/).flatMap((line, place) => {
+function linesOf(input) {
+  return input.split(/\r\n|\r|\n/).flatMap((line, place) => {
     const kept = line.split("#")[0].trim();
     const time = TIME.exec(kept);
-    return kept ? [{ number: place + 1, time: time ? time[1] : "", text: time ? kept.slice(time[0].length) : kept }] : [];
+    const text = time ? kept.slice(time[0].length) : kept;
+    return text ? [{ number: place + 1, time: time ? time[1] : "", text }] : [];
   });
 }
 
@@ -47,7 +49,7 @@ function bytesIn(text) {
   });
 }
 
-/** One number of a given number of bits: 0b with every digit, or 0x or hex bytes, which imply leading zeros. */
+/** One number of ``size`` bits: 0b with every digit, or 0x or hex bytes, which imply leading zeros. */
 function numberIn(text, size) {
   let compact = text.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compact)) return { number: BigInt(compact), bits: compact.length - 2, exact: true };

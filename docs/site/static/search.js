@@ -111,7 +111,8 @@
     const family = pieces.find((piece) => families().some((one) => one.name === piece.toLowerCase()));
     const others = pieces.filter((piece) => piece !== family);
     const wrong = family ? undefined : others.find(isLikeCode);
-    return { ...asked, family: family?.toLowerCase() ?? "", wrong: wrong ?? "", words: others.filter((one) => one !== wrong) };
+    const words = others.filter((one) => one !== wrong);
+    return { ...asked, family: family?.toLowerCase() ?? "", wrong: wrong ?? "", words };
   }
 
   /** The page of a listed code, or of the listed code whose numbers an unlisted one has. */
@@ -176,7 +177,8 @@
     if (!words.length) return [];
     const searched = sections.filter((one) => one.page.kind !== "code" || one.page === page);
     const phrase = words.length > 1 ? plain(typed) : "";
-    const bonus = (section) => (phrase && plain(`${section.title} ${INDEX.texts[section.text]}`).includes(phrase) ? 1.3 : 1);
+    const wholeOf = (section) => plain(`${section.title} ${INDEX.texts[section.text]}`);
+    const bonus = (section) => (phrase && wholeOf(section).includes(phrase) ? 1.3 : 1);
     const rank = (someAreEnough) => searched
       .map((section) => ({ section, score: scoreOf(section, words, someAreEnough) * WEIGHTS[section.page.kind] }))
       // The upper part of the page of an order code answers most questions at once.
@@ -222,7 +224,8 @@
   function snippet(place, words) {
     const text = INDEX.texts[place];
     const stems = new Set(words.flatMap((one) => [one.word, ...one.synonyms.flatMap(({ all }) => [...all])]));
-    const hits = [...text.matchAll(/[\p{L}\p{N}_^.,-]+/gu)].filter((hit) => wordsOf(hit[0]).some((one) => stems.has(one)));
+    const isHit = (word) => wordsOf(word).some((one) => stems.has(one));
+    const hits = [...text.matchAll(/[\p{L}\p{N}_^.,-]+/gu)].filter(([word]) => isHit(word));
     const exact = hits.find((hit) => wordsOf(hit[0]).some((one) => words.some(({ word }) => word === one)));
     const at = Math.max(0, ((exact ?? hits[0])?.index ?? 0) - 60);
     const from = at && text.indexOf(" ", at) + 1;
@@ -265,7 +268,8 @@
     const start = squeezed(text);
     const codes = Object.keys(INDEX.codes);
     const beginning = codes.filter((code) => squeezed(code).startsWith(start));
-    return beginning.length ? beginning : codes.filter((code) => new RegExp(`${code.replace(/[/-]/g, "\\$&")}(?![\\w/])`).test(help));
+    const named = new Set(help.split(/[\s,]+/));
+    return beginning.length ? beginning : codes.filter((code) => named.has(code));
   }
 
   /** The order code, interface and family that the search is about. */

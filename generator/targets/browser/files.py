@@ -14,9 +14,10 @@ from typing import Annotated, TypedDict
 
 from ...language.problems import LONGEST_QUOTE
 from ...model import UNEXPLAINED, Fault
+from ...order_codes import messages
 from ...order_codes.labels import LONGEST, NEAR
 from ...render import Templates, our_templates
-from ...say import fault, frame_text, label
+from ...say import fault, frame_text
 from ...say.layout import as_one_number
 from ...say.lines import plain
 from ...say.markdown import text
@@ -56,15 +57,15 @@ _SAID = {
     "write_hex": frame_text.write_hex("{0}"),
     "or_bits": frame_text.or_bits("{0}"),
     "register_length": frame_text.register_length("{0}", "{1}", "{2}"),
-    "too_long": label.too_long("{0}", "{1}", "{2}"),
-    "cannot_be_combined": label.cannot_be_combined("{0}", "{1}", "{2}"),
-    "not_of_family": label.not_of_family("{0}", "{1}", "{2}"),
-    "wrong_part": label.wrong_part("{0}", "{1}", "{2}", "{3}"),
-    "has_part": label.has_part("{0}", "{1}"),
-    "has_no_part": label.has_no_part("{0}"),
-    "family": label.family("{0}", "{1}"),
-    "unknown": label.unknown("{0}"),
-    "nearest": label.nearest("{0}"),
+    "too_long": messages.too_long("{0}", "{1}", "{2}"),
+    "cannot_be_combined": messages.cannot_be_combined("{0}", "{1}", "{2}"),
+    "not_of_family": messages.not_of_family("{0}", "{1}", "{2}"),
+    "wrong_part": messages.wrong_part("{0}", "{1}", "{2}", "{3}"),
+    "has_part": messages.has_part("{0}", "{1}"),
+    "has_no_part": messages.has_no_part("{0}"),
+    "family": messages.family("{0}", "{1}"),
+    "unknown": messages.unknown("{0}"),
+    "nearest": messages.nearest("{0}"),
 }
 
 
