@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+from ..cache import Cache, content_of
 from ..language.problems import Report
+from ..language.second_reading import beside
 from ..loading.library import Family, load_families
+<<<<<<< HEAD
 from ..readings.second_readings import Readings, compare_readings, sound_specs
+=======
+from ..loading.selected import family_files, spec_files
+from ..readings.second import Reader, Readings, Second, compare_readings, read_beside, sound_specs
+>>>>>>> lang
 from ..targets import Target
 from .editions import check_all
 from .outputs import tell_unfit
+
+#: Kind of entry for a family whose editions and second reading have no problems.
+_CLEAN = "clean family"
 
 
 @dataclass(frozen=True)
@@ -23,18 +34,41 @@ class Checked:
     report: Report
 
 
-def run(paths: Sequence[Path], targets: Iterable[Target]) -> Checked:
+def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = None) -> Checked:
     """Check the specs at ``paths`` and the second readings next to them.
+
+    With a cache, families that had no problems before, with the same content, are not checked again. Their second
+    readings are then missing in the result.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
+    cache = cache or Cache(None)
+    before = {str(path): content_of(family_files(path)) for path in spec_files(paths) if path.is_file()}
+    clean = {file for file, content in before.items() if cache.get(_CLEAN, content)}
     families, report = load_families(paths)
-    check_all(families, report)
-    return look_at(families, targets, report)
+    new = [family for family in families if family.plain is not None or family.document.file not in clean]
+    check_all(new, report)
+    found = look_at(families, targets, report, partial(_read, [family.document.file for family in new]))
+    if not report:
+        for file in (family.document.file for family in new if family.plain is None):
+            if file in before and content_of(family_files(Path(file))) == before[file]:
+                cache.put(_CLEAN, before[file], True)
+    return found
 
 
-def look_at(families: Sequence[Family], targets: Iterable[Target], report: Report) -> Checked:
+def _read(new: Sequence[str], family: Family, report: Report) -> Second | None:
+    """Read the second reading of a family if it is new. Otherwise only list it as read."""
+    if family.document.file in new:
+        return read_beside(family, report)
+    second = beside(Path(family.document.file))
+    report.files += [str(second)] if second.is_file() else []
+    return None
+
+
+def look_at(
+    families: Sequence[Family], targets: Iterable[Target], report: Report, read: Reader = read_beside
+) -> Checked:
     """Check families against the targets and against the second readings next to their specs.
 
     Raises:
@@ -42,4 +76,4 @@ def look_at(families: Sequence[Family], targets: Iterable[Target], report: Repor
     """
     sound = sound_specs(families, report)
     tell_unfit(families, targets, report)
-    return Checked(families, compare_readings(families, sound, report), report)
+    return Checked(families, compare_readings(families, sound, report, read), report)

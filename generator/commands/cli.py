@@ -463,7 +463,7 @@ def _check(chosen: argparse.Namespace) -> int:
     from .outputs import are_built_in, targets_named
 
     targets = targets_named(chosen.target)
-    found = check.run(paths, targets)
+    found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
     names = [family.device.name for family in found.families]
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
     if chosen.json:

@@ -343,6 +343,27 @@ def test_a_change_to_any_file_is_checked(folder: Path, tmp_path: Path, capsys: p
 
 
 @pytest.mark.slow
+def test_only_changed_families_are_checked_again(folder: Path, specs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def check(*options: str) -> tuple[int, str, str]:
+        return said(capsys, "check", str(specs), *options)
+
+    assert check() == check("--no-cache")
+    spec, second = specs / "asc85.yaml", specs / "sma21.second.yaml"
+    spec.write_text("# changed\n" + spec.read_text(encoding="utf-8"), encoding="utf-8")
+    assert check() == check("--no-cache")
+    text = second.read_text(encoding="utf-8")
+    second.write_text(text.replace("revision: ", "revision: 9", 1).replace('9"', '"9', 1), encoding="utf-8")
+    code, out, err = check()
+    assert (code, out, err) == check("--no-cache")
+    assert code == 1
+    assert "sma21.second.yaml" in out
+    assert check("--json") == check("--json", "--no-cache")
+    assert check("--coverage") == check("--coverage", "--no-cache")
+    second.write_text(text, encoding="utf-8")
+    assert check() == check("--no-cache")
+
+
+@pytest.mark.slow
 def test_generate_writes_the_same_with_and_without_the_cache(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
