@@ -94,7 +94,7 @@ def test_no_test_names_a_place_of_the_machine() -> None:
     [
         ("model", set()),
         ("say", {"model"}),
-        ("order_codes", {"model", "say"}),
+        ("order_codes", {"model"}),
         ("plan", {"model"}),
         ("reference", {"model", "order_codes", "say"}),
         ("write", {"lock"}),

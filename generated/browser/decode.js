@@ -518,7 +518,8 @@
 
   class FrameText extends Error {}
 
-  const quoted = (text) => (text.length <= TABLE.limits.quote ? `'${text}'` : `'${text.slice(0, TABLE.limits.quote - 3)}...'`);
+  const LONGEST_QUOTE = TABLE.limits.quote;
+  const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
 
   /** Spellings of programs and logs, and their replacement. The command line has the same list. */
   const PASTED = [
@@ -534,11 +535,12 @@
     + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
   /** The frames in a text, one per line. Comments after # and empty lines are skipped. */
-  function linesOf(text) {
-    return text.split(/\r\n|\r|\n/).flatMap((line, place) => {
+  function linesOf(input) {
+    return input.split(/\r\n|\r|\n/).flatMap((line, place) => {
       const kept = line.split("#")[0].trim();
       const time = TIME.exec(kept);
-      return kept ? [{ number: place + 1, time: time ? time[1] : "", text: time ? kept.slice(time[0].length) : kept }] : [];
+      const text = time ? kept.slice(time[0].length) : kept;
+      return text ? [{ number: place + 1, time: time ? time[1] : "", text }] : [];
     });
   }
 
@@ -562,7 +564,7 @@
     });
   }
 
-  /** One number of a given number of bits: 0b with every digit, or 0x or hex bytes, which imply leading zeros. */
+  /** One number of ``size`` bits: 0b with every digit, or 0x or hex bytes, which imply leading zeros. */
   function numberIn(text, size) {
     let compact = text.replace(/[\s_]/g, "");
     if (/^0b[01]+$/i.test(compact)) return { number: BigInt(compact), bits: compact.length - 2, exact: true };
@@ -955,7 +957,8 @@
         element("td", { class: `${CLASS}-value` }, shown, angle && part("span", "meaning", angle)),
         element("td", {}, remarkOf(row)));
     });
-    const cells = heads.map((text) => element("th", { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
+    const cells = heads.map((text) => element("th",
+      { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
     return element("table", { class: `${CLASS}-many` },
       element("caption", {}, counted(rows.length, "frame")),
       element("thead", {}, element("tr", {}, cells)), element("tbody", {}, body));
@@ -1196,7 +1199,7 @@
       const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
       ask(layout);
       const missing = undecided(layout);
-      result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap((one) => single(one))));
+      result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)));
       if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
     }
 
@@ -1248,7 +1251,8 @@
       const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
       const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
       const goesOn = tail ? `The label continues with ${tail}.` : "";
-      return [written, open, goesOn, special, ...(family.about ?? [])].filter(Boolean).map((words) => part("p", "note", words));
+      const all = [written, open, goesOn, special, ...(family.about ?? [])];
+      return all.filter(Boolean).map((words) => part("p", "note", words));
     }
 
     /** The questions that a layout leaves to the user, rebuilt only if they changed. */
@@ -1278,7 +1282,8 @@
       labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame."), codes,
       labelled("Type", what),
       labelled("Frames, one per line, or the bytes of a register", text,
-        "Hex bytes, or one number (0x… or 0b…), in any usual spelling. A line can begin with a time. Text after # is a comment."),
+        "Hex bytes, or one number (0x… or 0b…), in any usual spelling. A line can begin with a time. "
+        + "Text after # is a comment."),
       asks, form, result, part("p", "link", link));
     code.addEventListener("input", codeChanged);
     what.addEventListener("change", () => {
@@ -1420,7 +1425,10 @@
       div.${CLASS} table.${CLASS}-many code { font-family: ui-monospace, monospace; font-size: .9em; }
       @container (min-width: 40rem) { div.${CLASS} .${CLASS}-value { white-space: nowrap; } }
       div.${CLASS} table.${CLASS}-many button { margin: 0; padding: .05rem .5rem; }
-      @container (max-width: 40rem) { div.${CLASS} .${CLASS}-frame { display: none; } .${CLASS}-badge { white-space: normal; } }
+      @container (max-width: 40rem) {
+        div.${CLASS} .${CLASS}-frame { display: none; }
+        .${CLASS}-badge { white-space: normal; }
+      }
       .${CLASS}-good { border-color: #388e3c; }
       .${CLASS}-warning { border-color: #c77700; }
       .${CLASS}-bad { border-color: #d32f2f; }

@@ -11,12 +11,8 @@ from ..cache import Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import beside
 from ..loading.library import Family, load_families
-<<<<<<< HEAD
-from ..readings.second_readings import Readings, compare_readings, sound_specs
-=======
 from ..loading.selected import family_files, spec_files
-from ..readings.second import Reader, Readings, Second, compare_readings, read_beside, sound_specs
->>>>>>> lang
+from ..readings.second_readings import Reader, Readings, Second, compare_readings, read_beside, sound_specs
 from ..targets import Target
 from .editions import check_all
 from .outputs import tell_unfit

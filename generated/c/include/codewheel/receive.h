@@ -339,13 +339,13 @@ static inline cw_result cw_ssi_repeats(
  */
 typedef struct cw_rs485_line {
     uint8_t bytes[CW_RECEIVE_RS485_BYTES]; /**< the reply, complete once _take returns true */
-    size_t length;                          /**< number of bytes in a complete reply */
-    uint32_t dropped;                       /**< bytes dropped since _ask, before a reply began */
-    size_t count;                           /**< private: reply bytes received so far */
-    size_t echo;                            /**< private: echo bytes still to come */
-    uint8_t control;                        /**< private: first byte of the reply */
-    uint32_t since_us;                      /**< private: time of _ask */
-    uint32_t at_most_us;                    /**< private: time-out */
+    uint8_t control;     /**< private: first byte of the reply */
+    size_t length;       /**< number of bytes in a complete reply */
+    uint32_t dropped;    /**< bytes dropped since _ask, before a reply began */
+    size_t count;        /**< private: reply bytes received so far */
+    size_t echo;         /**< private: echo bytes still to come */
+    uint32_t since_us;   /**< private: time of _ask */
+    uint32_t at_most_us; /**< private: time-out */
 } cw_rs485_line;
 
 /**

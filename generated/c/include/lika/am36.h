@@ -40,10 +40,9 @@
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
- * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters, and the end of this header says what is used instead. The
- * printed text and the reason are on the page of the encoder. Wording errata are omitted.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
+ * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
+ * header says what is used instead. The printed text and the reason are on the page of the encoder.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -1025,7 +1024,7 @@ static inline bool lika_am36_reg_profile_id_is_expected(
     return in->profile == LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED;
 }
 
-/** Read the register Profile ID, 42h to 43h. */
+/** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_profile_id(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1101,7 +1100,7 @@ static inline cw_result lika_am36_reg_serial_number_encode(
     return CW_OK;
 }
 
-/** Read the register Serial number, 44h to 47h. */
+/** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_serial_number(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1154,7 +1153,7 @@ typedef enum lika_am36_command {
     LIKA_AM36_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_am36_command;
 
-/** Write the register Command, 48h, then wait 30 ms. */
+/** Write the Command register (48h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_am36_write_command(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1287,7 +1286,7 @@ static inline cw_result lika_am36_reg_configuration_encode(
     return CW_OK;
 }
 
-/** Read the register Configuration, 49h. */
+/** Read the Configuration register (49h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_configuration(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1303,7 +1302,7 @@ static inline cw_result lika_am36_read_configuration(
 }
 
 /**
- * Write the register Configuration, 49h.
+ * Write the Configuration register (49h).
  * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
  * variant.
  */
@@ -1392,7 +1391,7 @@ static inline cw_result lika_am36_reg_information_per_revolution_encode(
     return CW_OK;
 }
 
-/** Read the register Information per revolution, 4Bh to 4Dh. */
+/** Read the Information per revolution register (4Bh to 4Dh). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_information_per_revolution(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1409,7 +1408,7 @@ static inline cw_result lika_am36_read_information_per_revolution(
 }
 
 /**
- * Write the register Information per revolution, 4Bh to 4Dh.
+ * Write the Information per revolution register (4Bh to 4Dh).
  * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
  * variant.
  */
@@ -1494,7 +1493,7 @@ static inline cw_result lika_am36_reg_number_of_revolutions_encode(
     return CW_OK;
 }
 
-/** Read the register Number of revolutions, 4Eh to 4Fh. */
+/** Read the Number of revolutions register (4Eh to 4Fh). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_number_of_revolutions(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1511,7 +1510,7 @@ static inline cw_result lika_am36_read_number_of_revolutions(
 }
 
 /**
- * Write the register Number of revolutions, 4Eh to 4Fh.
+ * Write the Number of revolutions register (4Eh to 4Fh).
  * The frames depend on the register, so call lika_am36_read_state() afterwards to update the
  * variant.
  */
@@ -1611,7 +1610,7 @@ static inline cw_result lika_am36_reg_preset_encode(
     return CW_OK;
 }
 
-/** Read the register Preset, 50h to 54h. */
+/** Read the Preset register (50h to 54h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_preset(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1626,7 +1625,7 @@ static inline cw_result lika_am36_read_preset(
     return lika_am36_reg_preset_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/** Write the register Preset, 50h to 54h. */
+/** Write the Preset register (50h to 54h). */
 CW_NODISCARD
 static inline cw_result lika_am36_write_preset(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1654,7 +1653,7 @@ static inline cw_result lika_am36_write_preset(
 #define LIKA_AM36_REG_DEVICE_TYPE_DEFAULT 0x02U /**< factory default */
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /**< value stated by the manual */
 
-/** Read the register Device type, 55h. */
+/** Read the Device type register (55h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_device_type(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1684,7 +1683,7 @@ static inline cw_result lika_am36_read_device_type(
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /**< factory default */
 
-/** Read the register No. of bits used for singleturn resolution, 56h. */
+/** Read the No. of bits used for singleturn resolution register (56h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_singleturn_bits_used(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1714,7 +1713,7 @@ static inline cw_result lika_am36_read_singleturn_bits_used(
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /**< factory default */
 
-/** Read the register No. of bits used for multiturn resolution, 57h. */
+/** Read the No. of bits used for multiturn resolution register (57h). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_multiturn_bits_used(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1824,7 +1823,7 @@ static inline bool lika_am36_reg_device_id_is_expected(
         (in->enclosure[0] == LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED[0]);
 }
 
-/** Read the register Device ID, 78h to 7Dh. */
+/** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_device_id(
     const cw_transport *transport, const lika_am36_variant *variant,
@@ -1900,7 +1899,7 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/** Read the register Manufacturer ID, 7Eh to 7Fh. */
+/** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_am36_read_manufacturer_id(
     const cw_transport *transport, const lika_am36_variant *variant,

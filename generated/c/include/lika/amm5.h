@@ -42,10 +42,9 @@
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
- * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters, and the end of this header says what is used instead. The
- * printed text and the reason are on the page of the encoder. Wording errata are omitted.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
+ * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
+ * header says what is used instead. The printed text and the reason are on the page of the encoder.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -2537,7 +2536,7 @@ static inline cw_result lika_amm5_reg_preset_encode(
     return CW_OK;
 }
 
-/** Read the register Preset, 11h to 17h. */
+/** Read the Preset register (11h to 17h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2552,7 +2551,7 @@ static inline cw_result lika_amm5_read_preset(
     return lika_amm5_reg_preset_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/** Write the register Preset, 11h to 17h. */
+/** Write the Preset register (11h to 17h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_write_preset(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2586,7 +2585,7 @@ typedef enum lika_amm5_preset_setting_enable {
     LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE = 0x01 /**< 01: Preset registers open. */
 } lika_amm5_preset_setting_enable;
 
-/** Write the register Preset setting enable, 40h. */
+/** Write the Preset setting enable register (40h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_write_preset_setting_enable(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2695,7 +2694,7 @@ static inline cw_result lika_amm5_reg_serial_number_encode(
     return CW_OK;
 }
 
-/** Read the register Serial number, 44h to 47h. */
+/** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_serial_number(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2732,7 +2731,7 @@ typedef enum lika_amm5_command {
     LIKA_AMM5_COMMAND_ACTIVATE_PRESET = 0x02
 } lika_amm5_command;
 
-/** Write the register Command, 77h, then wait 30 ms. */
+/** Write the Command register (77h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_amm5_write_command(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2827,7 +2826,7 @@ static inline bool lika_amm5_reg_device_id_is_expected(
         (in->name[3] == LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
-/** Read the register Device ID, 78h to 7Dh. */
+/** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_device_id(
     const cw_transport *transport, const lika_amm5_variant *variant,
@@ -2903,7 +2902,7 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/** Read the register Manufacturer ID, 7Eh to 7Fh. */
+/** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_manufacturer_id(
     const cw_transport *transport, const lika_amm5_variant *variant,

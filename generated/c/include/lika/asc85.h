@@ -34,10 +34,9 @@
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
- * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters, and the end of this header says what is used instead. The
- * printed text and the reason are on the page of the encoder. Wording errata are omitted.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
+ * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
+ * header says what is used instead. The printed text and the reason are on the page of the encoder.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -932,7 +931,7 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
     return in->variant == LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED;
 }
 
-/** Read the register Profile ID, 42h to 43h. */
+/** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_profile_id(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -996,7 +995,7 @@ static inline cw_result lika_asc85_reg_serial_number_encode(
     return CW_OK;
 }
 
-/** Read the register Serial number, 44h to 47h. */
+/** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_serial_number(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1121,7 +1120,7 @@ static inline cw_result lika_asc85_reg_diagnostic_data_encode(
     return CW_OK;
 }
 
-/** Read the register Diagnostic data, 5Ah. */
+/** Read the Diagnostic data register (5Ah). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_diagnostic_data(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1195,7 +1194,7 @@ typedef enum lika_asc85_command {
     LIKA_ASC85_COMMAND_CLEAR_SIMULATED_ERROR = 0x06
 } lika_asc85_command;
 
-/** Write the register Command & status, Command mode, 60h. */
+/** Write the Command & status, Command mode register (60h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_write_command(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1326,7 +1325,7 @@ static inline cw_result lika_asc85_reg_status_encode(
     return CW_OK;
 }
 
-/** Read the register Command & status, Status mode, 60h. */
+/** Read the Command & status, Status mode register (60h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_status(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1407,7 +1406,7 @@ static inline cw_result lika_asc85_reg_position_encode(
     return CW_OK;
 }
 
-/** Read the register Position, 61h to 64h. */
+/** Read the Position register (61h to 64h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_position(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1520,7 +1519,7 @@ static inline cw_result lika_asc85_reg_error_register_encode(
     return CW_OK;
 }
 
-/** Read the register Error register, 69h. */
+/** Read the Error register (69h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_error_register(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1611,7 +1610,7 @@ static inline bool lika_asc85_reg_device_id_is_expected(
         (in->name[3] == LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
-/** Read the register Device ID, 78h to 7Dh. */
+/** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_device_id(
     const cw_transport *transport, const lika_asc85_variant *variant,
@@ -1686,7 +1685,7 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/** Read the register Manufacturer ID, 7Eh to 7Fh. */
+/** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_manufacturer_id(
     const cw_transport *transport, const lika_asc85_variant *variant,

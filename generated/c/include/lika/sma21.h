@@ -40,10 +40,9 @@
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if evidence in
- * the manual itself decides it, and open if only a test on hardware or the manufacturer could. Each
- * erratum is mentioned where it matters, and the end of this header says what is used instead. The
- * printed text and the reason are on the page of the encoder. Wording errata are omitted.
+ * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
+ * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
+ * header says what is used instead. The printed text and the reason are on the page of the encoder.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -2013,7 +2012,7 @@ static inline bool lika_sma21_reg_profile_id_is_expected(
     return in->profile_id == variant->profile_id;
 }
 
-/** Read the register Profile ID, 42h to 43h. */
+/** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_profile_id(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2088,7 +2087,7 @@ static inline cw_result lika_sma21_reg_serial_number_encode(
     return CW_OK;
 }
 
-/** Read the register Serial number, 44h to 47h. */
+/** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_serial_number(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2135,7 +2134,7 @@ typedef enum lika_sma21_command {
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
 
-/** Write the register Command, 48h, then wait 30 ms. */
+/** Write the Command register (48h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_sma21_write_command(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2279,7 +2278,7 @@ static inline cw_result lika_sma21_reg_configuration_encode(
     return CW_OK;
 }
 
-/** Read the register Configuration, 49h. */
+/** Read the Configuration register (49h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_configuration(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2296,7 +2295,7 @@ static inline cw_result lika_sma21_read_configuration(
 }
 
 /**
- * Write the register Configuration, 49h.
+ * Write the Configuration register (49h).
  * The frames depend on the register, so call lika_sma21_read_state() afterwards to update the
  * variant.
  */
@@ -2328,7 +2327,7 @@ static inline cw_result lika_sma21_write_configuration(
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /**< byte */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS CW_ACCESS_READ_ONLY
 
-/** Read the register Absolute resolution, 4Dh. */
+/** Read the Absolute resolution register (4Dh). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_absolute_resolution(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2435,7 +2434,7 @@ static inline cw_result lika_sma21_reg_preset_offset_encode(
     return CW_OK;
 }
 
-/** Read the register Preset / Offset, 50h to 53h. */
+/** Read the Preset / Offset register (50h to 53h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_preset_offset(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2451,7 +2450,7 @@ static inline cw_result lika_sma21_read_preset_offset(
     return lika_sma21_reg_preset_offset_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/** Write the register Preset / Offset, 50h to 53h. */
+/** Write the Preset / Offset register (50h to 53h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_write_preset_offset(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2478,7 +2477,7 @@ static inline cw_result lika_sma21_write_preset_offset(
 #define LIKA_SMA21_REG_DEVICE_TYPE_DEFAULT 0x08U /**< factory default */
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /**< value stated by the manual */
 
-/** Read the register Device type, 55h. */
+/** Read the Device type register (55h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_device_type(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2508,7 +2507,7 @@ static inline cw_result lika_sma21_read_device_type(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_DEFAULT 0x00U /**< factory default */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /**< value stated by the manual */
 
-/** Read the register Sine cosine resolution, 58h. */
+/** Read the Sine cosine resolution register (58h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_sine_cosine_resolution(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2538,7 +2537,7 @@ static inline cw_result lika_sma21_read_sine_cosine_resolution(
 #define LIKA_SMA21_REG_POSITION_CHECK_ACCESS CW_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /**< factory default */
 
-/** Read the register Position check, 59h. */
+/** Read the Position check register (59h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_position_check(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2630,7 +2629,7 @@ static inline bool lika_sma21_reg_device_id_is_expected(
         (in->name[3] == LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
-/** Read the register Device ID, 78h to 7Dh. */
+/** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_device_id(
     const cw_transport *transport, const lika_sma21_variant *variant,
@@ -2706,7 +2705,7 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
-/** Read the register Manufacturer ID, 7Eh to 7Fh. */
+/** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_manufacturer_id(
     const cw_transport *transport, const lika_sma21_variant *variant,
