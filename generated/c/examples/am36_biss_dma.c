@@ -10,9 +10,9 @@
  */
 #include <stdio.h>
 
-#include "lika/am36.h"
 #include "codewheel/receive.h"
 #include "codewheel/tracker.h"
+#include "lika/am36.h"
 
 /* The order code from the label, AM3616/4096-I7. */
 static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;

@@ -9,8 +9,8 @@
  */
 #include <stdio.h>
 
-#include "lika/am36.h"
 #include "codewheel/receive.h"
+#include "lika/am36.h"
 
 /* The order code from the label, AM3619/4096-GG. The compiler computes the place of each bit. */
 static const lika_am36_variant encoder = LIKA_AM36_AM3619_4096_GG;

@@ -10,9 +10,9 @@
  */
 #include <stdio.h>
 
-#include "lika/amm5.h"
 #include "codewheel/receive.h"
 #include "codewheel/tracker.h"
+#include "lika/amm5.h"
 
 /* The order code from the label, AMM5A23/65KSC1. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;

@@ -10,9 +10,9 @@
  */
 #include <stdio.h>
 
-#include "lika/amm5.h"
 #include "codewheel/receive.h"
 #include "codewheel/runner.h"
+#include "lika/amm5.h"
 
 /* The order code from the label, AMM5A23/65KJP1. The compiler computes the place of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KJP1;

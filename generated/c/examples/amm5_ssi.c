@@ -9,8 +9,8 @@
  */
 #include <stdio.h>
 
-#include "lika/amm5.h"
 #include "codewheel/receive.h"
+#include "lika/amm5.h"
 
 /* The order code from the label, AMM5A23/65KBG1. The compiler computes the place of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;

@@ -10,9 +10,9 @@
  */
 #include <stdio.h>
 
-#include "lika/asc85.h"
 #include "codewheel/receive.h"
 #include "codewheel/tracker.h"
+#include "lika/asc85.h"
 
 /* The order code from the label, ASC8525/SC1. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_SC1;

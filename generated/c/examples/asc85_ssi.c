@@ -9,8 +9,8 @@
  */
 #include <stdio.h>
 
-#include "lika/asc85.h"
 #include "codewheel/receive.h"
+#include "lika/asc85.h"
 
 /* The order code from the label, ASC8525/GG1. The compiler computes the place of each bit. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_GG1;

@@ -10,9 +10,9 @@
  */
 #include <stdio.h>
 
-#include "lika/sma21.h"
 #include "codewheel/receive.h"
 #include "codewheel/tracker.h"
+#include "lika/sma21.h"
 
 /* The order code from the label, SMA21-SC1-0001. */
 static const lika_sma21_variant encoder = LIKA_SMA21_SC1_0001;

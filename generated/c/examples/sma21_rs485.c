@@ -10,9 +10,9 @@
  */
 #include <stdio.h>
 
-#include "lika/sma21.h"
 #include "codewheel/receive.h"
 #include "codewheel/runner.h"
+#include "lika/sma21.h"
 
 /* The order code from the label, SMA21-JP1-0005. The compiler computes the place of each bit. */
 static const lika_sma21_variant encoder = LIKA_SMA21_JP1_0005;

@@ -9,8 +9,8 @@
  */
 #include <stdio.h>
 
-#include "lika/sma21.h"
 #include "codewheel/receive.h"
+#include "lika/sma21.h"
 
 /* The order code from the label, SMA21-BG1-0001. The compiler computes the place of each bit. */
 static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
