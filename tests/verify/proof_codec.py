@@ -62,7 +62,7 @@ def _harness(codec: Codec) -> str:
 
 def _codec(codec: Codec) -> str:
     """Decoder and encoder on the same frame, which may be any, and on the same values, which may be any."""
-    name, result = codec.name, codec.prefix.partition("_")[0] + "_result"
+    name, result = codec.name, "cw_result"
     if codec.by_word:
         wire, before_wire, same_wire = (
             "unsigned long long wire = nondet_word();",
