@@ -264,8 +264,10 @@ def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.Captur
         code, out, err = run(capsys, *command, "--specs", ".")
         assert code == 0
         assert out
-        assert "codewheel: skipped, with " in err
-        assert ": bad.yaml; run codewheel check\n" in err
+        # Another family cannot have that name, but the broken one could have the order code.
+        is_named = "my_encoder" in command
+        assert ("codewheel: skipped, with " in err) != is_named
+        assert (": bad.yaml; run codewheel check\n" in err) != is_named
     code, out, _ = run(capsys, "decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", ".", "--json")
     assert code == 0
     assert json.loads(out)["problems"] == []
