@@ -97,7 +97,7 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
         case Timeout():
             return "Time-out", _timeout(fact)
         case Port():
-            return "Port", _port(fact)
+            return "Baud rate", _port(fact)
         case _:
             return assert_never(fact)
 

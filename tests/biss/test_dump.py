@@ -126,7 +126,7 @@ WRITTEN |= {"set", "add", "remove", "unknown"}
 
 
 #: What an erratum says of the second reading, and what the manual prints once more: check alone reads them.
-TOLD_TO_CHECK = frozenset(("readings", "addresses", "printed_writes", "printed_defaults"))
+TOLD_TO_CHECK = frozenset(("readings", "addresses", "printed_writes", "printed_defaults", "contents"))
 
 
 def is_expression(text: str) -> bool:

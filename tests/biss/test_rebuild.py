@@ -27,7 +27,7 @@ COMPUTED = {
     "Layout": {"fold", "widest"},
     "Crc": {"form"},
     "Constant": {"fills_gap"},
-    "Device": {"times_read", "releases"},
+    "Device": {"times_read", "releases", "samples"},
 }
 COMPUTED_AS = {
     "pieces": (),
@@ -37,6 +37,7 @@ COMPUTED_AS = {
     "fills_gap": False,
     "times_read": None,
     "releases": (),
+    "samples": (),
 }
 #: The kinds of fields by their words.
 KINDS = {

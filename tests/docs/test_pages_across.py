@@ -48,7 +48,7 @@ def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
         "| [AMM5](amm5.md) | low byte first | [11h to 17h Preset](amm5/biss.md#register-preset) |",
         "| [AMM5](amm5.md) | AMM5A and AMM5B absolute kit encoders | `AMM5{A,B}{17,21,23}/{1,65K}{BG1,SC1,JP1}` |",
         "| SSI | [AMM5](amm5.md) | Code | binary |",
-        "| RS-485 | [SMA21](sma21.md) | Port | 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control |",
+        "| RS-485 | [SMA21](sma21.md) | Baud rate | 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control",
     ],
 )
 def test_what_tells_the_families_apart(pages: Files, row: str) -> None:

@@ -96,7 +96,7 @@ INTERFACES = [
     ("biss", "Profile: BP1 [6]."),
     ("biss", "Description file: acme.xml [6]."),
     ("biss", "Bank select: bank [6]."),
-    ("rs485", "Port: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."),
+    ("rs485", "Baud rate: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."),
 ]
 LAYOUTS = [
     ("word", "position is in Gray code while gray is 1, and in binary while it is 0."),
@@ -187,7 +187,7 @@ IN_CODE = {
         'Network(topology="point_to_point", multiple_slaves=False, source="6.4")'
     ),
     ("python", "biss", "Bank select: bank [6]."): 'bank_select="bank"',
-    ("python", "rs485", "Port: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."): (
+    ("python", "rs485", "Baud rate: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."): (
         'port=Port(baud=115_200, data_bits=8, parity="even", stop_bits=1, flow_control="none", source="7.1")'
     ),
 }

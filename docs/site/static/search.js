@@ -170,7 +170,7 @@
     return sum && sum + 3 / section.titleWords.size;
   }
 
-  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.6, masters: 0.4, project: 0.35 };
+  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.6, masters: 0.4, project: 0.2 };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
   function found(words, page, typed) {

@@ -22,7 +22,7 @@ from .page_links import to_alarm, to_layout, to_register, to_steps
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
 Row = tuple[str, ...]
 #: Labels of the interface facts to compare.
-_COMPARED = ("Clock", "Alignment", "Code", "Time-out", "Port")
+_COMPARED = ("Clock", "Alignment", "Code", "Time-out", "Baud rate")
 
 
 class WhichPage(TypedDict):

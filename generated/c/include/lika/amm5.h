@@ -1016,7 +1016,7 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(
  * Erratum rs485_reply_time (open, omission).
  * Before edition 1.6: differs, see the end of this file.
  */
-/** Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
+/** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
 #define LIKA_AMM5_RS485_DATA_BITS 8U
 #define LIKA_AMM5_RS485_PARITY 'N'

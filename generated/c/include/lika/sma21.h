@@ -1032,7 +1032,7 @@ static inline uint32_t lika_sma21_single_cycle_data_reports(
  * Before edition 1.1: differs, see the end of this file.
  * Before edition 1.1: differs, see the end of this file.
  */
-/** Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
+/** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
 #define LIKA_SMA21_RS485_BAUD 2500000U
 #define LIKA_SMA21_RS485_DATA_BITS 8U
 #define LIKA_SMA21_RS485_PARITY 'N'
