@@ -66,6 +66,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     ("shared_names", ".*", "a name of the shared headers, in capitals or not"),
     ("about_register", r"register\.byte_order\..*", "a word of the spec"),
     ("written_out|_repeated|_rows|_covers", ".*", "patterns of order codes, as the spec has them"),
+    ("_short", ".*", "text of an erratum, of which a docstring has the first sentence"),
     ("_order", r"version\.split\('\.'\)", "the number of a version"),
     ("ascii_text|in_comment|in_comment_lead|_apart|comment_lines", ".*", "text of a spec on its way into a comment"),
     (".*", r".*ascii_text\(text\).*", "text of a spec on its way into a package's description"),
