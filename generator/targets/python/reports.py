@@ -83,7 +83,7 @@ class FrameReports:
     def _speaks(self, flag: Part, unless: Sequence[Expr], only: Only | None) -> str:
         """Return the condition for a flag. It is ignored while certain others are active, and for other order codes."""
         others = [Not(joined("or", unless))] if unless else []
-        # The flag comes first: it is rarely active, and then nothing else has to be looked at.
+        # The flag comes first, because it is rarely active. The other conditions are then skipped.
         conditions = [self._flag(flag), *self._holds(only), *others]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
