@@ -1119,15 +1119,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply):
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
         # Fields are read by index, which is faster than by name.
-        if (
-            self[3]
-            or self[5]
-            or self[6]
-            or self[7]
-            or self[8]
-            or self[9]
-            or self[10]
-        ):
+        if self[3] or self[5] or self[6] or self[7] or self[8] or self[9] or self[10]:
             return None
         return self[4]
 
@@ -1435,15 +1427,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply):
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
         # Fields are read by index, which is faster than by name.
-        if (
-            self[2]
-            or self[4]
-            or self[5]
-            or self[6]
-            or self[7]
-            or self[8]
-            or self[9]
-        ):
+        if self[2] or self[4] or self[5] or self[6] or self[7] or self[8] or self[9]:
             return None
         return self[3]
 

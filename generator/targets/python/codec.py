@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -35,9 +34,6 @@ from .joins import Maker
 from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
-
-#: Attribute of the object itself.
-_OWN = re.compile(r"\bself\.(\w+)")
 
 
 @dataclass(frozen=True)
@@ -258,15 +254,23 @@ class Coder:
         """Expression for the position of a frame, without the checks of its property if they are not needed."""
         whole = next((item for item in self.plan.wholes if self.names.attribute(item.join.name) == self.measured), None)
         plain = whole is not None and all(isinstance(meaning_of(field), Raw) for field in whole.fields)
-        return self.by_index(
-            self.make.whole_of_numbers(whole) if whole is not None and plain else f"self.{self.measured}"
-        )
+        if whole is None or not plain:
+            return self.by_index(self.measured)
+        return str(self.make.whole_of_numbers(whole, self.context.scope_of(self.by_index("variant")), self.by_index))
 
-    def by_index(self, text: str) -> str:
-        """Return an expression that reads the attributes by their index, which is faster than by name."""
-        places = {name: place for place, (name, _) in enumerate(self.given)}
-        places |= {item.name: place for place, item in enumerate(self.attributes, len(places))}
-        return _OWN.sub(lambda own: f"self[{places[own[1]]}]" if own[1] in places else own[0], text)
+    @property
+    def not_usable(self) -> list[str]:
+        """Conditions under which the position of a frame is not usable."""
+        if self.reports is None:
+            return []
+        reporting = self.context.reportings.get(self.layout.name)
+        by_index = FrameReports(reporting, self.plan, self.names, self.context.parameters, self.by_index)
+        return by_index.not_usable
+
+    def by_index(self, name: str) -> str:
+        """Return an expression that reads an attribute by its index, or by its name if it has none."""
+        names = [*(item for item, _ in self.given), *(item.name for item in self.attributes)]
+        return f"self[{names.index(name)}]" if name in names else f"self.{name}"
 
     @cached_property
     def reports(self) -> FrameReports | None:

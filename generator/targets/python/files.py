@@ -19,7 +19,7 @@ from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from ..licence import licence_in
 from ..runtime import copied, our_runtime
 from .filters import FILTERS, FUNCTIONS, TESTS
-from .imports import with_imports
+from .imports import Imports, imports_of
 from .module import Module
 from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD
 from .readme import Shown, start
@@ -52,6 +52,7 @@ class Package(TypedDict):
 
 class Family(Package):
     module: Annotated[Module, "the family, with the parts, names and expressions of its module"]
+    imports: Annotated[Imports, "the modules to import from, in groups, and the names"]
     facts: Annotated[list[str], "the names of its tables of facts, in order"]
     offers: Annotated[list[str], "its public names, in order"]
 
@@ -121,6 +122,7 @@ def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple
         **values,
         "header": _header(f"the specification of {plain(module.device.title)}"),
         "module": module,
+        "imports": [],
         "facts": module.fact_names,
         "offers": sorted({name for _, names in module.contents for name in names}),
     }
@@ -131,8 +133,10 @@ def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple
         (f"_shapes/{module.name}.py", "shapes", {**SHAPES, **here}),
     )
     for path, template, sources in files:
-        text = TEMPLATES.render(f"{template}.py.jinja", family, own)
-        yield path, with_imports(text, STANDARD, sources)
+        # The first rendering shows which names the module uses, the second one imports them.
+        without = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, own)
+        found: Family = {**family, "imports": imports_of(without, STANDARD, sources)}
+        yield path, TEMPLATES.render(f"{template}.py.jinja", found, own)
 
 
 def _header(source: str) -> str:

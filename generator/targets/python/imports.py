@@ -3,34 +3,15 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
-
-from .lines import WIDTH
+from collections.abc import Mapping, Sequence
 
 #: Names by the module that has them.
 Sources = Mapping[str, Sequence[str]]
-
-#: Line of a template that stands for the imports.
-_PLACE = "IMPORTS\n"
+Imports = list[list[tuple[str, list[str]]]]
 
 
-def with_imports(text: str, *groups: Sources) -> str:
-    """Return the text of a module with its imports. Each group of sources is followed by a blank line."""
+def imports_of(text: str, *groups: Sources) -> Imports:
+    """Return the modules from which the code of a module has to import, with the names, in groups."""
     used = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
-    return text.replace(_PLACE, "".join(_group(group, used) for group in groups), 1)
-
-
-def _group(sources: Sources, used: set[str]) -> str:
-    found = "".join(_import(source, [name for name in names if name in used]) for source, names in sources.items())
-    return f"{found}\n" if found else ""
-
-
-def _import(source: str, names: Sequence[str]) -> str:
-    line = f"from {source} import {', '.join(names)}"
-    if not names:
-        return ""
-    return f"{line}\n" if len(line) <= WIDTH else "\n".join([f"from {source} import (", *_listed(names), ")\n"])
-
-
-def _listed(names: Sequence[str]) -> Iterator[str]:
-    return (f"    {name}," for name in names)
+    named = [{source: [name for name in names if name in used] for source, names in of.items()} for of in groups]
+    return [[(source, names) for source, names in group.items() if names] for group in named]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ...model import Field
 from ...model.never import assert_never
 from ...plan.codec import Codec, Whole
@@ -51,14 +53,12 @@ class Maker:
         parts = [moved(self._unchecked(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
         return joined("|", reversed(parts))
 
-    def whole_of_numbers(self, whole: Whole) -> str:
+    def whole_of_numbers(self, whole: Whole, scope: Scope, own: Callable[[str], str]) -> Expr:
         """Return the same expression of unsigned numbers, without a check of their types."""
-        scope = Scope({name: member.replace("variant.", "self.variant.") for name, member in self.scope.names.items()})
-        own = (
-            moved(Atom(f"self.{self.names.attribute(field.name)}"), "<<", scope.of(low))
-            for field, low in whole.from_low
-        )
-        return str(joined("|", reversed([*own])))
+        values = [
+            moved(Atom(own(self.names.attribute(field.name))), "<<", scope.of(low)) for field, low in whole.from_low
+        ]
+        return joined("|", reversed(values))
 
     def _unchecked(self, field: Field) -> Expr:
         number = self._index(field.name)

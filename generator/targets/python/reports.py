@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from ...model import Field
+from ...model import Field, Verdict
 from ...plan.codec import Codec, Part, Reserved
 from ...plan.reports import Only, Reporting, Speaks
 from .expr import Atom, Expr, Not, Operation, joined, mask
@@ -12,21 +12,22 @@ from .names import ClassNames
 
 
 class FrameReports:
-    """Reports and verdict of a frame, for its template. ``reporting`` is None if the frame has no reports."""
+    """Reports and verdict of a frame, for its template. ``reporting`` is None if the frame has no reports.
+
+    ``own`` returns the expression of an attribute of the frame.
+    """
 
     def __init__(
-        self, reporting: Reporting | None, codec: Codec, names: ClassNames, parameters: Mapping[str, str]
+        self,
+        reporting: Reporting | None,
+        codec: Codec,
+        names: ClassNames,
+        parameters: Mapping[str, str],
+        own: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._told = reporting.told if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
-        self._reserved, self._names, self._parameters = codec.reserved, names, parameters
-
-    @property
-    def told(self) -> list[tuple[str, Expr]]:
-        """Name and condition of each report."""
-        return [
-            (item.report.name, joined("and", [*self._holds(item.only), self._active(item.by)])) for item in self._told
-        ]
+        self._reserved, self._names, self._parameters, self._own = codec.reserved, names, parameters, own
 
     @property
     def depends(self) -> bool:
@@ -37,16 +38,7 @@ class FrameReports:
 
     def _holds(self, only: Only | None) -> list[Expr]:
         """Return the condition that applies to the order code, if there is one."""
-        return [holding(only, f"self.variant.{self._parameters[only.parameter]}")] if only is not None else []
-
-    @property
-    def in_words(self) -> str:
-        """Description of the reports."""
-        parts = (
-            ("active flags", any(isinstance(item.by, Part) for item in self._told)),
-            ("unused bits that differ from the manual", bool(self._reserved)),
-        )
-        return " and ".join(text for text, holds in parts if holds) or "none in this frame"
+        return [holding(only, f"{self._own('variant')}.{self._parameters[only.parameter]}")] if only is not None else []
 
     @property
     def worth(self) -> list[tuple[str, list[str]]]:
@@ -54,6 +46,12 @@ class FrameReports:
         if self._judgement is None:
             return []
         return [(verdict.name, self._conditions(items)) for verdict, items in self._judgement.worst_first]
+
+    @property
+    def not_usable(self) -> list[str]:
+        """Conditions under which the position is not usable."""
+        judged = self._judgement.worst_first if self._judgement is not None else ()
+        return next((self._conditions(items) for verdict, items in judged if verdict is Verdict.NOT_USABLE), [])
 
     @property
     def otherwise(self) -> str:
@@ -64,15 +62,12 @@ class FrameReports:
         """Return the name of a field's report."""
         return next(item.report.name for item in self._told if item.by.field.name == field.name)
 
-    def _active(self, by: Part | Reserved) -> Expr:
-        return self._differ([by]) if isinstance(by, Reserved) else self._flag(by)
-
     def _flag(self, part: Part) -> Expr:
-        return Atom(f"self.{self._names.attribute(part.field.name)}")
+        return Atom(self._own(self._names.attribute(part.field.name)))
 
     def _differ(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that any of these unused bits differs from the manual."""
-        unused = Atom("self.unused")
+        unused = Atom(self._own("unused"))
         return unused if _ones(reserved) == _ones(self._reserved) else Operation(unused, "&", mask(_ones(reserved)))
 
     def _conditions(self, items: Sequence[Speaks]) -> list[str]:
@@ -88,7 +83,7 @@ class FrameReports:
     def _speaks(self, flag: Part, unless: Sequence[Expr], only: Only | None) -> str:
         """Return the condition for a flag. It is ignored while certain others are active, and for other order codes."""
         others = [Not(joined("or", unless))] if unless else []
-        # The flag comes first, because it is rarely active, and the other conditions are then not evaluated.
+        # The flag comes first, because it is rarely active. The other conditions are then skipped.
         conditions = [self._flag(flag), *self._holds(only), *others]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
