@@ -51,7 +51,7 @@ PRINTED = {
         "Battery alarm": "_BELOW_MV 3150U",
         "MT error": "_BELOW_MV 3050U",
         "Tp": "_AT_LEAST_US 20U",
-        "Port": "2500000U",
+        "Baud rate": "2500000U",
         "Data bits": "8U",
         "Parity": "'N'",
         "Stop bit": "1U",
