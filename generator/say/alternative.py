@@ -30,7 +30,7 @@ def needs(device: Device, layout: Layout) -> Iterator[Said]:
     """Yield the choices that are needed to read or write a frame of this layout."""
     for item in device.alternatives_of(layout):
         answers = listed([Code(one.name) for one in item.answers], " or ")
-        yield said("The places of its fields depend on your choice of ", reference(item), ": ", *answers)
+        yield said("The positions of its fields depend on your choice of ", reference(item), ": ", *answers)
 
 
 def reference(item: Alternative) -> Ref:

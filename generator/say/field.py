@@ -107,9 +107,9 @@ def _number(kind: Number) -> Iterator[Said]:
 def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
     active, other = (0, 1) if kind.active_low else (1, 0)
     if implemented or kind.when_active or kind.when_inactive:
-        yield said(Level.ACTIVE, f" at {active}", f": {kind.when_active}" if kind.when_active else "")
+        yield said(Level.ACTIVE, f" when {active}", f": {kind.when_active}" if kind.when_active else "")
         if kind.when_inactive:
-            yield said(Level.INACTIVE, f" at {other}: {kind.when_inactive}")
+            yield said(Level.INACTIVE, f" when {other}: {kind.when_inactive}")
     if kind.sums_up:
         yield said("Combines ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position and implemented:

@@ -280,7 +280,7 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
         assert "Give decode the answer with --choose eeprom_address=as_printed" in out
-        assert "The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format." in out
+        assert "The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format." in out
     assert "The picture shows as_printed." in out
     assert "for you to choose" not in run(capsys, "show", "AMM5A17/1SC1")[1]
     assert data(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []

@@ -74,8 +74,8 @@ FIELDS = [
     ("fields.below_zero", "Signed, in two's complement."),
     ("fields.no_zero", "A value of 0 means 256."),
     ("fields.doubling", "Only powers of two are allowed."),
-    ("fields.fault", "Active at 1: broken."),
-    ("fields.fault", "Inactive at 0: whole."),
+    ("fields.fault", "Active when 1: broken."),
+    ("fields.fault", "Inactive when 0: whole."),
     ("fields.fault", "For the reason, see settings.mode."),
     ("fields.missing", "Not implemented in this encoder."),
     ("fields.theirs", "Reserved for the manufacturer."),
@@ -144,7 +144,7 @@ def test_the_words(device: Device, statements: Statements, name: str, sentence: 
 def test_nothing_else_is_said(device: Device) -> None:
     """The table above has every statement, but for facts that several registers share."""
     known = {*REGISTERS, *FIELDS}
-    common = re.compile(r"(Byte order|Default|Limits|Clock): |Active at |ASCII text")
+    common = re.compile(r"(Byte order|Default|Limits|Clock): |Active when |ASCII text")
     for item in device.registers:
         for name, statements in [
             (item.name, of_register),

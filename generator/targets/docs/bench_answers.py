@@ -186,7 +186,7 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
         if row.hz >= clock.min_hz
     ]
     if rows:
-        facts.append(f"Clock for a cable: from {text(table.origin)}.")
+        facts.append(f"The clocks for each cable length are from {text(table.origin)}.")
     return Speed("Clock and cable", tuple(facts), ("Cable", "Clock", "Frame"), tuple(rows))
 
 
@@ -207,11 +207,11 @@ def _baud(device: Device, interface: Rs485) -> Speed:
     port = interface.port
     bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
     sizes = sorted({item.widest // 8 for item in interface.layouts if item.sender == "encoder"})
-    times = ", ".join(f"{counted(size, 'byte')}: {_duration(size * bits, port.baud)}" for size in (1, *sizes))
+    times = ", ".join(f"{counted(size, 'byte')} {_duration(size * bits, port.baud)}" for size in (1, *sizes))
     rate = STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
         f"{rate} ({cited(port.source)}).",
-        f"Duration of a request or reply with {bits} bits per byte: {times}.",
+        f"Duration on the line, with {bits} bits per byte: {times}.",
         "Reply time and cable length: the manual does not say.",
     )
     return Speed("Baud rate and times", facts)
@@ -251,8 +251,7 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     for item in layout.fields:
         if isinstance(meaning_of(item), Active):
             by_level.setdefault(deciding(item), []).append(code(item.name))
-    if by_level:
-        yield "Active", "; ".join(f"{', '.join(names)} at {level}" for level, names in by_level.items())
+    yield from ((f"Active at {level}", ", ".join(names)) for level, names in by_level.items())
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
         yield "Position", verdict_line(judgement, variant)
@@ -340,9 +339,9 @@ def sending(device: Device, interface: Interface, variant: Variant) -> Sending:
             elif preset is None:
                 facts.append("The manual describes no preset over BiSS.")
             else:
-                facts.append("Registers and bytes in hexadecimal. The position is set to 0.")
+                facts.append("Addresses and bytes are in hexadecimal. The preset is 0 in these rows.")
         case Rs485():
-            facts.append("Bytes in hexadecimal. There is no preset other than a reset to 0, and nothing to save.")
+            facts.append("Bytes are in hexadecimal. There is no preset other than the resets, and no save command.")
         case _:
             assert_never(interface)
     inputs = [link(text(title(item)), f"#input-{item.name}") for item in device.inputs]
