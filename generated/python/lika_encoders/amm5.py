@@ -823,16 +823,16 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
         singleturn: Position within one revolution. Unit: counts.
         error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
             circuitry not installed properly). In multiturn models (.../65K...) it also reports that the battery is
-            depleted. The encoder cannot operate with a depleted battery. True at 0: error active in the system. False
-            at 1: no active error. While it is True, the position is not usable. Remedy: If the disk is misaligned,
+            depleted. The encoder cannot operate with a depleted battery. True when 0: error active in the system. False
+            when 1: no active error. While it is True, the position is not usable. Remedy: If the disk is misaligned,
             switch off, align the disk and continue with the connection. If the battery of a multiturn model is
             depleted, replace the battery. Steps: ``battery_replacement_with_error``.
         warning: Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
             revolutions wrong, or a low battery. The bit does not distinguish the two (erratum position_under_error).
-            True at 0: warning active in the system. False at 1: no active warning. While it is True, the position is
-            not usable. This applies only to ``.../65K...``. For other order codes the manual does not explain the flag,
-            and the position is usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error
-            in the multiturn system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
+            True when 0: warning active in the system. False when 1: no active warning. While it is True, the position
+            is not usable. This applies only to ``.../65K...``. For other order codes the manual does not explain the
+            flag, and the position is usable, with a warning. Remedy: Replace a low battery as soon as possible. For an
+            error in the multiturn system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
@@ -1026,7 +1026,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     Its ``data_id`` is 6 (eeprom_write).
 
-    The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
@@ -1150,7 +1150,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
     Its ``data_id`` is D (eeprom_read).
 
-    The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
@@ -1268,11 +1268,12 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     Attributes:
         variant: Encoder that the frame belongs to.
         data_id: Data ID: Type of the request, repeated in the reply.
-        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
-            the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
+            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
+            C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
+            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
@@ -1390,11 +1391,12 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     Attributes:
         variant: Encoder that the frame belongs to.
-        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
-            the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
+            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
+            C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
+            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
@@ -1507,11 +1509,12 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
-            the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
+            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
+            C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
+            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
@@ -1615,11 +1618,12 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply):
 
     Attributes:
         variant: Encoder that the frame belongs to.
-        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Combines ``st_error``. While it is True,
-            the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
+            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
+            C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False at 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
+            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
@@ -1628,17 +1632,17 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply):
             identifies the encoder. Decoding accepts other values too.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
             Right-aligned in 24 bits, with zeros above it.
-        busy: BUSY. True at 1: not ready after power-on or during a reset. All position data are 0. False at 0: ready.
-            While it is True, the position is not usable.
-        st_error: STERR. True at 1: counted and calculated data disagree. False at 0: no ST error. While it is True, the
-            position is not usable.
-        ps_error: PSERR. True at 1: singleturn and multiturn count inconsistent, or a counting error. False at 0: no PS
-            error. While it is True, the position is not usable.
-        mt_error: MTERR. True at 1: external battery below 3.05 V. False at 0: no MT error. While it is True, the
+        busy: BUSY. True when 1: not ready after power-on or during a reset. All position data are 0. False when 0:
+            ready. While it is True, the position is not usable.
+        st_error: STERR. True when 1: counted and calculated data disagree. False when 0: no ST error. While it is True,
+            the position is not usable.
+        ps_error: PSERR. True when 1: singleturn and multiturn count inconsistent, or a counting error. False when 0: no
+            PS error. While it is True, the position is not usable.
+        mt_error: MTERR. True when 1: external battery below 3.05 V. False when 0: no MT error. While it is True, the
             position is not usable. This applies only to ``.../65K...``. For other order codes the manual does not
             explain the flag, and the position is usable, with a warning.
-        battery_alarm: BATT. True at 1: external battery below 3.15 V. False at 0: no battery alarm. While it is True,
-            the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes the
+        battery_alarm: BATT. True when 1: external battery below 3.15 V. False when 0: no battery alarm. While it is
+            True, the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes the
             manual does not explain the flag, and the position is usable, with a warning.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
@@ -1839,7 +1843,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     Attributes:
         eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted. Remedy: Send the
+        mem_busy: MEM BUSY. True when 1: writing, request not executed. False when 0: request accepted. Remedy: Send the
             request again.
         data: EDF: Byte of the request, or 00h while busy.
 
@@ -1847,7 +1851,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
     Its ``data_id`` is 6 (eeprom_write).
 
-    The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
@@ -1966,7 +1970,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     Attributes:
         eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read. Remedy: Send the
+        mem_busy: MEM BUSY. True when 1: memory busy, request not executed. False when 0: byte read. Remedy: Send the
             request again.
         data: EDF: Byte read, or 00h while busy.
 
@@ -1974,7 +1978,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
     Its ``data_id`` is D (eeprom_read).
 
-    The places of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no

@@ -639,16 +639,16 @@ class SingleCycleData(Sent, InBits, _SingleCycleData):
         variant: Encoder that the frame belongs to.
         zero_bit: Constant 0 bit between position and error bit of a BiSS frame.
         position: Position: Position within one revolution, most significant bit first. Unit: counts.
-        error: Error, nE: Normal or fault status of the encoder. The error register shows the active error. True at 0:
-            error active in the system. False at 1: no active error. While it is True, the position is not usable.
+        error: Error, nE: Normal or fault status of the encoder. The error register shows the active error. True when 0:
+            error active in the system. False when 1: no active error. While it is True, the position is not usable.
             Remedy: Read the error register (69h). It shows the active errors.
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
-            at 0: warning active in the system. False at 1: no active warning. While it is True, the position is usable,
-            with a warning. Remedy: Read the error register (69h). It shows the active errors.
+            when 0: warning active in the system. False when 1: no active warning. While it is True, the position is
+            usable, with a warning. Remedy: Read the error register (69h). It shows the active errors.
 
     In the manual: Single Cycle Data SCD.
 
-    The places of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
+    The positions of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
 
     Errata (full text in ERRATA):
         scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
@@ -901,29 +901,29 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
 
     Attributes:
         amplitude_control_maximum_current: Amplitude control maximum current: Set together with Control error. Detected
-            by the monitoring of the output current of the amplitude control. True at 1: the output current of the
-            amplitude control has reached its upper threshold. False at 0: no active error.
+            by the monitoring of the output current of the amplitude control. True when 1: the output current of the
+            amplitude control has reached its upper threshold. False when 0: no active error.
         signal_level_maximum_amplitude: Signal level maximum amplitude: Set together with Control error. Detected by the
-            signal level monitoring. True at 1: the signal level has reached its upper threshold. False at 0: no active
-            error.
+            signal level monitoring. True when 1: the signal level has reached its upper threshold. False when 0: no
+            active error.
         dc_maximum_offset: DC maximum offset: Set together with Signal error. The signal monitoring checks the DC
-            voltage of all analogue signal lines. True at 1: an analogue signal line has reached the upper threshold of
-            its DC voltage. False at 0: no active error.
+            voltage of all analogue signal lines. True when 1: an analogue signal line has reached the upper threshold
+            of its DC voltage. False when 0: no active error.
         ac_maximum_amplitude: AC maximum amplitude: Set together with Signal error. The signal monitoring checks the AC
-            amplitude of the differential signals. True at 1: a differential signal has reached the upper threshold of
-            its AC amplitude. False at 0: no active error.
+            amplitude of the differential signals. True when 1: a differential signal has reached the upper threshold of
+            its AC amplitude. False when 0: no active error.
         amplitude_control_minimum_current: Amplitude control minimum current: Set together with Control error. Detected
-            by the monitoring of the output current of the amplitude control. True at 1: the output current of the
-            amplitude control has fallen to its lower threshold. False at 0: no active error.
+            by the monitoring of the output current of the amplitude control. True when 1: the output current of the
+            amplitude control has fallen to its lower threshold. False when 0: no active error.
         signal_level_minimum_amplitude: Signal level minimum amplitude: Set together with Control error. Detected by the
-            signal level monitoring. True at 1: the signal level has fallen to its lower threshold. False at 0: no
+            signal level monitoring. True when 1: the signal level has fallen to its lower threshold. False when 0: no
             active error.
         dc_minimum_offset: DC minimum offset: Set together with Signal error. The signal monitoring checks the DC
-            voltage of all analogue signal lines. True at 1: an analogue signal line has fallen to the lower threshold
-            of its DC voltage. False at 0: no active error.
+            voltage of all analogue signal lines. True when 1: an analogue signal line has fallen to the lower threshold
+            of its DC voltage. False when 0: no active error.
         ac_minimum_amplitude: AC minimum amplitude: Set together with Signal error. The signal monitoring checks the AC
-            amplitude of the differential signals. True at 1: a differential signal has fallen to the lower threshold of
-            its AC amplitude. False at 0: no active error.
+            amplitude of the differential signals. True when 1: a differential signal has fallen to the lower threshold
+            of its AC amplitude. False when 0: no active error.
 
     Cause of a Control error or Signal error in the error register.
     """
@@ -1035,24 +1035,24 @@ class Status(FixedRegister, _Status):
     """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
 
     Attributes:
-        configuration_completed: Configuration completed. True at 1: configuration registers verified by their CRC and
-            absolute data read by the absolute data interface. False at 0: configuration not completed.
-        error_message: Error message. True at 1: an error message is active, or simulated by command 05 (see the error
-            register). False at 0: no error message.
-        warning_message: Warning message. True at 1: a warning message is active (see the error register). False at 0:
-            no warning message.
-        conf_write_access: Write access permitted to CONF memory area. True at 1: the CONF (Configuration Data) memory
-            area may be written. False at 0: the CONF memory area is write-protected.
-        eds_write_access: Write access permitted to EDS memory area. True at 1: the EDS (Electronic Data Sheet) memory
-            area may be written. False at 0: the EDS memory area is write-protected.
+        configuration_completed: Configuration completed. True when 1: configuration registers verified by their CRC and
+            absolute data read by the absolute data interface. False when 0: configuration not completed.
+        error_message: Error message. True when 1: an error message is active, or simulated by command 05 (see the error
+            register). False when 0: no error message.
+        warning_message: Warning message. True when 1: a warning message is active (see the error register). False when
+            0: no warning message.
+        conf_write_access: Write access permitted to CONF memory area. True when 1: the CONF (Configuration Data) memory
+            area may be written. False when 0: the CONF memory area is write-protected.
+        eds_write_access: Write access permitted to EDS memory area. True when 1: the EDS (Electronic Data Sheet) memory
+            area may be written. False when 0: the EDS memory area is write-protected.
         internal_data_bus_busy: Internal data bus busy: See the commands save_configuration and verify_configuration.
-            True at 1: internal data bus busy, for example with a CRC verification or a transfer of configuration data
-            from or to the EEPROM. False at 0: internal data bus free.
+            True when 1: internal data bus busy, for example with a CRC verification or a transfer of configuration data
+            from or to the EEPROM. False when 0: internal data bus free.
         absolute_data_valid: Absolute data valid: Data are accepted only with a correct CRC and an inactive error bit.
-            See the command read_absolute_data. True at 1: absolute data were loaded through the absolute data
-            interface. False at 0: no absolute data were loaded.
-        position_data_valid: Position data valid: See the command request_position. True at 1: the present position data
-            are valid. False at 0: new position data are not available yet.
+            See the command read_absolute_data. True when 1: absolute data were loaded through the absolute data
+            interface. False when 0: no absolute data were loaded.
+        position_data_valid: Position data valid: See the command request_position. True when 1: the present position
+            data are valid. False when 0: new position data are not available yet.
 
     Present status of the system, the read side of Command & status.
 
@@ -1175,21 +1175,21 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
     """Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
-        absolute_data_error: Absolute data error. True at 1: error in the absolute data interface. False at 0: no error
-            in the absolute data interface, or the interface is not configured.
-        interpolation_error: Interpolation error. True at 1: the conversion had not been carried out at the time of
-            reading. False at 0: no interpolation error.
-        configuration_error: Configuration error. True at 1: configuration error, or configuration being written or
-            verified. False at 0: no configuration error.
-        synchronization_error: Synchronization error. True at 1: the internal synchronisation between cycle counter and
-            interpolator failed. False at 0: no synchronisation error.
-        signal_error: Signal error. True at 1: signal error active. False at 0: no signal error. For the reason, see
+        absolute_data_error: Absolute data error. True when 1: error in the absolute data interface. False when 0: no
+            error in the absolute data interface, or the interface is not configured.
+        interpolation_error: Interpolation error. True when 1: the conversion had not been carried out at the time of
+            reading. False when 0: no interpolation error.
+        configuration_error: Configuration error. True when 1: configuration error, or configuration being written or
+            verified. False when 0: no configuration error.
+        synchronization_error: Synchronization error. True when 1: the internal synchronisation between cycle counter
+            and interpolator failed. False when 0: no synchronisation error.
+        signal_error: Signal error. True when 1: signal error active. False when 0: no signal error. For the reason, see
             ``diagnostic_data.ac_minimum_amplitude``, ``diagnostic_data.dc_minimum_offset``,
             ``diagnostic_data.ac_maximum_amplitude`` and ``diagnostic_data.dc_maximum_offset``.
-        control_error: Control error. True at 1: control error active. False at 0: no control error. For the reason, see
-            ``diagnostic_data.signal_level_minimum_amplitude``, ``diagnostic_data.amplitude_control_minimum_current``,
-            ``diagnostic_data.signal_level_maximum_amplitude`` and
-            ``diagnostic_data.amplitude_control_maximum_current``.
+        control_error: Control error. True when 1: control error active. False when 0: no control error. For the reason,
+            see ``diagnostic_data.signal_level_minimum_amplitude``,
+            ``diagnostic_data.amplitude_control_minimum_current``, ``diagnostic_data.signal_level_maximum_amplitude``
+            and ``diagnostic_data.amplitude_control_maximum_current``.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
     Currently active error and warning messages.

@@ -759,8 +759,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
         position: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
         error: Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
             upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the
-            tape). True at 0: an error is present and the LED is red. False at 1: normal state without an active error.
-            The LED is off. While it is True, the position is not usable.
+            tape). True when 0: an error is present and the LED is red. False when 1: normal state without an active
+            error. The LED is off. While it is True, the position is not usable.
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
@@ -848,11 +848,11 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
         variant: Encoder that the frame belongs to.
         position: Posizione: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
         error: nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside down,
-            surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the tape). True at 0:
-            an error is present and the LED is red. False at 1: normal state without an active error. The LED is off.
-            While it is True, the position is not usable.
+            surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the tape). True when
+            0: an error is present and the LED is red. False when 1: normal state without an active error. The LED is
+            off. While it is True, the position is not usable.
         warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is only
-            for Lika's technicians. True at 0: warning active. False at 1: no warning active. While it is True, the
+            for Lika's technicians. True when 0: warning active. False when 1: no warning active. While it is True, the
             position is usable, with a warning. Reserved for the manufacturer.
 
     In the manual: Single Cycle Data SCD.
@@ -1036,27 +1036,27 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply):
     Attributes:
         variant: Encoder that the frame belongs to.
         data_id: cc0 ... cc3: Type of the request, repeated in the reply.
-        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
-            the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
-            alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
-            usable, with a warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the logical OR of
-            ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False at 0: no encoder error.
+        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
+            (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
+            0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
+            position is usable, with a warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
+            of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
-        overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
-            usable.
-        initialization_error: Initialization error. True at 1: error during the initialization, or absolute position not
-            found. False at 0: no initialization error. While it is True, the position is not usable.
-        hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
-            the position is not usable.
-        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True at 1: an alarm that manual 1.1 of
-            November 2023 removed. An older encoder may have it. Its cause is not known.
+        overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
+            not usable.
+        initialization_error: Initialization error. True when 1: error during the initialization, or absolute position
+            not found. False when 0: no initialization error. While it is True, the position is not usable.
+        hardware_error: Hardware error. True when 1: error in the EEPROM. False when 0: no hardware error. While it is
+            True, the position is not usable.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that manual 1.1
+            of November 2023 removed. An older encoder may have it. Its cause is not known.
         higher_track_error: Higher track error: Not implemented.
-        low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
+        low_amplitude_error: Low amplitude error. True when 1: amplitude of the signal too low. False when 0: no low
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
@@ -1201,12 +1201,12 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply):
     """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
-        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
-            the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
-            alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
-            usable, with a warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the logical OR of
-            ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False at 0: no encoder error.
+        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
+            (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
+            0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
+            position is usable, with a warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
+            of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. Remedy: Reset the errors with data ID B.
@@ -1341,27 +1341,27 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply):
 
     Attributes:
         variant: Encoder that the frame belongs to.
-        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True at 1: encoder alarm (warning),
-            the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False at 0: no encoder
-            alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is
-            usable, with a warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the logical OR of
-            ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False at 0: no encoder error.
+        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
+            (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
+            0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
+            position is usable, with a warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
+            of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
-        overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
-            usable.
-        initialization_error: Initialization error. True at 1: error during the initialization, or absolute position not
-            found. False at 0: no initialization error. While it is True, the position is not usable.
-        hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
-            the position is not usable.
-        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True at 1: an alarm that manual 1.1 of
-            November 2023 removed. An older encoder may have it. Its cause is not known.
+        overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
+            not usable.
+        initialization_error: Initialization error. True when 1: error during the initialization, or absolute position
+            not found. False when 0: no initialization error. While it is True, the position is not usable.
+        hardware_error: Hardware error. True when 1: error in the EEPROM. False when 0: no hardware error. While it is
+            True, the position is not usable.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that manual 1.1
+            of November 2023 removed. An older encoder may have it. Its cause is not known.
         higher_track_error: Higher track error: Not implemented.
-        low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
+        low_amplitude_error: Low amplitude error. True when 1: amplitude of the signal too low. False when 0: no low
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.

@@ -846,20 +846,20 @@ typedef struct lika_amm5_single_cycle_data {
      * Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of
      * tolerance, circuitry not installed properly). In multiturn models (.../65K...) it also
      * reports that the battery is depleted. The encoder cannot operate with a depleted battery.
-     * Active at 0: error active in the system. Inactive at 1: no active error. While it is active,
-     * the position is not usable. Remedy: If the disk is misaligned, switch off, align the disk and
-     * continue with the connection. If the battery of a multiturn model is depleted, replace the
-     * battery. Steps: Battery replacement with error.
+     * Active when 0: error active in the system. Inactive when 1: no active error. While it is
+     * active, the position is not usable. Remedy: If the disk is misaligned, switch off, align the
+     * disk and continue with the connection. If the battery of a multiturn model is depleted,
+     * replace the battery. Steps: Battery replacement with error.
      */
     bool error;
     /**
      * Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
      * revolutions wrong, or a low battery. The bit does not distinguish the two (erratum
-     * position_under_error). Active at 0: warning active in the system. Inactive at 1: no active
-     * warning. While it is active, the position is not usable. This applies only to .../65K.... For
-     * other order codes the manual does not explain the flag, and the position is usable, with a
-     * warning. Remedy: Replace a low battery as soon as possible. For an error in the multiturn
-     * system, the manual gives no remedy. Steps: Battery replacement without error.
+     * position_under_error). Active when 0: warning active in the system. Inactive when 1: no
+     * active warning. While it is active, the position is not usable. This applies only to
+     * .../65K.... For other order codes the manual does not explain the flag, and the position is
+     * usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in
+     * the multiturn system, the manual gives no remedy. Steps: Battery replacement without error.
      */
     bool warning;
     /** position consists of multiturn and singleturn, most significant first. */
@@ -1169,7 +1169,7 @@ static inline cw_result lika_amm5_data_request_encode(
  * p.46].
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  * Its data_id is 6 (eeprom_write).
- * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
+ * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
  *                                                 reply.
@@ -1259,7 +1259,7 @@ static inline cw_result lika_amm5_eeprom_write_request_encode(
  * p.46].
  * In the manual: Master -> Encoder: CF ADF CRC.
  * Its data_id is D (eeprom_read).
- * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
+ * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
  *                                                 reply.
@@ -1367,15 +1367,15 @@ static inline cw_result lika_amm5_eeprom_read_request_encode(
 typedef struct lika_amm5_singleturn_reply {
     lika_amm5_data_id data_id;
     /**
-     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Combines st_error. While it is
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
      * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
      * with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
-     * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
+     * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
+     * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
@@ -1519,15 +1519,15 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(
 /** Values of the frame multiturn reply. */
 typedef struct lika_amm5_multiturn_reply {
     /**
-     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Combines st_error. While it is
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
      * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
      * with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
-     * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
+     * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
+     * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
@@ -1660,15 +1660,15 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(
 /** Values of the frame encoder ID reply. */
 typedef struct lika_amm5_encoder_id_reply {
     /**
-     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Combines st_error. While it is
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
      * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
      * with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
-     * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
+     * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
+     * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
@@ -1790,15 +1790,15 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(
 /** Values of the frame complete reply. */
 typedef struct lika_amm5_complete_reply {
     /**
-     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Combines st_error. While it is
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
      * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
      * with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-     * reset. Active at 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all
-     * position data are 0. Inactive at 0: no BUSY flag, PS error, battery alarm or MT error.
+     * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
+     * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
      * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
@@ -1819,30 +1819,31 @@ typedef struct lika_amm5_complete_reply {
      */
     uint16_t multiturn;
     /**
-     * BUSY. Active at 1: not ready after power-on or during a reset. All position data are 0.
-     * Inactive at 0: ready. While it is active, the position is not usable.
+     * BUSY. Active when 1: not ready after power-on or during a reset. All position data are 0.
+     * Inactive when 0: ready. While it is active, the position is not usable.
      */
     bool busy;
     /**
-     * STERR. Active at 1: counted and calculated data disagree. Inactive at 0: no ST error. While
-     * it is active, the position is not usable.
+     * STERR. Active when 1: counted and calculated data disagree. Inactive when 0: no ST error.
+     * While it is active, the position is not usable.
      */
     bool st_error;
     /**
-     * PSERR. Active at 1: singleturn and multiturn count inconsistent, or a counting error.
-     * Inactive at 0: no PS error. While it is active, the position is not usable.
+     * PSERR. Active when 1: singleturn and multiturn count inconsistent, or a counting error.
+     * Inactive when 0: no PS error. While it is active, the position is not usable.
      */
     bool ps_error;
     /**
-     * MTERR. Active at 1: external battery below 3.05 V. Inactive at 0: no MT error. While it is
-     * active, the position is not usable. This applies only to .../65K.... For other order codes
+     * MTERR. Active when 1: external battery below 3.05 V. Inactive when 0: no MT error. While it
+     * is active, the position is not usable. This applies only to .../65K.... For other order codes
      * the manual does not explain the flag, and the position is usable, with a warning.
      */
     bool mt_error;
     /**
-     * BATT. Active at 1: external battery below 3.15 V. Inactive at 0: no battery alarm. While it
-     * is active, the position is usable, with a warning. This applies only to .../65K.... For other
-     * order codes the manual does not explain the flag, and the position is usable, with a warning.
+     * BATT. Active when 1: external battery below 3.15 V. Inactive when 0: no battery alarm. While
+     * it is active, the position is usable, with a warning. This applies only to .../65K.... For
+     * other order codes the manual does not explain the flag, and the position is usable, with a
+     * warning.
      */
     bool battery_alarm;
     /** position consists of multiturn and singleturn, most significant first. */
@@ -2015,7 +2016,7 @@ static inline uint32_t lika_amm5_complete_reply_reports(
  * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Its data_id is 6 (eeprom_write).
- * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
+ * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
  *                                                 reply.
@@ -2034,7 +2035,7 @@ static inline uint32_t lika_amm5_complete_reply_reports(
 typedef struct lika_amm5_eeprom_write_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
     /**
-     * MEM BUSY. Active at 1: writing, request not executed. Inactive at 0: request accepted.
+     * MEM BUSY. Active when 1: writing, request not executed. Inactive when 0: request accepted.
      * Remedy: Send the request again.
      */
     bool mem_busy;
@@ -2117,7 +2118,7 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Its data_id is D (eeprom_read).
- * The places of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
+ * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
  *                                                 reply.
@@ -2136,8 +2137,8 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
 typedef struct lika_amm5_eeprom_read_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
     /**
-     * MEM BUSY. Active at 1: memory busy, request not executed. Inactive at 0: byte read. Remedy:
-     * Send the request again.
+     * MEM BUSY. Active when 1: memory busy, request not executed. Inactive when 0: byte read.
+     * Remedy: Send the request again.
      */
     bool mem_busy;
     uint8_t data; /**< EDF: Byte read, or 00h while busy. */

@@ -673,7 +673,7 @@ static inline cw_verdict lika_asc85_ssi_word_verdict(
  * single_cycle_data, sent by the encoder over BiSS C-mode: zero_bits + position_bits + 8 bits, most
  * significant first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
- * The places of its fields depend on your choice of zero_bit: as_printed or left_out.
+ * The positions of its fields depend on your choice of zero_bit: as_printed or left_out.
  *   from bit zero_bits + 8 up  position  position_bits bits.
  *   from bit 8 up              zero      zero_bits bits. 0: Always 0, between position and error
  *                                        bit.
@@ -694,16 +694,16 @@ typedef struct lika_asc85_single_cycle_data {
     uint32_t position;
     /**
      * Error, nE: Normal or fault status of the encoder. The error register shows the active error.
-     * Active at 0: error active in the system. Inactive at 1: no active error. While it is active,
-     * the position is not usable. Remedy: Read the error register (69h). It shows the active
-     * errors.
+     * Active when 0: error active in the system. Inactive when 1: no active error. While it is
+     * active, the position is not usable. Remedy: Read the error register (69h). It shows the
+     * active errors.
      */
     bool error;
     /**
      * Warning, nW: Normal or fault status of the encoder. The error register shows the active
-     * warning. Active at 0: warning active in the system. Inactive at 1: no active warning. While
-     * it is active, the position is usable, with a warning. Remedy: Read the error register (69h).
-     * It shows the active errors.
+     * warning. Active when 0: warning active in the system. Inactive when 1: no active warning.
+     * While it is active, the position is usable, with a warning. Remedy: Read the error register
+     * (69h). It shows the active errors.
      */
     bool warning;
 } lika_asc85_single_cycle_data;
@@ -1031,50 +1031,50 @@ static inline cw_result lika_asc85_read_serial_number(
 typedef struct lika_asc85_reg_diagnostic_data {
     /**
      * Amplitude control maximum current: Set together with Control error. Detected by the
-     * monitoring of the output current of the amplitude control. Active at 1: the output current of
-     * the amplitude control has reached its upper threshold. Inactive at 0: no active error.
+     * monitoring of the output current of the amplitude control. Active when 1: the output current
+     * of the amplitude control has reached its upper threshold. Inactive when 0: no active error.
      */
     bool amplitude_control_maximum_current;
     /**
      * Signal level maximum amplitude: Set together with Control error. Detected by the signal level
-     * monitoring. Active at 1: the signal level has reached its upper threshold. Inactive at 0: no
-     * active error.
+     * monitoring. Active when 1: the signal level has reached its upper threshold. Inactive when 0:
+     * no active error.
      */
     bool signal_level_maximum_amplitude;
     /**
      * DC maximum offset: Set together with Signal error. The signal monitoring checks the DC
-     * voltage of all analogue signal lines. Active at 1: an analogue signal line has reached the
-     * upper threshold of its DC voltage. Inactive at 0: no active error.
+     * voltage of all analogue signal lines. Active when 1: an analogue signal line has reached the
+     * upper threshold of its DC voltage. Inactive when 0: no active error.
      */
     bool dc_maximum_offset;
     /**
      * AC maximum amplitude: Set together with Signal error. The signal monitoring checks the AC
-     * amplitude of the differential signals. Active at 1: a differential signal has reached the
-     * upper threshold of its AC amplitude. Inactive at 0: no active error.
+     * amplitude of the differential signals. Active when 1: a differential signal has reached the
+     * upper threshold of its AC amplitude. Inactive when 0: no active error.
      */
     bool ac_maximum_amplitude;
     /**
      * Amplitude control minimum current: Set together with Control error. Detected by the
-     * monitoring of the output current of the amplitude control. Active at 1: the output current of
-     * the amplitude control has fallen to its lower threshold. Inactive at 0: no active error.
+     * monitoring of the output current of the amplitude control. Active when 1: the output current
+     * of the amplitude control has fallen to its lower threshold. Inactive when 0: no active error.
      */
     bool amplitude_control_minimum_current;
     /**
      * Signal level minimum amplitude: Set together with Control error. Detected by the signal level
-     * monitoring. Active at 1: the signal level has fallen to its lower threshold. Inactive at 0:
-     * no active error.
+     * monitoring. Active when 1: the signal level has fallen to its lower threshold. Inactive when
+     * 0: no active error.
      */
     bool signal_level_minimum_amplitude;
     /**
      * DC minimum offset: Set together with Signal error. The signal monitoring checks the DC
-     * voltage of all analogue signal lines. Active at 1: an analogue signal line has fallen to the
-     * lower threshold of its DC voltage. Inactive at 0: no active error.
+     * voltage of all analogue signal lines. Active when 1: an analogue signal line has fallen to
+     * the lower threshold of its DC voltage. Inactive when 0: no active error.
      */
     bool dc_minimum_offset;
     /**
      * AC minimum amplitude: Set together with Signal error. The signal monitoring checks the AC
-     * amplitude of the differential signals. Active at 1: a differential signal has fallen to the
-     * lower threshold of its AC amplitude. Inactive at 0: no active error.
+     * amplitude of the differential signals. Active when 1: a differential signal has fallen to the
+     * lower threshold of its AC amplitude. Inactive when 0: no active error.
      */
     bool ac_minimum_amplitude;
 } lika_asc85_reg_diagnostic_data;
@@ -1241,46 +1241,46 @@ static inline cw_result lika_asc85_write_command(
 /** Values of the register status. */
 typedef struct lika_asc85_reg_status {
     /**
-     * Configuration completed. Active at 1: configuration registers verified by their CRC and
-     * absolute data read by the absolute data interface. Inactive at 0: configuration not
+     * Configuration completed. Active when 1: configuration registers verified by their CRC and
+     * absolute data read by the absolute data interface. Inactive when 0: configuration not
      * completed.
      */
     bool configuration_completed;
     /**
-     * Error message. Active at 1: an error message is active, or simulated by command 05 (see the
-     * error register). Inactive at 0: no error message.
+     * Error message. Active when 1: an error message is active, or simulated by command 05 (see the
+     * error register). Inactive when 0: no error message.
      */
     bool error_message;
     /**
-     * Warning message. Active at 1: a warning message is active (see the error register). Inactive
-     * at 0: no warning message.
+     * Warning message. Active when 1: a warning message is active (see the error register).
+     * Inactive when 0: no warning message.
      */
     bool warning_message;
     /**
-     * Write access permitted to CONF memory area. Active at 1: the CONF (Configuration Data) memory
-     * area may be written. Inactive at 0: the CONF memory area is write-protected.
+     * Write access permitted to CONF memory area. Active when 1: the CONF (Configuration Data)
+     * memory area may be written. Inactive when 0: the CONF memory area is write-protected.
      */
     bool conf_write_access;
     /**
-     * Write access permitted to EDS memory area. Active at 1: the EDS (Electronic Data Sheet)
-     * memory area may be written. Inactive at 0: the EDS memory area is write-protected.
+     * Write access permitted to EDS memory area. Active when 1: the EDS (Electronic Data Sheet)
+     * memory area may be written. Inactive when 0: the EDS memory area is write-protected.
      */
     bool eds_write_access;
     /**
      * Internal data bus busy: See the commands save_configuration and verify_configuration. Active
-     * at 1: internal data bus busy, for example with a CRC verification or a transfer of
-     * configuration data from or to the EEPROM. Inactive at 0: internal data bus free.
+     * when 1: internal data bus busy, for example with a CRC verification or a transfer of
+     * configuration data from or to the EEPROM. Inactive when 0: internal data bus free.
      */
     bool internal_data_bus_busy;
     /**
      * Absolute data valid: Data are accepted only with a correct CRC and an inactive error bit. See
-     * the command read_absolute_data. Active at 1: absolute data were loaded through the absolute
-     * data interface. Inactive at 0: no absolute data were loaded.
+     * the command read_absolute_data. Active when 1: absolute data were loaded through the absolute
+     * data interface. Inactive when 0: no absolute data were loaded.
      */
     bool absolute_data_valid;
     /**
-     * Position data valid: See the command request_position. Active at 1: the present position data
-     * are valid. Inactive at 0: new position data are not available yet.
+     * Position data valid: See the command request_position. Active when 1: the present position
+     * data are valid. Inactive when 0: new position data are not available yet.
      */
     bool position_data_valid;
 } lika_asc85_reg_status;
@@ -1448,34 +1448,34 @@ static inline cw_result lika_asc85_read_position(
 /** Values of the register error register. */
 typedef struct lika_asc85_reg_error_register {
     /**
-     * Absolute data error. Active at 1: error in the absolute data interface. Inactive at 0: no
+     * Absolute data error. Active when 1: error in the absolute data interface. Inactive when 0: no
      * error in the absolute data interface, or the interface is not configured.
      */
     bool absolute_data_error;
     /**
-     * Interpolation error. Active at 1: the conversion had not been carried out at the time of
-     * reading. Inactive at 0: no interpolation error.
+     * Interpolation error. Active when 1: the conversion had not been carried out at the time of
+     * reading. Inactive when 0: no interpolation error.
      */
     bool interpolation_error;
     /**
-     * Configuration error. Active at 1: configuration error, or configuration being written or
-     * verified. Inactive at 0: no configuration error.
+     * Configuration error. Active when 1: configuration error, or configuration being written or
+     * verified. Inactive when 0: no configuration error.
      */
     bool configuration_error;
     /**
-     * Synchronization error. Active at 1: the internal synchronisation between cycle counter and
-     * interpolator failed. Inactive at 0: no synchronisation error.
+     * Synchronization error. Active when 1: the internal synchronisation between cycle counter and
+     * interpolator failed. Inactive when 0: no synchronisation error.
      */
     bool synchronization_error;
     /**
-     * Signal error. Active at 1: signal error active. Inactive at 0: no signal error. For the
+     * Signal error. Active when 1: signal error active. Inactive when 0: no signal error. For the
      * reason, see AC minimum amplitude of Diagnostic data, DC minimum offset of Diagnostic data, AC
      * maximum amplitude of Diagnostic data and DC maximum offset of Diagnostic data.
      */
     bool signal_error;
     /**
-     * Control error. Active at 1: control error active. Inactive at 0: no control error. For the
-     * reason, see Signal level minimum amplitude of Diagnostic data, Amplitude control minimum
+     * Control error. Active when 1: control error active. Inactive when 0: no control error. For
+     * the reason, see Signal level minimum amplitude of Diagnostic data, Amplitude control minimum
      * current of Diagnostic data, Signal level maximum amplitude of Diagnostic data and Amplitude
      * control maximum current of Diagnostic data.
      */

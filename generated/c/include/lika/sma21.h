@@ -724,9 +724,9 @@ typedef struct lika_sma21_ssi_word {
     /**
      * Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance
      * reversed or upside down, surface damaged, or the sensor faulty) or frequency error (sensor
-     * moves too fast over the tape). Active at 0: an error is present and the LED is red. Inactive
-     * at 1: normal state without an active error. The LED is off. While it is active, the position
-     * is not usable.
+     * moves too fast over the tape). Active when 0: an error is present and the LED is red.
+     * Inactive when 1: normal state without an active error. The LED is off. While it is active,
+     * the position is not usable.
      */
     bool error;
 } lika_sma21_ssi_word;
@@ -902,14 +902,14 @@ typedef struct lika_sma21_single_cycle_data {
     /**
      * nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
      * upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast
-     * over the tape). Active at 0: an error is present and the LED is red. Inactive at 1: normal
-     * state without an active error. The LED is off. While it is active, the position is not
+     * over the tape). Active when 0: an error is present and the LED is red. Inactive when 1:
+     * normal state without an active error. The LED is off. While it is active, the position is not
      * usable.
      */
     bool error;
     /**
      * Warning, nW: Used with the Position check register for an automatic check of the position. It
-     * is only for Lika's technicians. Active at 0: warning active. Inactive at 1: no warning
+     * is only for Lika's technicians. Active when 0: warning active. Inactive when 1: no warning
      * active. While it is active, the position is usable, with a warning. Reserved for the
      * manufacturer.
      */
@@ -1185,16 +1185,16 @@ static inline cw_result lika_sma21_data_request_encode(
 typedef struct lika_sma21_position_reply {
     lika_sma21_data_id data_id;
     /**
-     * ea0: Not stored. The bit clears as soon as the cause is gone. Active at 1: encoder alarm
+     * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
      * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
-     * correct. Inactive at 0: no encoder alarm. Combines temperature_alarm and
+     * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
      * signal_strength_alarm. While it is active, the position is usable, with a warning.
      */
     bool status_alarm;
     /**
-     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the
+     * ea1: Stored in the encoder until the errors are reset. Active when 1: encoder error, the
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
-     * Inactive at 0: no encoder error. Combines low_amplitude_error, higher_track_error,
+     * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
      * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
@@ -1205,29 +1205,29 @@ typedef struct lika_sma21_position_reply {
      */
     uint32_t position;
     /**
-     * Overspeed. Active at 1: speed too high. Inactive at 0: no overspeed. While it is active, the
-     * position is not usable.
+     * Overspeed. Active when 1: speed too high. Inactive when 0: no overspeed. While it is active,
+     * the position is not usable.
      */
     bool overspeed;
     /**
-     * Initialization error. Active at 1: error during the initialization, or absolute position not
-     * found. Inactive at 0: no initialization error. While it is active, the position is not
+     * Initialization error. Active when 1: error during the initialization, or absolute position
+     * not found. Inactive when 0: no initialization error. While it is active, the position is not
      * usable.
      */
     bool initialization_error;
     /**
-     * Hardware error. Active at 1: error in the EEPROM. Inactive at 0: no hardware error. While it
-     * is active, the position is not usable.
+     * Hardware error. Active when 1: error in the EEPROM. Inactive when 0: no hardware error. While
+     * it is active, the position is not usable.
      */
     bool hardware_error;
     /**
-     * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
+     * Encoder inharmonious error: Not implemented. Active when 1: an alarm that manual 1.1 of
      * November 2023 removed. An older encoder may have it. Its cause is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
     /**
-     * Low amplitude error. Active at 1: amplitude of the signal too low. Inactive at 0: no low
+     * Low amplitude error. Active when 1: amplitude of the signal too low. Inactive when 0: no low
      * amplitude error. While it is active, the position is not usable.
      */
     bool low_amplitude_error;
@@ -1398,16 +1398,16 @@ static inline uint32_t lika_sma21_position_reply_reports(
 /** Values of the frame wide position reply. */
 typedef struct lika_sma21_wide_position_reply {
     /**
-     * ea0: Not stored. The bit clears as soon as the cause is gone. Active at 1: encoder alarm
+     * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
      * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
-     * correct. Inactive at 0: no encoder alarm. Combines temperature_alarm and
+     * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
      * signal_strength_alarm. While it is active, the position is usable, with a warning.
      */
     bool status_alarm;
     /**
-     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the
+     * ea1: Stored in the encoder until the errors are reset. Active when 1: encoder error, the
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
-     * Inactive at 0: no encoder error. Combines low_amplitude_error, higher_track_error,
+     * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
      * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
@@ -1556,16 +1556,16 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
 /** Values of the frame identification reply. */
 typedef struct lika_sma21_identification_reply {
     /**
-     * ea0: Not stored. The bit clears as soon as the cause is gone. Active at 1: encoder alarm
+     * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
      * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
-     * correct. Inactive at 0: no encoder alarm. Combines temperature_alarm and
+     * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
      * signal_strength_alarm. While it is active, the position is usable, with a warning.
      */
     bool status_alarm;
     /**
-     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the
+     * ea1: Stored in the encoder until the errors are reset. Active when 1: encoder error, the
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
-     * Inactive at 0: no encoder error. Combines low_amplitude_error, higher_track_error,
+     * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
      * active, the position is not usable. Remedy: Reset the errors with data ID B.
      */
@@ -1576,29 +1576,29 @@ typedef struct lika_sma21_identification_reply {
      */
     uint32_t position;
     /**
-     * Overspeed. Active at 1: speed too high. Inactive at 0: no overspeed. While it is active, the
-     * position is not usable.
+     * Overspeed. Active when 1: speed too high. Inactive when 0: no overspeed. While it is active,
+     * the position is not usable.
      */
     bool overspeed;
     /**
-     * Initialization error. Active at 1: error during the initialization, or absolute position not
-     * found. Inactive at 0: no initialization error. While it is active, the position is not
+     * Initialization error. Active when 1: error during the initialization, or absolute position
+     * not found. Inactive when 0: no initialization error. While it is active, the position is not
      * usable.
      */
     bool initialization_error;
     /**
-     * Hardware error. Active at 1: error in the EEPROM. Inactive at 0: no hardware error. While it
-     * is active, the position is not usable.
+     * Hardware error. Active when 1: error in the EEPROM. Inactive when 0: no hardware error. While
+     * it is active, the position is not usable.
      */
     bool hardware_error;
     /**
-     * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
+     * Encoder inharmonious error: Not implemented. Active when 1: an alarm that manual 1.1 of
      * November 2023 removed. An older encoder may have it. Its cause is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
     /**
-     * Low amplitude error. Active at 1: amplitude of the signal too low. Inactive at 0: no low
+     * Low amplitude error. Active when 1: amplitude of the signal too low. Inactive when 0: no low
      * amplitude error. While it is active, the position is not usable.
      */
     bool low_amplitude_error;
