@@ -128,9 +128,9 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         elif value.startswith('"'):
             lines += _function("const char *", name, "void", f"return {name};")
         else:
-            lines += _function("bool", name, "void", f"return {name} != 0;")
+            lines += _function("int", name, "void", f"return {name} != 0;")
     for name in found.enumerators:
-        lines += _function("bool", name, "void", f"return {name} != 0;")
+        lines += _function("int", name, "void", f"return {name} != 0;")
     for name in found.types:
         lines += _function(f"const {name} *", name, f"const {name} *value", "return value;")
     return "\n".join(lines) + "\n"

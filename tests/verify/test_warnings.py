@@ -212,7 +212,7 @@ def test_no_function_of_a_library_is_needed(compiler: str, headers: tuple[Path, 
     defined = subprocess.run(
         [tool("nm"), "--defined-only", str(object_file)], capture_output=True, text=True, check=True
     ).stdout
-    assert "use_lika_mask" in defined, "a header has no data that can be written"
+    assert "use_cw_mask" in defined, "a header has no data that can be written"
     assert not re.search(r" [BDbd] ", defined), "a header has no data that can be written"
 
 
