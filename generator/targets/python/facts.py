@@ -1,4 +1,4 @@
-"""Facts of a device as records: the tables of a module, other than frames and registers."""
+"""Tables of a generated module that hold the facts of a device, except its frames and registers."""
 
 from __future__ import annotations
 
