@@ -78,23 +78,9 @@ def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
 
 
 def _touched(passage: Passage, facts: Sequence[Citing], old: Manual) -> _Touched:
-    sections = {passage.section.number} | _without_heading(passage.section.number, old)
+    sections = {passage.section.number} | old.without_heading_after(passage.section.number)
     here = [fact for fact in facts if fact.sections & sections]
     return _Touched(passage, ranked(here, passage), len(here))
-
-
-def _without_heading(number: str, manual: Manual) -> set[str]:
-    """Return the sections whose heading is missing, and whose text therefore counts as part of this one."""
-    order = [section.number for section in manual.sections if section.number[0].isdigit()]
-    if number not in order:
-        return set()
-    following = order[order.index(number) + 1 : order.index(number) + 2]
-    end = _key(following[0]) if following else (999,)
-    return {item for item in manual.missing if _key(number) < _key(item) < end}
-
-
-def _key(number: str) -> tuple[int, ...]:
-    return tuple(map(int, number.split(".")))
 
 
 def _as_text(family: Family, touched: Sequence[_Touched], facts: Sequence[Citing], by_words: bool) -> Iterator[str]:

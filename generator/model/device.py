@@ -419,13 +419,3 @@ class Device:
 
     def variant(self, code: str) -> Variant:
         return next(item for item in self.variants if item.code == code)
-
-    def errata_for(self, path: str) -> tuple[Erratum, ...]:
-        """Return the errata about ``path``, such as ``registers.preset``, or about anything above or below it."""
-        return tuple(
-            item
-            for item in self.errata
-            if any(
-                path == other or path.startswith(other + ".") or other.startswith(path + ".") for other in item.affects
-            )
-        )

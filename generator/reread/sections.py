@@ -58,6 +58,15 @@ class Manual:
     def words(self) -> Counter[str]:
         return Counter(word for section in self.sections for word in section.words)
 
+    def without_heading_after(self, number: str) -> set[str]:
+        """Return the sections whose heading is missing, and whose text therefore counts as part of this one."""
+        order = [section.number for section in self.sections if section.number[0].isdigit()]
+        if number not in order:
+            return set()
+        following = order[order.index(number) + 1 : order.index(number) + 2]
+        end = _key(following[0]) if following else (999,)
+        return {item for item in self.missing if _key(number) < _key(item) < end}
+
 
 def read(path: Path) -> Manual:
     """Read the text of a manual from a text file in UTF-8 or from a PDF.

@@ -125,7 +125,7 @@ void places_that_do_not_fit(void)
     const size_t count = any_steps(&bytes, &length);
     const size_t other = nondet_size();
     __CPROVER_assume(other != length);
-    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, other, 0U) == CW_FAULT_LENGTH, "is told");
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, other, 0U) == CW_FAULT_LENGTH, "a wrong length is refused");
     __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
 }
 
@@ -133,7 +133,7 @@ void places_that_do_not_fit(void)
 void no_steps(void)
 {
     cw_runner runner;
-    __CPROVER_assert(cw_runner_start(&runner, steps, 0U, room, 0U, 0U) == CW_FAULT_LENGTH, "is told");
+    __CPROVER_assert(cw_runner_start(&runner, steps, 0U, room, 0U, 0U) == CW_FAULT_LENGTH, "a wrong length is refused");
     __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
     __CPROVER_assert(runner.result == CW_FAULT_LENGTH, "and stays told");
 }

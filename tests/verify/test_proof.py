@@ -56,7 +56,7 @@ def header_of(device: Device, include: Path) -> Header:
 
 
 def all_shared(include: Path) -> Header:
-    """What the headers of the runtime declare that the families include."""
+    """Return the declarations of the runtime headers that the families include."""
     return Header.read(*(path.read_text(encoding="utf-8") for path in runtime(include)))
 
 
