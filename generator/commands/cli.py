@@ -253,6 +253,8 @@ def _add_master(commands: _Commands) -> None:
     parser.add_argument(
         "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"
     )
+    parser.add_argument("--format", metavar="FORMAT", help="print a file for this master in one of its formats")
+    parser.add_argument("--device", metavar="DEVICE", help="device of the master for --format (default: the first)")
     parser.add_argument(
         "--masters",
         action="append",

@@ -30,7 +30,7 @@ _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as described in its file. ``limits``, ``settings``, ``writing`` and ``notes`` are checked data."""
+    """A master as described in its file. The last five members are checked data."""
 
     name: str
     title: str
@@ -42,6 +42,7 @@ class Master:
     settings: tuple[Raw, ...]
     writing: tuple[Raw, ...]
     notes: tuple[Raw, ...]
+    files: tuple[Raw, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +153,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 def _master(data: Raw) -> Master:
     documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
-    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes"))
+    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes", "files"))
     return Master(
         data["master"],
         data["title"],
