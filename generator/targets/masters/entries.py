@@ -110,7 +110,7 @@ def content(sheet: Sheet, rule: Raw, device: str) -> Content:
     found: list[Entry] = []
     left_out: list[str] = []
     for setting, writes in _in_order(sheet):
-        reason = _reason(setting, sheet)
+        reason = _reason(setting, sheet, format_)
         if reason:
             left_out.append(f"{setting.name}: {reason}.")
             continue
@@ -136,13 +136,14 @@ def _in_order(sheet: Sheet) -> Iterator[tuple[Setting, tuple[tuple[Write, ...], 
         yield setting, (tuple(before), tuple(after))
 
 
-def _reason(setting: Setting, sheet: Sheet) -> str:
+def _reason(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
     """Return why no file contains a setting, or an empty text."""
     if setting.value is None:
         return setting.text
     if setting.bound == "below":
         return f"it must be below {setting.text}, and you choose the value"
-    if setting.is_default and any(item.needs for item in sheet.writing_of(setting)):
+    is_optional = format_.needs != "name"  # a tool with names of its own needs all of them
+    if is_optional and setting.is_default and any(item.needs for item in sheet.writing_of(setting)):
         return f"{setting.text} is the factory default. Leave it unless it was changed"
     return ""
 

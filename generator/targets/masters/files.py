@@ -62,6 +62,7 @@ def file_text(
     """
     name = rule["format"]
     made = content(found, rule, on)
+    written = {item.key for item in made.entries}
     values: MasterFile = {
         "head": [*([] if is_short else _head(device, codes, found, rule, on)), *_about(made, is_short)],
         "content": made,
@@ -69,7 +70,7 @@ def file_text(
         "code": codes[0],
         "name": "".join(item if item.isalnum() else "_" for item in codes[0]),
         "device": on,
-        "also": rule.get("also", {}),
+        "also": {key: value for key, value in rule.get("also", {}).items() if key not in written},
         "line": rule.get("line", ""),
     }
     return TEMPLATES.render(f"{name}.jinja", values, library.own_templates if library is not None else None)
