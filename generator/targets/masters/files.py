@@ -33,7 +33,6 @@ class MasterFile(TypedDict):
     head: Annotated[list[str], "paragraphs of the comment at the top"]
     content: Annotated[Content, "values to write, and those left out"]
     channels: Annotated[Sequence[Channel], "channels to write: all of them, or the first in a bulk file"]
-    code: Annotated[str, "order code"]
     name: Annotated[str, "order code as an identifier"]
     device: Annotated[str, "device of the master"]
     also: Annotated[Mapping[str, int | str], "further keys that the tool needs, with their values"]
@@ -67,7 +66,6 @@ def file_text(
         "head": [*([] if is_short else _head(device, codes, found, rule, on)), *_about(made, is_short)],
         "content": made,
         "channels": made.channels[:1] if is_short else made.channels,
-        "code": codes[0],
         "name": "".join(item if item.isalnum() else "_" for item in codes[0]),
         "device": on,
         "also": {key: value for key, value in rule.get("also", {}).items() if key not in written},
