@@ -45,6 +45,9 @@ _CLOCKS = dict(
     )
 )
 _MOTEUS = {"enabled": 1, "rate_hz": 0xFFFFFFFF, "data_bits": 255, "crc_bits": 255, "poll_rate_us": 0x7FFFFFFF}
+_ECMC = re.compile(
+    r"ecmcConfigOrDie \"Cfg\.EcAddSdo\(\$\{ECMC_EC_SLAVE_NUM\},(0x[0-9A-F]+),(0x[0-9A-F]+),(\d+),([1248])\)\""
+)
 
 
 class Refused(ValueError):
@@ -99,10 +102,7 @@ def ecmc(text: str) -> Objects:
     found: Objects = {}
     for line in filter(None, text.splitlines()):
         if not line.startswith("#-"):
-            match = re.fullmatch(
-                r'ecmcConfigOrDie "Cfg\.EcAddSdo\(\$\{ECMC_EC_SLAVE_NUM\},(0x[0-9A-F]+),(0x[0-9A-F]+),(\d+),([1248])\)"',
-                line,
-            )
+            match = _ECMC.fullmatch(line)
             if match is None:
                 raise Refused(line)
             _added(found, *(int(item, 0) for item in match.groups()))
