@@ -1,4 +1,4 @@
-"""Settings that an institute keeps for the EL5042, reproduced from small specs of its encoders in ``examples/encoders``.
+"""Settings that an institute keeps for the EL5042, reproduced from specs of its encoders in ``examples/encoders``.
 
 The numbers were typed from paulscherrerinstitute/ecmccfg at commit 19fd09c, hardware/Encoders, and from
 paulscherrerinstitute/ecmccomp at commit c97a6b0: its facts in encoders/ as EL5042_SDOS_BISS_C_ENC.cmd writes them.
