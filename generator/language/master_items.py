@@ -97,7 +97,9 @@ FILE_FORMATS: Mapping[str, FileFormat] = {
     "linuxcnc_ethercat": FileFormat(
         "linuxcnc-ethercat, inside a slave of type generic", ".xml", _XML, "object", "lcec_conf.c"
     ),
-    "ecmc": FileFormat("ecmc, commands for the slave ECMC_EC_SLAVE_NUM", ".cmd", "#-", "object", "ecmc scripts"),
+    "ecmc": FileFormat(
+        "ecmc, commands for the slave ECMC_EC_SLAVE_NUM", ".cmd", "#-", "object", "the scripts of ecmccomp"
+    ),
     "twincat": FileFormat("TwinCAT, start-up list for ITcSmTreeItem.ConsumeXml", ".xml", _XML, "object", ""),
     "fastcat": FileFormat("fastcat, a device of its list", ".yaml", "#", "name", "el5042.cc"),
     "conf_set": FileFormat("the configuration tool, commands conf set", ".cfg", "#", "symbol", "aux_common.h"),

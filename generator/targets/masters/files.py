@@ -6,7 +6,7 @@ The description of a master lists its file formats. A format is a row of ``FILE_
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
@@ -19,6 +19,7 @@ from ...masters.text import cited, condition
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.lines import plain, wrapped
+from ...say.markdown import text as markdown
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..file_names import names_of_codes
 from ..licence import licence_in
@@ -37,6 +38,11 @@ class MasterFile(TypedDict):
     device: Annotated[str, "device of the master"]
     also: Annotated[Mapping[str, int | str], "further keys that the tool needs, with their values"]
     line: Annotated[str, "pattern of the command line, or empty"]
+
+
+class Index(TypedDict):
+    families: Annotated[list[str], "titles of the families"]
+    rows: Annotated[list[dict[str, str]], "masters and formats that have files, with folder, tool and reader"]
 
 
 def file_text(
@@ -140,7 +146,20 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
                     stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
                     write = _each if by_code else _bulk
                     files |= write(f"{folder}/{stem}", device, taken, rule, on, library)
-    return files | licence_in("masters") if files else files
+    return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
+
+
+def _index(library: Library, files: Iterable[str]) -> str:
+    folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
+    rows = [
+        {"master": master.title, "format": rule["format"], "folder": folder, "title": kind.title, "reader": kind.reader}
+        for master in shipped_masters()
+        for rule in master.files
+        for folder, kind in [(f"{master.name}/{rule['format']}", FILE_FORMATS[rule["format"]])]
+        if folder in folders
+    ]
+    values: Index = {"families": [markdown(item.title) for item in library.devices], "rows": rows}
+    return TEMPLATES.render("README.md.jinja", values, library.own_templates)
 
 
 Taken = Sequence[tuple[Sheet, Record, Sequence[str]]]
@@ -178,7 +197,9 @@ def _joined(device: Device, blocks: Sequence[tuple[str, str]], found: Sheet, rul
     format_ = FILE_FORMATS[rule["format"]]
     head = [f"{on} with the order codes of {device.title}. For {format_.title}.", *_origin(device, found, rule, on)]
     head += dict.fromkeys(condition(item) for item in found.writing)
-    head.append("Each block is for the first channel. codewheel master with --format prints all channels.")
+    head.append(
+        "Each block is for the first channel. A file that codewheel prints for one order code has all channels."
+    )
     if format_.comment == "<!--":
         head.append("Copy the element below your order code into a file of its own.")
         inner = "".join(f"\n{comment([title], '<!--')}\n{_without_declaration(text)}" for title, text in blocks)
@@ -197,7 +218,7 @@ def _without_declaration(text: str) -> str:
 
 TEMPLATES = Templates(
     our_templates("masters"),
-    values={f"{name}.jinja": MasterFile for name in FILE_FORMATS},
+    values={"README.md.jinja": Index, **{f"{name}.jinja": MasterFile for name in FILE_FORMATS}},
     filters={"comment": comment, "filled": filled},
 )
 TARGET = Target(
