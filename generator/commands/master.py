@@ -63,7 +63,6 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
 
 def _file(chosen: argparse.Namespace, device: Device, known: Sequence[sheet.Master], told: Record) -> str:
     """Return the file of the master in the format that the user chose."""
-    from ..targets.masters.entries import devices_with
     from ..targets.masters.files import file_text
 
     master = next(item for item in known if item.name == chosen.master)
@@ -82,7 +81,7 @@ def _file(chosen: argparse.Namespace, device: Device, known: Sequence[sheet.Mast
         taking = f"; there are files for {listed(able)}" if able else ""
         raise Stop(f"{master.name} cannot use {told.code}: {found.refusals[0].reason.rstrip('.')}{taking}", 2)
     rule = formats[chosen.format]
-    devices = devices_with(found, rule)
+    devices = found.devices_with(rule)
     on = devices[0] if chosen.device is None else chosen.device
     if on not in devices:
         raise Stop(f"'{on}' is not a device with this format; use --device {listed(devices, 'or')}", 2)

@@ -92,6 +92,11 @@ class Sheet:
     writing: tuple[Writing, ...] = ()
     speaks: bool = True
 
+    def devices_with(self, file: Raw) -> list[str]:
+        """Return the devices of the master that a file of its description is for."""
+        names = [item.name for item in self.master.devices]
+        return [name for name in names if name in file.get("on", names)]
+
     def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
         """Return the conditions for this setting alone."""
         return tuple(item for item in self.writing if item.of == (setting.name,))

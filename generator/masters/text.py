@@ -283,6 +283,10 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
                 "settings": [asdict(setting) for setting in item.settings],
                 "writing": [asdict(rule) for rule in item.writing],
                 "write_order": list(write_order([setting.name for setting in item.settings], item.writing)),
+                "files": [
+                    {"format": rule["format"], "devices": item.devices_with(rule)}
+                    for rule in (() if item.refusals else item.master.files)
+                ],
                 "notes": list(item.notes),
                 "documents": [asdict(document) for document in item.master.documents],
             }

@@ -6,6 +6,7 @@ AMM5A21/65KSC1 sends 16 + 21 bits, error, warning and the CRC x^6 + x + 1, inver
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from copy import deepcopy
@@ -21,7 +22,7 @@ from codewheel.masters.record import NoRecord, Record, record
 from codewheel.masters.sheet import Master, Sheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.masters.entries import content, devices_with
+from codewheel.targets.masters.entries import content
 from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]
@@ -89,7 +90,7 @@ def written(devices: Mapping[str, Device], sheet_of: SheetOf) -> Written:
         found = found or sheet_of(master, code)
         rule = rule_of(found.master, name)
         family = "amm5" if code.startswith("AMM5") else "am36" if code.startswith("AM36") else "sma21"
-        return file_text(devices[family], [code], found, rule, on or devices_with(found, rule)[0])
+        return file_text(devices[family], [code], found, rule, on or found.devices_with(rule)[0])
 
     return file
 
@@ -297,7 +298,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
                 assert all(item.reason.endswith(".") for item in made.refusals)
                 continue
             for rule in master.files:
-                for on in devices_with(made, rule):
+                for on in made.devices_with(rule):
                     text = file_text(device, [found.code], made, rule, on)
                     assert "Not yet tested on hardware." in " ".join(text.split())
                     _read_back(rule["format"], text, made, on, rule)
@@ -384,6 +385,13 @@ def test_a_missing_choice_and_a_master_without_files(capsys: pytest.CaptureFixtu
         "codewheel: no file format is known for keb_f6; there are formats for beck"
     )
     assert main(["master", CODE, "--master", "keb_f6"]) == 0
+
+
+def test_data_name_the_formats(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["master", CODE, "--json"]) == 0
+    files = {item["name"]: item["files"] for item in json.loads(capsys.readouterr().out)["masters"]}
+    assert {"format": "fastcat", "devices": ["EL5042"]} in files["beckhoff_el5042"]
+    assert (files["keb_f5"], files["omron_nx"]) == ([], [])
 
 
 def test_the_command_prints_the_file(capsys: pytest.CaptureFixture[str], written: Written) -> None:

@@ -98,12 +98,6 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def devices_with(sheet: Sheet, rule: Raw) -> list[str]:
-    """Return the devices of a master for which a file can be written."""
-    names = [item.name for item in sheet.master.devices]
-    return [name for name in names if name in rule.get("on", names)]
-
-
 def content(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return what a file of this format writes for a device."""
     format_ = FILE_FORMATS[rule["format"]]

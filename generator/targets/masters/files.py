@@ -23,7 +23,7 @@ from ...say.markdown import text as markdown
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..file_names import names_of_codes
 from ..licence import licence_in
-from .entries import Channel, Content, Raw, content, devices_with
+from .entries import Channel, Content, Raw, content
 
 _WIDTH = 120
 _EACH = "each"
@@ -141,7 +141,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             sheets = [(sheet(master, record), record, codes) for record, codes in records]
             taken = [item for item in sheets if not item[0].refusals]
             for rule in master.files if taken else ():
-                for on in devices_with(taken[0][0], rule):
+                for on in taken[0][0].devices_with(rule):
                     folder = f"masters/{master.name}/{rule['format']}"
                     stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
                     write = _each if by_code else _bulk
