@@ -1,7 +1,7 @@
 """Load only the families that a name or a label can belong to, from the cache if they are in it.
 
 A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
-YAML. Whenever the result could differ from that of reading all specs, nothing is selected.
+YAML. If the result could differ from the result of reading all specs, nothing is selected.
 """
 
 from __future__ import annotations
