@@ -40,7 +40,11 @@ def check_master(data: Raw, report: DocumentReport) -> None:
     for index, setting in enumerate(data.get("settings", ())):
         _setting(setting, _written(index, report), ("settings", index), report)
     _writing(data, report)
+    formats: set[str] = set()
     for index, file in enumerate(data.get("files", ())):
+        if file["format"] in formats:
+            report.add("duplicate-name", ("files", index, "format"), f"{quoted(file['format'])} is listed twice")
+        formats.add(file["format"])
         _file(file, ("files", index), data, report)
 
 
