@@ -101,6 +101,21 @@ def test_objects_as_typed(written: Written, master: str, on: str, expected: read
     assert getattr(readers, name)(written(master, name, on=on)) == expected
 
 
+#: EL5042 for a scale of 4 zeros and 20 bits with BiSS, and for one with SSI: 22 bits in Gray code and an error bit.
+OTHERS = [
+    ("SMA21-SC1-0050", {0x18: 0, 0x02: 0, 0x03: 1, 0x11: 0x43, 0x13: 0, 0x14: 0, 0x15: 0, 0x16: 24, 0x17: 0}),
+    ("SMA21-GG1-0010", {0x18: 1, 0x02: 1, 0x11: 0, 0x13: 9, 0x14: 1, 0x15: 0, 0x16: 22, 0x17: 1}),
+]
+
+
+@pytest.mark.parametrize("name", SDO)
+@pytest.mark.parametrize(("code", "expected"), OTHERS)
+def test_other_encoders_as_typed(written: Written, code: str, expected: dict[int, int], name: str) -> None:
+    found = getattr(readers, name)(written("beckhoff_el5042", name, code))
+    sizes = {subindex: 4 if subindex == 0x11 else 1 for subindex in expected}
+    assert found == {(0x8008, subindex): (value, sizes[subindex]) for subindex, value in expected.items()}
+
+
 def test_the_second_channel_is_a_comment(written: Written) -> None:
     text = written("beckhoff_el5042", "ethercat_driver_ros2")
     lines = [line.replace("  # - {", "  - {") for line in text.splitlines() if "0x8018" in line]
