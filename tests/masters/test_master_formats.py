@@ -75,6 +75,7 @@ OBJECTS = [
 ]
 
 SheetOf = Callable[[str, str], Sheet]
+RecordOf = Callable[[str], Record]
 Written = Callable[..., str]
 
 
@@ -349,6 +350,22 @@ def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None
             assert all(line.startswith(("#", "//", "REM")) for line in text.splitlines() if line), path
     joined = "\n".join(text for path, text in files.items() if "/linuxcnc_hostmot2/" in path)
     assert all(code in joined for code in codes)
+
+
+@pytest.mark.parametrize("name", [*SDO, "c_struct", "xcf"])
+def test_hostile_names_stay_in_comments(
+    masters: dict[str, Master], written: Written, record_of: RecordOf, name: str
+) -> None:
+    """A setting or document whose name would end a comment changes no value."""
+    master = next(item for item in masters.values() if any(rule["format"] == name for rule in item.files))
+    bad = "x --> */ \n- {index: 1}\\"
+    settings = [{**item, "name": f"{item['name']} {bad}"} for item in master.settings]
+    documents = tuple(replace(item, title=f"{item.title} {bad}") for item in master.documents)
+    found = sheet(replace(master, settings=tuple(settings), documents=documents, writing=()), record_of("AMM5A17/1SC1"))
+    reader = getattr(readers, name, readers.members)
+    text = written(master.name, name, found=found)
+    assert reader(text) == reader(written(master.name, name, "AMM5A17/1SC1"))
+    assert not any(line.endswith("\\") for line in text.splitlines() if line.startswith("//"))
 
 
 def test_formats_are_those_of_the_schema_and_the_templates(masters: dict[str, Master]) -> None:

@@ -72,7 +72,7 @@ def file_text(
         "head": [*([] if is_short else _head(device, codes, found, rule, on)), *_about(made, is_short)],
         "content": made,
         "channels": made.channels[:1] if is_short else made.channels,
-        "name": "".join(item if item.isalnum() else "_" for item in codes[0]),
+        "name": re.sub(r"\W|^(?=\d)", "_", codes[0], flags=re.ASCII),
         "device": on,
         "also": {key: value for key, value in rule.get("also", {}).items() if key not in written},
         "line": rule.get("line", ""),
@@ -114,9 +114,15 @@ def _about(made: Content, is_short: bool) -> Iterator[str]:
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        texts = (plain(item).replace("--", "- -") for item in paragraphs)
-        return "\n".join(["<!--", *(wrapped(item, _WIDTH, "       ", "     ") for item in texts), "-->"])
+        return "\n".join(["<!--", *(wrapped(note(item), _WIDTH, "       ", "     ") for item in paragraphs), "-->"])
+    if prefix == "//":
+        paragraphs = [item.replace("\\", "/") for item in paragraphs]  # at the end of a line it would continue it
     return "\n".join(wrapped(item, _WIDTH, f"{prefix}   ", f"{prefix} ") for item in paragraphs)
+
+
+def note(text: object) -> str:
+    """Return text for a comment on one line, which cannot end it in XML or C."""
+    return plain(text).replace("--", "- -").replace("*/", "* /")
 
 
 def filled(pattern: str, made: Content) -> str:
@@ -219,7 +225,7 @@ def _without_declaration(text: str) -> str:
 TEMPLATES = Templates(
     our_templates("masters"),
     values={"README.md.jinja": Index, **{f"{name}.jinja": MasterFile for name in FILE_FORMATS}},
-    filters={"comment": comment, "filled": filled},
+    filters={"comment": comment, "filled": filled, "note": note},
 )
 TARGET = Target(
     name="masters",
