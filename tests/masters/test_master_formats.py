@@ -137,6 +137,19 @@ def test_a_code_word_comes_first(
     assert (found[0xF008, 0], found[0x8008, 0x12]) == ((0x72657375, 4), (90, 1))
 
 
+def test_a_device_without_a_clock_does_not_bar_the_others(
+    written: Written, masters: dict[str, Master], record_of: RecordOf
+) -> None:
+    """The EJ5042 has no clock between 500 kHz and 2.5 MHz, but the EL5042 has 1 MHz, which is 9."""
+    told = record_of(CODE)
+    told = replace(told, numbers={**told.numbers, "clock_min_hz": 1_000_000, "clock_max_hz": 1_000_000})
+    found = sheet(masters["beckhoff_el5042"], told)
+    assert (found.refusals, found.barred) == ((), {"EJ5042"})
+    assert found.notes[0].startswith("Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz")
+    assert found.devices_with({}) == ["EL5042", "EP7041-4032"]
+    assert readers.ecmc(written("beckhoff_el5042", "ecmc", found=found))[0x8008, 0x13] == (9, 1)
+
+
 def test_fastcat_as_typed(written: Written) -> None:
     expected = {1: 0, 2: 0, 3: 1, 0x11: 67, 0x12: 50, 0x13: 0, 0x14: 0, 0x15: 16, 0x16: 21, 0x17: 0, 0x18: 0}
     assert readers.fastcat(written("beckhoff_el5042", "fastcat")) == expected

@@ -147,11 +147,12 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             sheets = [(sheet(master, record), record, codes) for record, codes in records]
             taken = [item for item in sheets if not item[0].refusals]
             for rule in master.files if taken else ():
-                for on in taken[0][0].devices_with(rule):
+                for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
                     folder = f"masters/{master.name}/{rule['format']}"
                     stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
                     write = _each if by_code else _bulk
-                    files |= write(f"{folder}/{stem}", device, taken, rule, on, library)
+                    able = [item for item in taken if on not in item[0].barred]
+                    files |= write(f"{folder}/{stem}", device, able, rule, on, library)
     return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
 
 
