@@ -11,6 +11,7 @@ from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from .change import Change, Thing
 from .expressions import Differing
 from .family_pair import FamilyPair
+from .names_in_code import named_in_code
 from .pairs import Pair, name_of
 from .value_text import arrow, differing_items, plain, shown, without_words
 
@@ -81,7 +82,9 @@ def things(
     both: FamilyPair,
     kind: str,
     pairs: Iterable[Pair[_Item]],
-    place: Callable[[Pair[_Item]], Thing],
+    path: str,
+    label: str | Callable[[Pair[_Item]], str],
+    interface: str | Callable[[Pair[_Item]], str] = "",
     inside: Callable[[FamilyPair, Thing, _Item, _Item], Iterator[Change]] | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
@@ -90,11 +93,14 @@ def things(
         both: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
         pairs: The things with their counterparts.
-        place: Return the subject of a change of a thing.
+        path: Path of the section that has them.
+        label: Words that precede the name of a thing, or a function that returns them.
+        interface: Interface that a thing concerns, or a function that returns it.
         inside: Compare everything in a thing that is not a member of its own.
     """
     for pair in pairs:
-        thing = place(pair)
+        words, over = (each if isinstance(each, str) else each(pair) for each in (label, interface))
+        thing = named_in_code(both, pair, path, words, over)
         yield from both.presence(kind, thing, pair.old, pair.new)
         if pair.old is not None and pair.new is not None:
             yield from members(both, thing.unnamed, pair.old, pair.new, name_of(pair.new))

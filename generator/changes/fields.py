@@ -71,12 +71,8 @@ def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short:
     yield from _kind(both, place, old, new, scope)
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(both.new, new):
         label = place.label.replace(": field ", ".")
-        yield from things(
-            both,
-            "value",
-            recognised(both, old.values, new.values),
-            lambda value: place.inside(value.item.name, f"{label}: value {value.item.name}"),
-        )
+        values = recognised(both, old.values, new.values)
+        yield from things(both, "value", values, path, f"{label}: value", place.interface)
 
 
 def _of_data_ids(device: Device, field: Field) -> bool:
