@@ -32,7 +32,8 @@ def members(both: FamilyPair, thing: Thing, old: Any, new: Any, scope: str = "")
 
 
 def _member(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any, scope: str) -> Iterator[Change]:
-    if member.is_limit or isinstance(old, Expression) or isinstance(new, Expression):
+    kinds = {type(old), type(new)}
+    if member.is_limit or (Expression in kinds and str not in kinds):
         yield from _number(both, place, member, old, new)
         return
     if member.refers_to:
