@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import partial
 from typing import Any
 
 from ..changes.pairs import paired
@@ -246,9 +247,12 @@ def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterat
             made.note(Sort.POSITION, one.place, Read.TWICE)
     for span, properties in own.fields.items():
         near = next((fact.place for fact in properties.values()), word.place)
-        theirs_of = other.fields.get(span, {})
-        yield from _compare_facts(made, properties, theirs_of, lambda fact, near=near: None if fact.mild else near)
+        yield from _compare_facts(made, properties, other.fields.get(span, {}), partial(_if_not_mild, near))
     yield from _compare_names(made, own.names, other.names)
+
+
+def _if_not_mild(near: Path, fact: Fact) -> Path | None:
+    return None if fact.mild else near
 
 
 def _alike(one: Bit, other: Bit) -> bool:
