@@ -6,6 +6,7 @@ positions in the number that the bytes form. A member that has its default may b
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -135,30 +136,21 @@ class Description:
 
 def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` has the reports and the verdict of a frame."""
-    layout, judgement = codec.layout, reporting.judgement if reporting is not None else None
-    told = reporting.told if reporting is not None else ()
+    layout, powers = codec.layout, powers_of_two(codec)
     order = "little" if layout.byte_order == "low_byte_first" else "big"
-    powers = powers_of_two(codec)
     sent = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
-    worst_first = judgement.worst_first if judgement is not None else ()
+    judgement = reporting.judgement if reporting is not None else None
     return Description(
         bits=layout.bits,
         length=codec.length if codec.in_bytes else 0,
         order=order if codec.in_bytes else "",
         columns=tuple(_column(item, item.name in powers) for item in layout.fields),
-        joins=tuple(
-            Join(Name(whole.join.name), tuple((Name(item.name), low) for item, low in whole.from_low))
-            for whole in codec.wholes
-        ),
+        joins=tuple(map(_join, codec.wholes)),
         unused=tuple(Unused(one.field.low, one.field.width, one.value, one.place) for one in codec.reserved),
         checks=tuple(map(_check, codec.checks)),
-        parities=tuple(
-            Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd)
-            for place, value in sent
-            if isinstance(value, plan.ParityOf)
-        ),
-        speaks=tuple(_speaks(verdict, item) for verdict, items in worst_first for item in items),
-        tells=tuple(Tells(item.report.name, Name(item.by.field.name), _mask(item.by), item.only) for item in told),
+        parities=tuple(_parity(place, value) for place, value in sent if isinstance(value, plan.ParityOf)),
+        speaks=tuple(_speaks(judgement)) if judgement is not None else (),
+        tells=tuple(map(_tells, reporting.told)) if reporting is not None else (),
         fields=tuple(BitField(item.name, item.low, item.width) for item in layout.fields),
         crc=codec.crc,
         gray=codec.gray,
@@ -206,13 +198,27 @@ def _check(item: plan.Check) -> Check:
             assert_never(item)
 
 
+def _join(whole: plan.Whole) -> Join:
+    return Join(Name(whole.join.name), tuple((Name(item.name), low) for item, low in whole.from_low))
+
+
+def _parity(place: Place, value: plan.ParityOf) -> Check:
+    return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd)
+
+
 def _places(of: tuple[Field, ...]) -> tuple[Place, ...]:
     return tuple(Place(item.low, item.width) for item in of)
 
 
-def _speaks(verdict: Verdict, item: reports.Speaks) -> Speaks:
-    unless = tuple(Name(part.field.name) for part in item.unless)
-    return Speaks(verdict, Name(item.by.field.name), unless, _mask(item.by), item.only)
+def _speaks(judgement: reports.Judgement) -> Iterator[Speaks]:
+    for verdict, items in judgement.worst_first:
+        for item in items:
+            unless = tuple(Name(part.field.name) for part in item.unless)
+            yield Speaks(verdict, Name(item.by.field.name), unless, _mask(item.by), item.only)
+
+
+def _tells(item: reports.Told) -> Tells:
+    return Tells(item.report.name, Name(item.by.field.name), _mask(item.by), item.only)
 
 
 def _mask(by: plan.Part | plan.Reserved) -> int:
