@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
+from ..say.numbers import first_of
 from .change import Change, Thing
 from .expressions import Differing
 from .family_pair import FamilyPair
@@ -74,9 +75,7 @@ def numbers(found: Differing, old: Expression | None, new: Expression | None, fo
     texts = shown(old, form), shown(new, form)
     if texts[0] != texts[1]:
         return " → ".join(texts)
-    more = len(found.values) - 2
-    listed = ", ".join(arrow(*pair, form) for pair in found.values[:2])
-    return listed + (f" and {more} more" if more > 0 else "")
+    return first_of([arrow(*pair, form) for pair in found.values], 2)
 
 
 def things(

@@ -6,7 +6,8 @@ from collections.abc import Hashable, Iterator
 from dataclasses import replace
 
 from ..model import Alternative, CodePart, CodeValue, Device, Measurement, Parameter, Spelling, Supply, Variant
-from .affected_codes import listed, pattern
+from ..say.numbers import first_of
+from .affected_codes import pattern
 from .change import Change, Thing
 from .compare import members, things
 from .counterparts import recognised
@@ -41,9 +42,8 @@ def order_codes(both: FamilyPair) -> Iterator[Change]:
     yield from _codes(both, "new", [item for item in new.variants if item.code not in kept])
     renamed = {before: after for before, after in both.shared.items() if before != after}
     if renamed:
-        first = " → ".join(next(iter(renamed.items())))
-        more = f" and {len(renamed) - 1} more" if len(renamed) > 1 else ""
-        label = f"order code{'s' if more else ''} {first}{more} (the same parts)"
+        said = first_of([" → ".join(names) for names in renamed.items()], 1)
+        label = f"order code{'s' * (len(renamed) > 1)} {said} (the same parts)"
         yield both.change("order-code-renamed", Thing("order_codes", label), "", list(renamed), list(renamed.values()))
     yield from _same_codes(both)
     before = old.order_code if renamed else replace(old.order_code, pattern=_in_new(both, old.order_code.pattern))
@@ -72,7 +72,7 @@ def _codes(both: FamilyPair, word: str, found: list[Variant]) -> Iterator[Change
         return
     codes = [item.code for item in found]
     is_gone = word == "gone"
-    said = pattern(both.old if is_gone else both.new, codes) or listed(codes)
+    said = pattern(both.old if is_gone else both.new, codes) or first_of(codes)
     label = f"order codes {said}: {len(codes)} {word}" if len(codes) > 1 else f"order code {said} is {word}"
     old, new = (codes, None) if is_gone else (None, codes)
     yield both.change(f"order-code-{word}", Thing("order_codes", label), "", old, new, codes)

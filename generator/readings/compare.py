@@ -10,6 +10,7 @@ from typing import Any
 
 from ..changes.pairs import paired
 from ..language.problems import Path
+from ..say.numbers import first_of
 from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .frame_bits import continues, run
 from .mistaken_names import are_settled, mistaken
@@ -187,11 +188,10 @@ def _compare_values(made: Comparison, fact: Fact, other: Fact) -> Iterator[Disag
 
 def _with(cases: list[Case]) -> str:
     """Return the text on the order codes and the state of the registers."""
-    code, state = cases[0]
+    state = cases[0][1]
     held = f" while {state}" if state else ""
-    codes = len({code for code, _ in cases})
-    more = f" and {codes - 1} more" if codes > 1 else ""
-    return f", for {code}{more}{held}"
+    codes = dict.fromkeys(code for code, _ in cases)
+    return f", for {first_of([*codes], 1)}{held}"
 
 
 #: Identity of a disagreement across cases: places, class, and its index among those with the same ones.
