@@ -70,7 +70,7 @@ demo
                  all 4 BiSS order codes; C, Python, XML [value-new]
   documentation  registers.command.function.save.meaning [words]
 4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
-generated: 15 of 152 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
+generated: 15 of 153 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
   still says 1.4.2
 """
 
@@ -178,7 +178,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 - command.function: value save: meaning (`words`): all 4 BiSS order codes; C, Python, XML, pages
 
-23 of 152 generated files change.
+23 of 153 generated files change.
 """,
     )
 
