@@ -131,7 +131,7 @@ def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
     data = json.loads(out)
     validator.validate(data)
-    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 152)
+    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 153)
     assert data["counts"] == {"documentation": 1, "compatible": 1, "behaviour": 1, "breaking": 1}
     assert data["changes"][1] == {
         "family": "demo",
