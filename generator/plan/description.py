@@ -1,7 +1,7 @@
 """The description of a frame or register as data, for outputs that interpret data instead of printing statements.
 
-Python prints it as literals for many frames at once, the browser as JSON, and Rust as a table. Positions are bit
-positions in the number that the bytes form. A member that has its default may be omitted.
+Python prints it as literals for many frames at once, the browser as JSON. Positions are bit positions in the number
+that the bytes form. A member that has its default may be omitted.
 """
 
 from __future__ import annotations

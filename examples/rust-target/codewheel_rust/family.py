@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from codewheel.model import Device, Field, Interface, Layout, Register, Value
 from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
-from codewheel.plan.description import Description, describe
 from codewheel.plan.frames import dispatches
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.run_time_parameters import held_parameters
@@ -39,11 +38,6 @@ class Struct:
     enums: Mapping[str, Enum]
     register: Register | None = None
     limits: Limits | None = None
-
-    @property
-    def description(self) -> Description:
-        """Return the frame or register as data."""
-        return describe(self.codec)
 
     @property
     def read(self) -> dict[str, Bits]:
