@@ -94,13 +94,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             width=6,
             differs=of_bits(crc_biss_6, variant.singleturn_bits + variant.multiturn_bits + 2, 6),
             xorout=63,
-            steps=(
-                Fold(24, 0xFFFFFF, 4),
-                Fold(6, 0x3F, 1),
-                Fold(12, 0xFFF, 2),
-                Fold(6, 0x3F, 1),
-                Fold(6, 0x3F, 1),
-            ),
+            steps=(Fold(24, 0xFFFFFF, 4), Fold(6, 0x3F, 1), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         position="position",
         otherwise=Verdict.USABLE,
@@ -160,13 +154,7 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x6 << 3),
     )
 
@@ -195,13 +183,7 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
             BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
             BitField("crc", 16, 8),
         ),
-        crc=CrcOf(
-            low=16,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 3, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=16, width=8, differs=of_bytes(crc_rs485_8, 3, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 
@@ -261,13 +243,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
             BitField("crc", 40, 8),
         ),
-        crc=CrcOf(
-            low=40,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 6, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=40, width=8, differs=of_bytes(crc_rs485_8, 6, 1, "little"), xorout=0, is_xor=True),
         fixed=0x2 << 0,
         otherwise=Verdict.USABLE,
     )
@@ -324,13 +300,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             BitField("multiturn_padding", variant.multiturn_bits + 16, 24 - variant.multiturn_bits),
             BitField("crc", 40, 8),
         ),
-        crc=CrcOf(
-            low=40,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 6, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=40, width=8, differs=of_bytes(crc_rs485_8, 6, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x1 << 3) | (0x1 << 7),
         otherwise=Verdict.USABLE,
     )
@@ -374,13 +344,7 @@ def shape_of_encoder_id_reply() -> Shape:
             BitField("encoder_id", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x2 << 3) | (0x1 << 7),
     )
 
@@ -481,13 +445,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             BitField("battery_alarm", 79, 1),
             BitField("crc", 80, 8),
         ),
-        crc=CrcOf(
-            low=80,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 11, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=80, width=8, differs=of_bytes(crc_rs485_8, 11, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x3 << 3),
         position="position",
         otherwise=Verdict.USABLE,
@@ -523,13 +481,7 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x6 << 3),
     )
 
@@ -563,13 +515,7 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 

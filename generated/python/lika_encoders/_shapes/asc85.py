@@ -82,12 +82,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             width=6,
             differs=of_bits(crc_biss_6, zero_bit.zero_bits + variant.position_bits + 2, 6),
             xorout=63,
-            steps=(
-                Fold(12, 0xFFF, 2),
-                Fold(12, 0xFFF, 2),
-                Fold(6, 0x3F, 1),
-                Fold(6, 0x3F, 1),
-            ),
+            steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         position="position",
         otherwise=Verdict.USABLE,
