@@ -41,7 +41,7 @@ def biss(words: Sequence[int], **options: Any) -> Wave:
     return line.finish()
 
 
-RATES = (4, 4.8, 5, 6.37, 8, 11, 16, 24, 33.3, 50)
+RATES = (2.4, 3, 4, 4.8, 5, 6.37, 8, 11, 16, 24, 33.3, 50)
 DELAYS = (0.0, 0.1, 0.26, 0.5, 0.77, 0.99, 1.0, 1.5, 3.3, 7.0)
 
 
@@ -61,7 +61,7 @@ def test_acknowledge_of_any_length(acknowledge: int) -> None:
         assert read(biss(words, acknowledge=acknowledge, delay=delay), rate) == (words, [])
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("rate", RATES[2:])
 def test_ssi_at_every_rate_with_every_delay(rate: float) -> None:
     words = [value & (1 << 25) - 1 for value in positions(4)]
     for delay, shift in itertools.product((0.0, 0.1, 0.4, 0.7), (0.0, 0.4)):
@@ -72,3 +72,100 @@ def test_ssi_at_every_rate_with_every_delay(rate: float) -> None:
 def test_clocks_after_the_frame_do_not_matter(extra: int) -> None:
     words = [biss_word(position) for position in positions(3)]
     assert read(biss(words, extra=extra), 10) == (words, [])
+
+
+# Planted faults: each gives exactly one message, and the other frames are found.
+
+
+def spike(wave: Wave, at: float) -> Wave:
+    return Wave(sorted([*wave.clock, at, at + 0.08]), wave.data, wave.now)
+
+
+def cycles(count: int = 5, **faults: Any) -> tuple[Biss, list[int]]:
+    line, words = Biss(**faults), [biss_word(position) for position in positions(count)]
+    return line, words
+
+
+def test_clock_that_stops_early() -> None:
+    line, words = cycles()
+    for place, word in enumerate(words):
+        # One clock, three of the acknowledgement, start, CDS, and 18 bits of the frame.
+        line.cycle(word, BITS, clocks=24 if place == 2 else None)
+    found, lost = read(line.finish(), 10)
+    assert found == words[:2] + words[3:]
+    assert [item.reason for item in lost] == ["the clock stops after 18 of 40 bits"]
+
+
+def test_silent_encoder() -> None:
+    line, words = cycles()
+    for place, word in enumerate(words):
+        before = list(line.wave.data)
+        line.cycle(word, BITS)
+        if place == 2:
+            line.wave.data = before
+    found, lost = read(line.finish(), 10)
+    assert found == words[:2] + words[3:]
+    assert [item.reason for item in lost] == ["no acknowledgement: the data line stays high"]
+
+
+def test_encoder_that_never_starts() -> None:
+    line, words = cycles()
+    for place, word in enumerate(words):
+        before = list(line.wave.data)
+        line.cycle(word, BITS)
+        if place == 3:
+            line.wave.data = [*before, line.wave.data[len(before)], (line.wave.now - 1, 1)]
+    found, lost = read(line.finish(), 10)
+    assert found == words[:3] + words[4:]
+    assert [item.reason for item in lost] == ["no start bit: the data line stays low after the acknowledgement"]
+
+
+def test_data_line_that_is_low_at_rest() -> None:
+    line, words = cycles()
+    for place, word in enumerate(words):
+        line.cycle(word, BITS)
+        if place == 1:
+            line.wave.data[-1] = (line.wave.now + 50, 1)
+    line.wave.data.sort()
+    found, lost = read(line.finish(), 10)
+    assert found == words[:2] + words[3:]
+    assert [item.reason for item in lost] == ["the data line is low before the cycle begins"]
+
+
+@pytest.mark.parametrize("rate", [16, 24, 50])
+def test_spike_on_the_clock(rate: float) -> None:
+    wave = biss([biss_word(position) for position in positions(5)])
+    words, _ = read(wave, rate)
+    found, lost = read(spike(wave, wave.clock[2 * 47 + 30] + 0.2), rate)
+    assert found == [word for place, word in enumerate(words) if place != 1]
+    assert [item.reason for item in lost] == ["a very short pulse on the clock"]
+
+
+@pytest.mark.parametrize("kind", ["biss", "ssi"])
+def test_capture_that_begins_or_ends_within_a_cycle(kind: str) -> None:
+    words = [biss_word(position) for position in positions(3, 7)]
+    wave = biss(words) if kind == "biss" else ssi(words, BITS)
+    samples = wave.samples(10)
+    begin, end = int(wave.clock[0] * 10), int(wave.clock[-1] * 10)
+    for cut in range(begin + 12, begin + 400, 7):
+        got = list(_read_samples(samples[cut:], kind))
+        assert got == [words[1:], ["the capture begins within this cycle"]], cut
+    for cut in range(end - 390, end - 12, 7):
+        got = list(_read_samples(samples[:cut], kind))
+        assert got == [words[:2], ["the capture ends within this cycle"]], cut
+
+
+def _read_samples(samples: Any, kind: Any) -> tuple[list[int], list[str]]:
+    found: tuple[list[int], list[str]] = ([], [])
+    for part in clocked(of_array(numpy.array(samples, numpy.uint8), NAMES), "a capture", kind, BITS):
+        found[0].extend(part.frames.tolist())
+        found[1].extend(item.reason for item in part.lost)
+    return found
+
+
+def test_ssi_word_that_is_cut() -> None:
+    words = [5, 6, 7]
+    wave = ssi(words, 25, clocks=20)
+    found, lost = read(wave, 10, 25, "ssi")
+    assert found == []
+    assert [item.reason for item in lost] == ["the clock stops after 20 of 25 bits"] * 3

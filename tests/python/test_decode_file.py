@@ -24,7 +24,7 @@ import pyarrow.parquet
 import pytest
 from codewheel_runtime import inputs
 from codewheel_runtime.command import main
-from codewheel_runtime.table import Fault
+from codewheel_runtime.table import ErrorKind
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from python_path import python_path
@@ -223,7 +223,7 @@ def test_parts_make_the_whole(
                 count = min(limit if limit is not None else 1000, 1000)
                 assert (told.frames, found.num_rows) == (count, count)
                 assert found["position"].to_pylist() == whole.usable_position[:count].tolist()
-                faults = [Fault[item.upper()] for item in found["fault"].to_pylist()]
+                faults = [ErrorKind[item.upper()] for item in found["fault"].to_pylist()]
                 assert faults == whole.fault[:count].tolist()
 
 

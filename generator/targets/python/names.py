@@ -65,7 +65,7 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.codec": ("BitField",),
     "codewheel_runtime.reports": ("Verdict",),
     "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
-    "codewheel_runtime.table": ("Fault",),
+    "codewheel_runtime.table": ("ErrorKind",),
 }
 
 #: Modules of the package that do not belong to a device.

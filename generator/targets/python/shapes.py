@@ -83,7 +83,7 @@ class Shape:
     def _check(self, item: Condition) -> Call:
         return record(
             "Check",
-            {**self._at(item.place), "fault": Member("Fault", item.check.fault.name)},
+            {**self._at(item.place), "fault": Member("ErrorKind", item.check.fault.name)},
             values=item.values,
             limit=item.limit,
             parity_of=self._places(item.parity_of),
@@ -92,7 +92,7 @@ class Shape:
 
     def _parities(self) -> Iterator[Call]:
         for place, of, odd in parities(self.plan):
-            fault = Member("Fault", "CONSTANT")
+            fault = Member("ErrorKind", "CONSTANT")
             yield record("Check", {**self._at(place), "fault": fault}, parity_of=self._places(of), odd=odd or None)
 
     def _places(self, places: tuple[Place, ...]) -> tuple[tuple[Code, Code], ...]:

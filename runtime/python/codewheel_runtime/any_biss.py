@@ -11,7 +11,7 @@ from .encoder import Encoder
 from .inputs import UsageError, short
 from .reports import Verdict
 from .shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
-from .table import Fault
+from .table import ErrorKind
 
 _HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
 #: Flags of BiSS frames, which are active at level 0, and the verdict on the position that they lead to.
@@ -103,7 +103,7 @@ def biss_layout(text: str) -> BissLayout:
             )
             crc = CrcOf(low, width, of_bits(checks_of, bits - width, width))
         elif name == "zero":
-            checks.append(Check(low, width, Fault.CONSTANT, (0,)))
+            checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
         elif name == "unused":
             unused.append(Unused(low, width, 0, sum(item.width for item in unused)))
         else:

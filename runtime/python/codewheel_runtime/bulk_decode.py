@@ -25,7 +25,7 @@ from .shape import (
     unused_groups,
     width_of,
 )
-from .table import Fault, Table
+from .table import ErrorKind, Table
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
@@ -98,7 +98,7 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
         part = slice(start, start + CHUNK)
         _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
     if len(wrong):
-        fault[wrong] = Fault.LENGTH
+        fault[wrong] = ErrorKind.LENGTH
     worth = out.pop("verdict", None)
     if worth is not None and len(wrong):
         worth[wrong] = 0
@@ -227,12 +227,12 @@ def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
 def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
     chunk = Chunk(limbs, shape.bits)
-    found = [(Fault.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    found = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
         chunk.ungray(*shape.gray)
     found += [(item.fault, np.logical_not(_holds(chunk, item))) for item in shape.checks]
     if not shape.length and shape.bits < 64:
-        found.append((Fault.LENGTH, source >> np.uint64(shape.bits) != 0))
+        found.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
     for kind, where in sorted(found, key=lambda item: -item[0]):
         fault *= np.logical_not(where)

@@ -27,6 +27,8 @@ _REST: Final = 1.4
 _SPIKE: Final = 0.15
 #: Longest delay of a data line, in periods of the clock, for which the next stretch of the capture is awaited.
 _DELAY: Final = 256
+#: With fewer samples in a period of the clock, the positions of edges are averaged.
+_COARSE: Final = 8
 #: Number of edges without a rest after which a signal is not a clock.
 _ENDLESS: Final = 1 << 22
 #: Number of edges of the clock that are needed to determine its period.
@@ -55,6 +57,7 @@ class Found(NamedTuple):
         lost: Cycles without a frame.
         done: Amount of the file that has been read.
         control: Over BiSS, the time, CDS bit and CDM bit of each cycle, including lost ones, whose CDS bit is -1.
+        kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
         others: Number of frames of other kinds, by name.
     """
 
@@ -63,6 +66,7 @@ class Found(NamedTuple):
     lost: list[Lost]
     done: int = 0
     control: tuple[Any, Any, Any] | None = None
+    kind: str = ""
     others: Mapping[str, int] = MappingProxyType({})
 
 
@@ -134,8 +138,8 @@ class _Cycles:
 
     def _set_rest(self) -> None:
         # Two edges later, within a cycle, is one period later, whatever the duty cycle is.
-        period = float(np.median(self._clock[2:] - self._clock[:-2]))
-        self._rest = self._given or _REST * period
+        spans = self._clock[2:] - self._clock[:-2]
+        self._rest = self._given or _REST * float(spans[spans < 2 * np.median(spans)].mean())
 
     def _ends(self) -> Any:
         """Return the index after the last edge of each cycle."""
@@ -236,9 +240,39 @@ class _Cycles:
         times = clock[places]
         if beyond.any():
             times += beyond * period[:, None]
-        # The bit changes up to one sample before its edge is seen.
-        times += (delay + period / 2 - self._early)[:, None]
+        # A bit changes up to one sample before its edge is seen.
+        half = period / 2 - self._early
+        if self._early and len(period) and period.min() < _COARSE:
+            times, delay, half = self._refined(times, beyond == 0, delay, period)
+        times += (delay + half)[:, None]
         return (np.searchsorted(data, times.ravel(), "right").reshape(times.shape) & 1) ^ self._levels[1]
+
+    def _refined(self, times: Any, known: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
+        """Return better times of the clock's edges, the delay, and half a bit, for few samples per period.
+
+        A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
+        a sample.
+        """
+        x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], known.astype(np.float64)
+        count = np.maximum(weight.sum(axis=1), 1)
+        mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
+        off = (x - mean_x[:, None]) * weight
+        slope = (off * (times - mean_y[:, None])).sum(axis=1) / np.maximum((off * off).sum(axis=1), 1e-9)
+        line = mean_y[:, None] + slope[:, None] * (x - mean_x[:, None])
+        is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
+        # The first edge of the data line near each bit.
+        expected = line + delay[:, None]
+        data = np.append(self._data, np.inf)
+        near = (
+            data[np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())].reshape(times.shape) - expected
+        )
+        is_near = near < slope[:, None] / 2
+        late = np.where(is_near, near, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
+        return (
+            np.where(is_even[:, None], line, times),
+            np.where(is_even, delay + late, delay),
+            np.where(is_even, slope / 2, period / 2 - self._early),
+        )
 
     def _said(self, reason: int, sent: int, is_cut: bool) -> str:
         if is_cut and reason in (_SHORT, _NO_START, _LOW):

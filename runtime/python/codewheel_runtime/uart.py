@@ -9,10 +9,10 @@ from typing import Any, Final, NamedTuple
 
 from .bulk_decode import decode_many
 from .clocked import Found, Lost
-from .inputs import InputError, UsageError
+from .inputs import InputError
 from .shape import Shape
 from .signals import Signals
-from .table import Fault
+from .table import ErrorKind
 
 np: Any = import_module("numpy")
 
@@ -102,13 +102,20 @@ def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator
         InputError: The line never changes.
     """
     finder = _Replies(kinds, _BITS / baud)
+    first: list[Found] = []
     is_silent = True
     for part in serial_bytes(signals, baud):
         is_silent = False
-        yield finder.feed(part)
+        found = finder.feed(part)
+        if not finder.wanted:
+            # The kind of the replies is not known yet.
+            first.append(found)
+            continue
+        yield from (item._replace(kind=finder.wanted) for item in (*first, found))
+        first.clear()
     if is_silent:
         raise InputError(name, "", "no byte was sent: choose another channel with --data")
-    yield finder.finish()
+    yield from (item._replace(kind=finder.wanted) for item in (*first, finder.finish()))
 
 
 class _Replies:
@@ -117,7 +124,7 @@ class _Replies:
     def __init__(self, kinds: Kinds, duration: float) -> None:
         self._kinds, self._pause = kinds, _PAUSE * duration
         self._values, self._times, self._good = np.zeros(0, np.uint8), np.zeros(0), np.zeros(0, bool)
-        self._wanted, self._done = kinds.wanted, 0
+        self.wanted, self._done = kinds.wanted, 0
 
     def feed(self, part: _Bytes) -> Found:
         """Return the replies that are complete with some more bytes."""
@@ -180,9 +187,9 @@ class _Replies:
             end = end if until == count else first
             if first < end:
                 runs.append((first, end))
-        if not self._wanted:
+        if not self.wanted:
             found = [name for name in order if starts[name] and self._kinds.replies[name].otherwise is not None]
-            self._wanted = max(found, key=lambda name: len(starts[name]), default="")
+            self.wanted = max(found, key=lambda name: len(starts[name]), default="")
         made = self._result(starts, runs, asked_at)
         keep = max(end, 0)
         self._values, self._times, self._good = self._values[keep:], self._times[keep:], self._good[keep:]
@@ -190,13 +197,13 @@ class _Replies:
 
     def _result(self, starts: dict[str, list[int]], runs: Sequence[tuple[int, int]], asked: list[int]) -> Found:
         lost: list[Lost] = []
-        wanted = self._kinds.replies.get(self._wanted)
-        mine = starts.pop(self._wanted, [])
+        wanted = self._kinds.replies.get(self.wanted)
+        mine = starts.pop(self.wanted, [])
         for first, end in runs:
             at = first + asked[first] if asked[first] < end - first else first
             if wanted is not None and self._good[first:end].all() and end - at == wanted.length:
                 kind = decode_many(self._values[at:end][None, :], wanted, None).fault[0]
-                if kind == Fault.CRC:
+                if kind == ErrorKind.CRC:
                     mine.append(at)
                     continue
             lost.append(Lost(float(self._times[first]), self._said(first, end, asked)))
@@ -205,7 +212,7 @@ class _Replies:
         length = wanted.length if wanted is not None else 1
         rows = self._values[places[:, None] + np.arange(length)[None, :]] if len(mine) else np.zeros((0, length), "u1")
         others = {name: len(found) for name, found in starts.items() if found}
-        return Found(rows, self._times[places], lost, self._done, None, others)
+        return Found(rows, self._times[places], lost, self._done, None, self.wanted, others)
 
     def _said(self, first: int, end: int, asked: list[int]) -> str:
         data = self._values[first:end].tobytes()
@@ -215,9 +222,3 @@ class _Replies:
         if asked[first] == end - first:
             return f"no reply to the request {shown}"
         return f"{len(data)} byte{'' if len(data) == 1 else 's'} that are no reply: {shown}"
-
-
-def check_kind(kinds: Kinds) -> None:
-    """Raise UsageError if the encoder does not send the wanted kind."""
-    if kinds.wanted and kinds.wanted not in kinds.replies:
-        raise UsageError(f"the encoder does not send {kinds.wanted}; its replies: {', '.join(kinds.replies)}")
