@@ -36,7 +36,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
         "codec": """BitField Data Rows Word Words as_bytes as_word check_encoder check_kind check_limits check_width
             choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long
             unwrap wrong_encoder""",
-        "encoder": "Encoder fact",
+        "encoder": "Encoder Positioned fact",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
             decode_many decoder encode_many needed_by raised reported returned shape_of""",

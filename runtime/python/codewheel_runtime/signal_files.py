@@ -119,8 +119,10 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
 
 def _numbered(name: Any, probes: dict[int, str], numbers: list[int]) -> Any:
     """Return the place of a probe that is chosen by its number, or the name unchanged."""
-    is_number = name is not None and name.isascii() and name.isdigit() and len(name) < 4 and name not in probes.values()
-    return str(numbers.index(int(name)) + 1 if int(name) in numbers else 0) if is_number else name
+    text = name or ""
+    if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
+        return name
+    return str(numbers.index(int(text)) + 1 if int(text) in numbers else 0)
 
 
 def _entries(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
@@ -441,7 +443,8 @@ def _vcd(file: BinaryIO, path: str, names: Names) -> Signals:
     size = _size(file)
     head = file.read(_BLOCK)
     end = re.search(rb"\$enddefinitions\s+\$end", head)
-    scale = _SCALE.search(text := head[: end.start()].decode("ascii", "replace")) if end else None
+    text = head[: end.start()].decode("ascii", "replace") if end else ""
+    scale = _SCALE.search(text)
     if end is None or scale is None:
         raise InputError(path, "", "this is not a valid VCD file: the header has no time scale or no end")
     file.seek(end.end())

@@ -196,8 +196,8 @@ class Table(Mapping[str, Any]):
             rows = slice(start, start + _ROWS)
             columns: list[list[Any]] = []
             for name in self:
-                hidden, cells = self.hidden(name), self._column(name)[rows]
-                cells = cells.tolist() if hasattr(cells, "tolist") else list(cells)
+                hidden, column = self.hidden(name), self._column(name)[rows]
+                cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
                 if name == "fault":
                     cells = [ErrorKind(cell) for cell in cells]
                 elif name == "verdict":

@@ -154,15 +154,15 @@ class _Replies:
     def _found(self, until: int) -> Found:
         replies = {name: self._valid(shape) for name, shape in self._kinds.replies.items()}
         lengths = {name: shape.length for name, shape in self._kinds.replies.items()}
-        order = sorted(lengths, key=lambda name: -lengths[name])
+        order = [name for _, name in sorted((-length, name) for name, length in lengths.items())]
         count = len(self._values)
         # The kind of the reply at each byte, the longest one first, and the length of the request there.
         at = np.full(count + 1, -1)
         for place, name in reversed([*enumerate(order)]):
             at[replies[name]] = place
         asked = np.zeros(count + 1, np.int64)
-        for shape in sorted(self._kinds.requests.values(), key=lambda shape: shape.length):
-            asked[self._valid(shape)] = shape.length
+        for shape in self._kinds.requests.values():
+            asked = np.maximum(asked, shape.length * self._valid(shape))
         kind_at, asked_at = at.tolist(), asked.tolist()
         starts: dict[str, list[int]] = {name: [] for name in order}
         runs: list[tuple[int, int]] = []
@@ -184,12 +184,13 @@ class _Replies:
         end = min(max(place, first), count)
         if first < end:
             # The bytes may begin a reply that is not complete yet, unless these are the last ones.
-            end = end if until == count else first
+            end = end if until == count or end - first > 4 * _KEPT else first
             if first < end:
                 runs.append((first, end))
         if not self.wanted:
             found = [name for name in order if starts[name] and self._kinds.replies[name].otherwise is not None]
-            self.wanted = max(found, key=lambda name: len(starts[name]), default="")
+            if found:
+                self.wanted = max((len(starts[name]), name) for name in found)[1]
         made = self._result(starts, runs, asked_at)
         keep = max(end, 0)
         self._values, self._times, self._good = self._values[keep:], self._times[keep:], self._good[keep:]
