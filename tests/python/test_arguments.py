@@ -149,7 +149,7 @@ def test_bytes_hold_a_word_with_zeros_in_front(lika: Any, kind: Any) -> None:
     # 45 bits in six bytes: the example of the manual page, 42 revolutions and 1821973 counts.
     frame = encoder.decode(kind(bytes.fromhex("00 05 5B CD 15 E2")))
     assert (frame.multiturn, frame.singleturn) == (42, 1821973)
-    with pytest.raises(lika.LengthError, match="^expected 45 bits, got 48$"):
+    with pytest.raises(lika.LengthError, match=r"^expected 45 bits, got 48$"):
         encoder.decode(kind(bytes.fromhex("80 05 5B CD 15 E2")))
 
 

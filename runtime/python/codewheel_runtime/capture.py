@@ -92,6 +92,20 @@ class CaptureSummary(NamedTuple):
     access_count: int
     others: Mapping[str, int]
 
+    @property
+    def error_rate(self) -> float:
+        """Fraction of the cycles that contain no valid frame, from 0 to 1."""
+        lost = sum(self.lost.values())
+        cycles = self.frames.frames + lost
+        return (lost + sum(self.frames.faults.values())) / cycles if cycles else 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain values for JSON."""
+        accesses = [item._asdict() for item in self.accesses]
+        lost = [item._asdict() for item in self.first_lost]
+        counts = {"lost": dict(self.lost), "first_lost": lost, "accesses": accesses, "others": dict(self.others)}
+        return self.frames.to_dict() | counts
+
     def __str__(self) -> str:
         lost = sum(self.lost.values())
         parts = [str(self.frames), f"{lost} lost"]

@@ -57,6 +57,12 @@ class Summary(NamedTuple):
         """Fraction of the frames with an error, from 0 to 1."""
         return sum(self.faults.values()) / self.frames if self.frames else 0.0
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain values for JSON."""
+        faults = {kind.name.lower(): count for kind, count in self.faults.items()}
+        verdicts = {kind.value: count for kind, count in self.verdicts.items()}
+        return {"frames": self.frames, "faults": faults, "verdicts": verdicts, "lost_cells": self.lost}
+
     def __str__(self) -> str:
         valid = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())

@@ -178,9 +178,9 @@ class _Replies:
                 continue
             if first < place:
                 runs.append((first, place))
-            name = order[kind_at[following]]
-            starts[name].append(following)
-            first = place = following + lengths[name]
+            sort: str = order[kind_at[following]]
+            starts[sort].append(following)
+            first = place = following + lengths[sort]
         end = min(max(place, first), count)
         if first < end:
             # The bytes may begin a reply that is not complete yet, unless these are the last ones.
