@@ -111,7 +111,7 @@ def biss_layout(text: str) -> BissLayout:
     widths = {item.name: item.width for item in columns}
     joins: tuple[Join, ...] = ()
     if "multiturn" in widths and "singleturn" in widths and "position" not in widths:
-        joins = (Join("position", (("multiturn", widths["singleturn"]), ("singleturn", 0))),)
+        joins = (Join("position", (("singleturn", 0), ("multiturn", widths["singleturn"]))),)
         widths["position"] = widths["multiturn"] + widths["singleturn"]
     speaks = tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths)
     shape = Shape(

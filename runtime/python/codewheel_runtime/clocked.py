@@ -27,8 +27,9 @@ _REST: Final = 1.4
 _SPIKE: Final = 0.15
 #: Longest delay of a data line, in periods of the clock, for which the next stretch of the capture is awaited.
 _DELAY: Final = 256
-#: With fewer samples in a period of the clock, the positions of edges are averaged.
+#: With fewer samples in a period of the clock, the positions of edges are averaged, and the delay of some bits.
 _COARSE: Final = 8
+_AVERAGED: Final = 16
 #: Number of edges without a rest after which a signal is not a clock.
 _ENDLESS: Final = 1 << 22
 #: Number of edges of the clock that are needed to determine its period.

@@ -94,13 +94,14 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
             text = entry.read(_HEADER).decode("utf-8", "replace")
         config = ConfigParser(interpolation=None, strict=False)
         config.read_string(text)
-        device = next((config[name] for name in config.sections() if "capturefile" in config[name]), None)
-        if device is None:
-            raise InputError(path, "", "this sigrok session has no logic signals")
-        size, stem = _whole(device.get("unitsize", "1")), device["capturefile"]
+        devices = [config[name] for name in config.sections() if "capturefile" in config[name]]
+        device = devices[0] if devices else {}
+        size, stem = _whole(device.get("unitsize", "1")), device.get("capturefile", "")
         probes = {_whole(key[5:]): value for key, value in device.items() if re.fullmatch(r"probe[0-9]{1,3}", key)}
     except (zipfile.BadZipFile, KeyError, ConfigError, ValueError, RuntimeError, NotImplementedError, zlib.error):
         raise InputError(path, "", "this is not a valid sigrok session") from None
+    if not stem:
+        raise InputError(path, "", "this sigrok session has no logic signals")
     if size not in (1, 2, 4, 8):
         raise InputError(path, "", f"samples of {size} bytes are not supported: expected 1, 2, 4 or 8")
     numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
@@ -305,6 +306,8 @@ _TIME: Final = re.compile(r"(?:time\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNO
 
 def _text(file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
     """Return the signals of a table: columns of 0 and 1 with a row per sample, or with a time in the first column."""
+    if len(head) == _HEADER and b"\n" not in head:
+        raise InputError(path, "", "a line is too long: this is not a capture")
     lines = head.decode("utf-8-sig", "replace").splitlines()
     comments = [line.lstrip("; #") for line in lines if line[:1] in (";", "#")]
     rows = [line for line in lines if line.strip() and line[:1] not in (";", "#")]
@@ -462,14 +465,20 @@ def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edg
     for block, done in _blocks(file, path, "VCD"):
         before = tuple(level or 0 for level in levels)
         times: list[list[int]] = [[] for _ in codes]
+        is_code = False
         for token in block.split():
-            if token in known:
+            if is_code:
+                # The code of a vector or a real number, whose value came before.
+                is_code = False
+            elif token in known:
                 place, level = known[token]
                 if levels[place] is None:
                     before = (*before[:place], level, *before[place + 1 :])
                 elif levels[place] != level:
                     times[place].append(now)
                 levels[place] = level
+            elif token[:1] in b"bBrR":
+                is_code = True
             elif token[:1] == b"#":
                 later = int(token[1:]) if token[1:].isdigit() and len(token) < 20 else -1
                 if later < now:
