@@ -200,7 +200,7 @@ META = b"[device 1]\ncapturefile=logic-1\nsamplerate=24 MHz\nprobe1=MA\nprobe2=S
         (b"\x93NUMPY\x09\x00\x02\x00{}", "this is not a valid NumPy file"),
         (b"<SALEAE>\0\0", "give two files"),
         (b"$timescale 1 ns $end\n", "this is not a valid VCD file"),
-        (b"$timescale 1 ns $end $var wire 1 ! MA $end $var wire 1 % SLO $end $enddefinitions $end\n#5\n#4\n", "of order"),
+        (b"$timescale 1 ns $end $var wire 1 ! MA $end $var wire 1 % SLO $end $enddefinitions $end\n#5\n#4\n", "order"),
         (b"1,1\n0,2\n", "expected columns of 0 and 1"),
         (b"1,1\n0\n", "from line"),
         (b"hello world, this is a letter\nwith two lines\n", "this is not a capture"),

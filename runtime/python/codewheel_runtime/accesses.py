@@ -103,7 +103,9 @@ class Accesses:
             yield from self._state(cds, cdm)
 
     def _is_known(self) -> bool:
-        """Return whether the address of the access has been transmitted."""
+        """Return whether the address of an unfinished access has been transmitted."""
+        if self._state == self._byte:
+            return self._at < 12
         return self._state != self._header or self._at >= 15
 
     def _access(self, value: int | None, result: str, done: bool = False) -> Access:

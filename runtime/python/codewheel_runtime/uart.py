@@ -106,16 +106,13 @@ def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator
     is_silent = True
     for part in serial_bytes(signals, baud):
         is_silent = False
-        found = finder.feed(part)
-        if not finder.wanted:
-            # The kind of the replies is not known yet.
-            first.append(found)
-            continue
-        yield from (item._replace(kind=finder.wanted) for item in (*first, found))
-        first.clear()
+        first.append(finder.feed(part))
+        if finder.wanted:
+            yield from map(finder.told, first)
+            first.clear()
     if is_silent:
         raise InputError(name, "", "no byte was sent: choose another channel with --data")
-    yield from (item._replace(kind=finder.wanted) for item in (*first, finder.finish()))
+    yield from map(finder.told, [*first, finder.finish()])
 
 
 class _Replies:
@@ -137,6 +134,12 @@ class _Replies:
     def finish(self) -> Found:
         """Return the replies among the last bytes."""
         return self._found(len(self._values))
+
+    def told(self, found: Found) -> Found:
+        """Return what was found with the kind of the replies, which the first parts do not know."""
+        if not self.wanted or len(found.frames):
+            return found
+        return found._replace(kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8))
 
     def _valid(self, shape: Shape) -> Any:
         """Return whether a valid frame begins at each byte."""
