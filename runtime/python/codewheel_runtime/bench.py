@@ -68,7 +68,8 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
     except ImportError as error:
         raise missing(package, error) from None
     try:
-        with link.open_encoder(chosen.port, encoder) as opened:
+        # Without retries, every error is counted.
+        with link.open_encoder(chosen.port, encoder, retries=0) as opened:
             watch(opened, encoder, chosen.port, count=chosen.count, interval_s=chosen.interval)
     except link.LinkError as error:
         raise Failed(error) from None

@@ -488,6 +488,8 @@ _EXTRAS: Final = {"matplotlib": "plot", "serial": "serial"}
 
 def missing(package: str, error: ImportError) -> Failed:
     """Return the error for a Python package that is not installed."""
+    if not isinstance(error, ModuleNotFoundError):
+        return Failed(error)
     extra = _EXTRAS.get((error.name or "").partition(".")[0], "parquet")
     return Failed(f"this needs {error.name or error}: pip install '{distribution(package)}[{extra}]'")
 

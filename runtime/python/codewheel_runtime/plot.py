@@ -75,7 +75,8 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
         if len(at):
             _mark((top, bottom), at, f"{name} ({len(at)})", colour)
     if top.get_legend_handles_labels()[1]:
-        top.legend(loc="upper right")
+        # Above the axes, where it hides nothing.
+        top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
     for axes in (top, bottom):
         axes.grid(alpha=0.3)
         axes.margins(x=0.01)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import PurePath
 from types import TracebackType
@@ -127,9 +127,19 @@ class Texts:
         self.kind: Any = None
         self.lost = 0
 
-    def array(self, cells: Sequence[str]) -> Any:
+    def array(self, cells: Any) -> Any:
         """Return the cells as an array. Empty cells become null, and so do cells that should be numbers but are not."""
-        texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
+        if isinstance(cells, self._pa.Array):
+            if self.kind is not None and self.kind != self._pa.string():
+                try:
+                    return cells.cast(self.kind)
+                except self._pa.ArrowInvalid:
+                    pass  # Some cells are empty or have no number.
+            compute: Any = import_module("pyarrow.compute")
+            texts = compute.utf8_trim_whitespace(cells)
+            texts = compute.if_else(compute.equal(texts, ""), None, texts)
+        else:
+            texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
             self.kind = self._kind_of(texts)
         try:
