@@ -78,6 +78,14 @@ class _NoFrame(ValueError):
         self.row = row
 
 
+def of_column(column: Any, shape: Shape) -> Any:
+    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
+    pa: Any = import_module("pyarrow")
+    if not isinstance(column, (pa.Array, pa.ChunkedArray)):
+        column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
+    return of_arrow(column, shape)
+
+
 def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_first: bool = True) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 

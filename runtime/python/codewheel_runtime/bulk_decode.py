@@ -89,6 +89,8 @@ class Chunk:
 
 def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
+    if _is_arrow(frames):
+        frames = import_module(f"{__package__}.arrow").of_column(frames, shape)
     source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
@@ -104,6 +106,11 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
         worth[wrong] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
     return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape))
+
+
+def _is_arrow(frames: object) -> bool:
+    """Return whether frames are a column of Arrow, polars, or another library with Arrow's C interface."""
+    return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 
 def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
@@ -140,6 +147,8 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
 def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
     """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
+        if memoryview(frames).nbytes % 8:
+            raise ValueError(f"expected eight bytes per frame, got {memoryview(frames).nbytes} bytes")
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
     if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
         if frames.dtype.kind == "f" and frames.ndim == 1:

@@ -242,7 +242,7 @@ class Files(NamedTuple):
         raw: bool = False,
         answers: Mapping[str, Enum | str] = _NO_ANSWERS,
     ) -> _Part:
-        """Decode the frames of an Arrow table or record batch, or of a pandas DataFrame.
+        """Decode the frames of a table of Arrow, pandas, polars, DuckDB, or another library with Arrow's C stream.
 
         The fields, ``verdict`` and ``fault`` replace the column of frames. Other columns, all rows and the index of a
         DataFrame are unchanged. A position is null if the frame has an error or its position is not usable. A missing
@@ -260,7 +260,8 @@ class Files(NamedTuple):
             answers: Answers to the questions that the manual leaves open, by name.
 
         Returns:
-            A partition of the same type.
+            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a DataFrame of pandas. For other
+            types, a ``pyarrow.Table``, which they accept.
 
         Raises:
             InputError: The column does not contain such frames.
@@ -274,7 +275,10 @@ class Files(NamedTuple):
             return cast(_Part, _of_arrow(part, encoder, shape, column, digits, raw))
         if kind == ("pandas", "DataFrame"):
             return cast(_Part, _of_pandas(part, encoder, shape, column, digits, raw))
-        raise TypeError(f"expected an Arrow table or record batch or a pandas DataFrame, got {type(part).__name__}")
+        if hasattr(part, "__arrow_c_stream__") or hasattr(part, "__arrow_c_array__"):
+            found = import_module("pyarrow").table(part)
+            return cast(_Part, _of_arrow(found, encoder, shape, column, digits, raw))
+        raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {type(part).__name__}")
 
     def _encoder(self, encoder: Encoder | str) -> Encoder:
         if isinstance(encoder, Encoder):

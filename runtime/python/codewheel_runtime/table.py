@@ -8,7 +8,7 @@ from enum import IntEnum
 from importlib import import_module
 from math import tau
 from types import MappingProxyType
-from typing import Any, Final, Literal, overload
+from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
 from .codec import unwrap
 from .encoder import Encoder
@@ -42,7 +42,18 @@ _ROWS: Final = 1 << 14
 _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
-class Table(Mapping[str, Any]):
+if TYPE_CHECKING:
+    _Columns = Mapping[str, Any]
+else:
+
+    class _Columns:
+        """Methods of a mapping. A real one would lead polars to the raw columns instead of the stream of Arrow."""
+
+        __contains__, get, items = Mapping.__contains__, Mapping.get, Mapping.items
+        keys, values = Mapping.keys, Mapping.values
+
+
+class Table(_Columns):
     """Columns of many frames. Each field has a NumPy array, by its name. So has ``fault``, the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
