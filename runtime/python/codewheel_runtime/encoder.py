@@ -70,7 +70,7 @@ else:
 
 
 class Encoder:
-    """Encoder of any family, as described by its order code. Immutable.
+    """Encoder of any family, as its order code describes it. Immutable.
 
     Attributes:
         family: Family of the encoder.
@@ -123,7 +123,7 @@ class Encoder:
 
     @property
     def special(self) -> bool:
-        """True if the label ends in ``/Sxxx``."""
+        """True if the label has a ``/Sxxx`` suffix."""
         return bool(self.special_code)
 
     @property

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Columns of many decoded frames, and conversions of them."""
+"""Columns of many decoded frames, and their conversion to other formats."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ else:
 
 
 class Table(_Columns):
-    """Columns of many frames. Each field has a NumPy array, by its name. So has ``fault``, the error of each frame.
+    """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
     masked if there is none. ``to_arrow`` and ``to_pandas`` return nulls there.
@@ -85,7 +85,7 @@ class Table(_Columns):
 
     @property
     def fault(self) -> Any:
-        """Error of each frame, as a number of :class:`ErrorKind`. Valid frames have 0."""
+        """Error of each frame, as the number of a :class:`ErrorKind`. Valid frames have 0."""
         return self._fault
 
     @property
@@ -244,7 +244,7 @@ class Table(_Columns):
         return f"<{len(self._fault)} frames{of}, {wrong} with an error: {', '.join(self)}>"
 
     def faults(self) -> dict[ErrorKind, int]:
-        """Return the number of frames with each error, and of valid ones."""
+        """Return the number of valid frames and the number of frames with each error."""
         kinds = ((kind, int((self._fault == kind).sum())) for kind in ErrorKind)
         return {kind: count for kind, count in kinds if count}
 
@@ -313,7 +313,7 @@ class Table(_Columns):
             unit: Unit of length or angle per second, or ``rpm`` for revolutions per minute.
 
         Returns:
-            An array of speeds. It is NaN for frames without a usable position, and for the first frame with one.
+            An array of speeds. It is NaN for frames without a usable position, and for the first frame that has one.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
@@ -378,7 +378,7 @@ class Table(_Columns):
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has one.
 
-        These are the rows without a usable position, for a column that is the position or a part of it.
+        A column that is the position or a part of it has no meaning in rows without a usable position.
         """
         return ~self.usable if name in self._measured else None
 
