@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import random
 import struct
 import zipfile
 from collections.abc import Callable, Sequence
@@ -230,6 +231,42 @@ def test_absurd_headers_take_no_memory(tmp_path: Path) -> None:
         numpy.lib.format.write_array_header_1_0(file, {"descr": "|u1", "fortran_order": False, "shape": (1 << 60,)})
     with pytest.raises(InputError, match="the clock never changes"):
         read([path], clock="1", data="2")
+
+
+def mutated(data: bytes, chosen: random.Random) -> bytes:
+    """Some bytes changed, removed or added, more often near the beginning."""
+    found = bytearray(data)
+    for _ in range(chosen.choice((1, 1, 2, 5, 20))):
+        place = chosen.randrange(len(found) if chosen.random() < 0.5 else min(len(found), 200))
+        kind = chosen.randrange(4)
+        if kind == 0:
+            found[place] = chosen.randrange(256)
+        elif kind == 1 and len(found) > 1000:
+            del found[place : place + chosen.randrange(1, 400)]
+        elif kind == 2:
+            found[place:place] = chosen.randbytes(chosen.randrange(1, 9))
+        else:
+            found[place : place + 8] = b"\xff" * 8
+    return bytes(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", FORMATS)
+def test_mutated_files_give_a_table_or_one_line(form: str, tmp_path: Path) -> None:
+    write, options = FORMATS[form]
+    paths = write(tmp_path / "line.capture", wave())
+    sound = [path.read_bytes() for path in paths]
+    chosen = random.Random(form)
+    refused = 0
+    for _ in range(40):
+        for path, data in zip(paths, sound, strict=True):
+            path.write_bytes(mutated(data, chosen))
+        try:
+            assert len([*read(paths, **options).table.rows()]) < 100
+        except (InputError, UsageError) as error:
+            refused += 1
+            assert "\n" not in str(error)
+    assert refused
 
 
 @pytest.mark.parametrize(

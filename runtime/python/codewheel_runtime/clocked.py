@@ -32,6 +32,8 @@ _COARSE: Final = 8
 _AVERAGED: Final = 16
 #: Number of edges without a rest after which a signal is not a clock.
 _ENDLESS: Final = 1 << 22
+#: Lowest rest, so that no period is 0.
+_LEAST: Final = 1e-12
 #: Number of edges of the clock that are needed to determine its period.
 _FEW: Final = 64
 
@@ -135,12 +137,16 @@ class _Cycles:
         """Return the frames at the end of the capture."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
+        # Two edges have no period.
+        self._rest = self._rest or self._given or max(self._end - float(self._clock[:1].sum()), _LEAST)
         return self._cut(self._ends() if len(self._clock) else np.zeros(0, np.int64), True)
 
     def _set_rest(self) -> None:
         # Two edges later, within a cycle, is one period later, whatever the duty cycle is.
         spans = self._clock[2:] - self._clock[:-2]
-        self._rest = self._given or _REST * float(spans[spans < 2 * np.median(spans)].mean())
+        usual = spans[spans <= 2 * np.median(spans)]
+        # Damaged files can have edges at the same time.
+        self._rest = max(self._given or _REST * float(usual.mean()), _LEAST)
 
     def _ends(self) -> Any:
         """Return the index after the last edge of each cycle."""
@@ -178,6 +184,7 @@ class _Cycles:
         begin, last = clock[falls], clock[ends - 1]
         rises = (ends - falls) // 2
         period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
+        period = np.maximum(period, 1e-6 * self._rest)
         reasons = np.zeros(len(falls), np.int64)
         index = np.searchsorted(data, begin, "left")
         level = self._levels[1] ^ (index & 1)

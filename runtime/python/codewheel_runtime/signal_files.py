@@ -85,6 +85,9 @@ def _one(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names: Names,
 
 # sigrok sessions
 
+#: Errors that a damaged ZIP file causes.
+_DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, OverflowError, RuntimeError)
+
 
 def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
@@ -98,7 +101,7 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
         device = devices[0] if devices else {}
         size, stem = _whole(device.get("unitsize", "1")), device.get("capturefile", "")
         probes = {_whole(key[5:]): value for key, value in device.items() if re.fullmatch(r"probe[0-9]{1,3}", key)}
-    except (zipfile.BadZipFile, KeyError, ConfigError, ValueError, RuntimeError, NotImplementedError, zlib.error):
+    except (KeyError, ConfigError, ValueError, *_DAMAGED):
         raise InputError(path, "", "this is not a valid sigrok session") from None
     if not stem:
         raise InputError(path, "", "this sigrok session has no logic signals")
@@ -150,8 +153,8 @@ def _unpacked(
                     whole = len(data) // size * size
                     rest = data[whole:]
                     yield np.frombuffer(data, f"<u{size}", whole // size), done, None
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError) as error:
-        raise InputError(path, f"offset {done}", f"the samples are damaged: {error}") from None
+    except _DAMAGED as error:
+        raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
 
 def _whole(text: str) -> int:
@@ -186,7 +189,7 @@ def _array(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signa
         version = form.read_magic(file)
         read = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
         shape, is_fortran, kind = read(file)
-    except (ValueError, OSError, SyntaxError, MemoryError):
+    except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None
     if kind.kind not in "uib" or kind.itemsize > 8 or len(shape) not in (1, 2) or (is_fortran and len(shape) == 2):
         raise InputError(path, "", f"expected whole numbers, one row per sample, got {kind} {shape}")
