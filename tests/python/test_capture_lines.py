@@ -77,8 +77,8 @@ def test_replies_of_another_kind_are_counted(lika: Any) -> None:
     ("message", "said"),
     [
         (b"\x02", "no reply to the request 02"),
-        (singleturn(9)[:4], "4 bytes that are no reply: 02 02 00 09"),
-        (b"\xff\xff\xff", "3 bytes that are no reply: FF FF FF"),
+        (singleturn(9)[:4], "4 bytes without a valid reply: 02 02 00 09"),
+        (b"\xff\xff\xff", "3 bytes without a valid reply: FF FF FF"),
     ],
 )
 def test_each_fault_of_a_serial_line_has_one_message(lika: Any, message: bytes, said: str) -> None:

@@ -92,7 +92,7 @@ VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees enc
     written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
-    is_as_documented limits reports self usable_position variant verdict""".split()
+    is_as_documented limits reports self to_dict usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits cls computed data decode error failed frame heads high isinstance len length low number self type".split(),
     *"values variant word wrong".split(),

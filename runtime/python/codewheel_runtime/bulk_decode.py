@@ -147,8 +147,9 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
 def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
     """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
-        if memoryview(frames).nbytes % 8:
-            raise ValueError(f"expected eight bytes per frame, got {memoryview(frames).nbytes} bytes")
+        data: Any = frames
+        if len(data) % 8:
+            raise ValueError(f"expected eight bytes per frame, got {len(data)} bytes")
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
     if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
         if frames.dtype.kind == "f" and frames.ndim == 1:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, cast
 
 from .accesses import Access, Accesses
-from .any_biss import BissLayout, biss_layout
+from .any_biss import BissLayout
 from .bulk_decode import decode_many
 from .clocked import Found, Lost, clocked
 from .encoder import Encoder
@@ -26,7 +26,7 @@ from .stream import Summary, counted, decoded, layout_of, layouts_of, plan_of, s
 from .table import Table
 from .uart import Kinds, replies
 
-__all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes", "biss_layout"]
+__all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
 
 np: Any = import_module("numpy")
 
@@ -249,7 +249,7 @@ class Captures(NamedTuple):
         and 1. They are recognized by their contents.
 
         Args:
-            encoder: The encoder, its label, or a layout of BiSS frames (:func:`biss_layout`).
+            encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
             source: The file. Or an array of samples: a row per sample with a column of 0 and 1 per channel, or numbers
                 whose bits are the channels. Or the two binary files of Saleae: that of the clock and of the data line.
             clock: Channel of the clock (MA), by name or by number from 1.

@@ -17,7 +17,7 @@ from functools import partial
 from importlib import import_module
 from time import monotonic
 from types import FrameType
-from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, get_args, get_type_hints
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, cast, get_args, get_type_hints
 
 from .encoder import Encoder
 from .errors import FrameError
@@ -157,10 +157,9 @@ def _parser(package: str) -> argparse.ArgumentParser:
     _add_output(parser)
     _add_input(parser)
     _add_encoder(parser)
-    bench = partial(import_bench, package)
     parser = command(
         "monitor",
-        lambda package, chosen: bench().monitor(package, chosen),
+        partial(_bench, "monitor"),
         "show an encoder live, over RS-485",
         "Read an encoder over RS-485, and show its position, speed and state live.",
         "",
@@ -396,13 +395,21 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     else:
         width = max(map(len, values))
         for name, value in values.items():
-            plain = str(value).lower() if isinstance(value, bool) else "-" if value is None else value
-            print(f"{name:<{width}}  {' '.join(value) or 'none' if isinstance(value, list) else plain}")
+            print(f"{name:<{width}}  {_plain(value)}")
         for report in found.reports:
             print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
     if isinstance(found, FrameError):
         return FAILED
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
+
+
+def _plain(value: Any) -> str:
+    """Return a value as it is printed."""
+    if value is None:
+        return "-"
+    if isinstance(value, list):
+        return " ".join(map(str, cast("list[object]", value))) or "none"
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:

@@ -44,7 +44,7 @@ def watch(
         reader: The link.
         encoder: The encoder.
         place: Name of the port.
-        count: Number of readings. The default is no limit.
+        count: Number of readings. By default, until interrupted.
         interval_s: Time in seconds between two readings.
         out: Where to write. The default is standard output.
 

@@ -97,8 +97,8 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
             text = entry.read(_HEADER).decode("utf-8", "replace")
         config = ConfigParser(interpolation=None, strict=False)
         config.read_string(text)
-        devices = [config[name] for name in config.sections() if "capturefile" in config[name]]
-        device = devices[0] if devices else {}
+        devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
+        device: dict[str, str] = devices[0] if devices else {}
         size, stem = _whole(device.get("unitsize", "1")), device.get("capturefile", "")
         probes = {_whole(key[5:]): value for key, value in device.items() if re.fullmatch(r"probe[0-9]{1,3}", key)}
     except (KeyError, ConfigError, ValueError, *_DAMAGED):

@@ -152,7 +152,7 @@ class _Table:
         self._rows: Iterator[list[str]] = iter(())
 
     def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
-        """Read these blocks, which come after so many lines and bytes."""
+        """Read these blocks. ``lines`` and ``done`` count the lines and bytes before them."""
         self.lines = _Lines(_text_of(blocks), self.lines.name, lines, done)
         self._rows = _rows(self.lines, self.between)[1]
         if self._skips_header:

@@ -12,6 +12,7 @@ from .clocked import Found, Lost
 from .inputs import InputError
 from .shape import Shape
 from .signals import Signals
+from .stream import counted
 from .table import ErrorKind
 
 np: Any = import_module("numpy")
@@ -166,7 +167,9 @@ class _Replies:
         asked = np.zeros(count + 1, np.int64)
         for shape in self._kinds.requests.values():
             asked = np.maximum(asked, shape.length * self._valid(shape))
-        kind_at, asked_at = at.tolist(), asked.tolist()
+        kind_at: list[int] = at.tolist()
+        asked_at: list[int] = asked.tolist()
+        following: int
         starts: dict[str, list[int]] = {name: [] for name in order}
         runs: list[tuple[int, int]] = []
         place = first = 0
@@ -225,4 +228,4 @@ class _Replies:
             return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({shown})"
         if asked[first] == end - first:
             return f"no reply to the request {shown}"
-        return f"{len(data)} byte{'' if len(data) == 1 else 's'} that are no reply: {shown}"
+        return f"{counted(len(data), 'byte')} without a valid reply: {shown}"
