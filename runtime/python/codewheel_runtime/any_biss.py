@@ -69,7 +69,7 @@ def biss_layout(text: str) -> BissLayout:
     """Return a layout of BiSS frames.
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
-    ``singleturn=24`` are numbers with their widths in bits. ``error`` and ``warning`` are bits that are active at level 0.
+    ``singleturn=24`` are numbers with their widths in bits. ``error`` and ``warning`` are bits, active at level 0.
     ``zero=2`` are bits that are always 0, and ``unused=2`` bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6
     bits with this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any
     other name with a number of bits is a number.

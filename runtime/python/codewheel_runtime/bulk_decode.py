@@ -147,7 +147,7 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
 def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
     """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
-        data: Any = frames
+        data = cast(Any, frames)
         if len(data) % 8:
             raise ValueError(f"expected eight bytes per frame, got {len(data)} bytes")
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()

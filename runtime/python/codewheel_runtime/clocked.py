@@ -21,7 +21,7 @@ from .signals import Edges, Signals
 
 np: Any = import_module("numpy")
 
-#: Number of periods without an edge after which the clock is at rest. BiSS slaves end a cycle after at least 1.5 periods.
+#: Number of periods without an edge after which the clock is at rest. BiSS slaves end a cycle after 1.5 or more.
 _REST: Final = 1.4
 #: A pulse that is shorter than this part of a period is a disturbance.
 _SPIKE: Final = 0.15
