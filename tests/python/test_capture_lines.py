@@ -16,7 +16,8 @@ from typing import Any
 import numpy
 import pytest
 from codewheel_runtime import biss, signals
-from codewheel_runtime.capture import Captures, biss_layout
+from codewheel_runtime.any_biss import biss_layout
+from codewheel_runtime.capture import Captures
 from codewheel_runtime.command import main
 from lines import Biss, Wave, biss_word, serial
 
