@@ -288,6 +288,8 @@ def test_plot(command: Command, kind: str, tmp_path: Path) -> None:
     save("it.npy", words, cut=3)
     code, out, err = command("plot", "it.npy", *FIELDS, "--rate", "10MHz", "-o", f"it.{kind}")
     assert (code, out, err) == (0, f"it.{kind}: 39 frames, 1 lost\n", "")
+    Path("it.csv").write_text("time,word\n0,0x55bcd15e2\n0.1,\n0.2,0x55bcd1564\n0.3,0x55bcd15e2\n")
+    assert command("plot", "AMM5A21/65KSC1", "it.csv", "-o", f"it2.{kind}")[1] == f"it2.{kind}: 4 frames, 0 lost\n"
     code, out, err = command("plot", "it.npy", *FIELDS, "-o", "it.jpg")
     assert (code, out, err) == (2, "", "lika-encoders: it.jpg: the name of a picture ends in .png, .svg or .pdf\n")
     picture = (tmp_path / f"it.{kind}").read_bytes()

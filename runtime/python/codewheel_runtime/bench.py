@@ -5,16 +5,23 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 from .any_biss import BissLayout, biss_layout
+from .bulk_decode import decode_many
 from .capture import Captures, CaptureSummary, Lost
 from .command import USAGE, Failed, encoder_of, missing, working
 from .encoder import Encoder
-from .inputs import UsageError
+from .inputs import InputError, Stored, UsageError
 from .reports import Interface
+from .sources import kind_of, opened
+from .stream import shape_for
+from .table import Table
+
+np: Any = import_module("numpy")
 
 #: Number of lost cycles and accesses that are printed.
 _PRINTED = 10
@@ -48,11 +55,52 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
     except ImportError as error:
         raise missing(package, error) from None
     with working(package, chosen.files[0]):
-        found = Captures(package).read_capture(encoder, chosen.files, **_probes(chosen))
-        if not found.table.count:
-            raise Failed(_nothing(found.lost))
-        save(found.table, chosen.output, found.lost, force=chosen.force, sources=chosen.files)
-    print(f"{chosen.output}: {found.table.count} frames, {len(found.lost)} lost")
+        lost: tuple[Lost, ...] = ()
+        if _has_frames(chosen.files[0]):
+            table = _frames(encoder, chosen)
+        else:
+            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_probes(chosen))
+        if not table.count:
+            raise Failed(_nothing(lost))
+        save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
+    print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
+
+
+def _has_frames(path: str) -> bool:
+    """Return whether a file has a column of frames, and is not a capture."""
+    kind = kind_of(path)
+    if kind != "csv":
+        return kind == "parquet"
+    with open(path, encoding="utf-8-sig", errors="replace") as file:
+        head = file.readline(1 << 16)
+    return any(cell.strip().strip('"').lower() in ("word", "frame") for cell in re.split("[,;\t]", head))
+
+
+def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
+    """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
+    shape = encoder.shape if isinstance(encoder, BissLayout) else shape_for(encoder, chosen.layout, dict(chosen.choose))
+    path = chosen.files[0]
+    frames: list[Any] = []
+    times: list[Any] = []
+    with opened(path, Stored(wanted=("time",)), shape, lambda frames: 1.0) as read:
+        if "time" not in read.kept:
+            raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
+        for part in read.parts:
+            cells = part.others["time"]
+            cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
+            try:
+                times += [float("nan") if cell in (None, "") else float(cell) for cell in cells]
+            except (TypeError, ValueError):
+                raise InputError(path, "column 'time'", "expected numbers in seconds") from None
+            frames += (
+                [row if row is None else bytes(row) for row in part.frames] if shape.length else _listed(part.frames)
+            )
+    return decode_many(frames, shape, cast(Encoder, encoder)).with_columns(time=np.array(times))
+
+
+def _listed(frames: Any) -> Any:
+    """Return numbers as a list. A missing frame is None."""
+    return frames.tolist() if hasattr(frames, "tolist") else frames
 
 
 def monitor(package: str, chosen: argparse.Namespace) -> None:

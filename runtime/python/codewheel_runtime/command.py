@@ -171,7 +171,7 @@ def _parser(package: str) -> argparse.ArgumentParser:
     _add_encoder(parser)
     for name, summary in (
         ("capture", "decode a capture of a logic analyser into a file of columns"),
-        ("plot", "plot position and speed of a capture over time"),
+        ("plot", "plot position and speed over time, of a capture or of frames with a time"),
     ):
         run = partial(_bench, name)
         parser = command(name, run, summary, f"{summary[0].upper()}{summary[1:]}.", _BENCH)
