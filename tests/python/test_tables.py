@@ -89,6 +89,7 @@ def test_polars_reads_and_gives_the_stream(lika: Any, table: Any) -> None:
     assert found.select("time", "position").rows() == [(1, POSITION), (2, None)]
 
 
+@pytest.mark.slow
 def test_duckdb_reads_and_gives_the_stream(lika: Any, table: Any) -> None:
     duckdb = pytest.importorskip("duckdb", reason="duckdb is not installed: its relations are not tried")
     connection = duckdb.connect()
