@@ -87,6 +87,12 @@ def test_polars_reads_and_gives_the_stream(lika: Any, table: Any) -> None:
     frame = pl.DataFrame({"time": [1, 2], "word": [GOOD, WRONG]})
     found = pl.DataFrame(lika.decode_partition(frame, encoder, "word"))
     assert found.select("time", "position").rows() == [(1, POSITION), (2, None)]
+    texts = pl.DataFrame({"time": [1, 2], "word": [hex(GOOD), None]})
+    found = pl.DataFrame(lika.decode_partition(texts, encoder, "word"))
+    assert found.select("position", "fault").rows() == [(POSITION, "none"), (None, "length")]
+    rows = pl.Series([bytes.fromhex("02 00 C7 D1 6A 7E")])
+    amm5 = lika.amm5
+    assert amm5.SingleturnReply.decode_many(rows, lika.lookup("AMM5A23/65KJP1"))["singleturn"].tolist() == [7000519]
 
 
 @pytest.mark.slow

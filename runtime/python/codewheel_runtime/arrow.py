@@ -98,6 +98,10 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_fi
     kind = array.type
     if kinds.is_dictionary(kind):
         array, kind = array.dictionary_decode(), kind.value_type
+    if (view := str(kind)) in ("string_view", "binary_view"):
+        # As polars gives text and bytes. Old versions of pyarrow have no function to test for it.
+        array = array.cast(pa.large_string() if view == "string_view" else pa.large_binary())
+        kind = array.type
     if kinds.is_null(kind):
         return [None] * len(array)
     if kinds.is_integer(kind):
