@@ -31,10 +31,10 @@ class Mistake(NamedTuple):
 
 
 MISTAKES: Mapping[str, Mistake] = {
-    "bytes for an encoder that sends bits": Mistake(
-        "lookup('AMM5A21/65KSC1').decode(b'abcdef')",
-        'Argument 1 to "decode" of "BissEncoder" has incompatible type "bytes"',
-        'Argument of type "Literal[b"abcdef"]" cannot be assigned to parameter "frame" of type "Word"',
+    "a list for an encoder that sends bits": Mistake(
+        "lookup('AMM5A21/65KSC1').decode([5])",
+        'Argument 1 to "decode" of "BissEncoder" has incompatible type "list[int]"',
+        'Argument of type "list[int]" cannot be assigned to parameter "frame" of type "Word"',
     ),
     "bits for an encoder that sends bytes": Mistake(
         "lookup('AMM5A23/65KJP1').decode(0x55BCD15E2)",

@@ -35,7 +35,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
         "codec": """BitField Data Rows Word Words as_bytes as_word check_encoder check_kind check_limits check_width
             choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long
             wrong_encoder""",
-        "encoder": "Encoder fact looked_up",
+        "encoder": "Encoder Positioned fact looked_up",
         "measures": "Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
@@ -64,7 +64,7 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.codec": ("BitField",),
     "codewheel_runtime.reports": ("Verdict",),
     "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
-    "codewheel_runtime.table": ("Fault",),
+    "codewheel_runtime.table": ("ErrorKind",),
 }
 
 #: Modules of the package that do not belong to a device.
@@ -91,7 +91,7 @@ VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees enc
     written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
-    is_as_documented limits reports self usable_position variant verdict""".split()
+    is_as_documented limits reports self to_dict usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits cls computed data decode error failed frame heads high isinstance len length low number self type".split(),
     *"values variant word wrong".split(),

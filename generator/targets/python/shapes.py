@@ -7,6 +7,7 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
+from ...model import Fault
 from ...model.expressions import Expression
 from ...plan.codec import FrameCrc, allowed_values
 from ...plan.description import Column, Name, describe
@@ -89,7 +90,7 @@ class Shape:
             case Name():
                 return self.coder.names.attribute(value)
             case Enum():
-                return Member(type(value).__name__, value.name)
+                return Member("ErrorKind" if isinstance(value, Fault) else type(value).__name__, value.name)
             case tuple():
                 return tuple(map(self._shown, value))
             case None | bool() | int() | str():
