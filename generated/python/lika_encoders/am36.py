@@ -62,7 +62,7 @@ from codewheel_runtime.codec import (
     too_long,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import fact, looked_up
+from codewheel_runtime.encoder import Positioned, fact, looked_up
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames import (
@@ -295,14 +295,6 @@ class Variant(Rotary, Wrapping):
         if self.interface is _SSI:
             return self.singleturn_bits + self.multiturn_bits
         return self.used_singleturn_bits + self.used_multiturn_bits + 8
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
@@ -558,7 +550,7 @@ class _SsiWord(NamedTuple):
     singleturn: int
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
 
     Attributes:
@@ -665,7 +657,7 @@ class _SingleCycleData(NamedTuple):
     unused: int = 0
 
 
-class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
     most significant first [6.3 p.21, 6.3.1 p.21].
 

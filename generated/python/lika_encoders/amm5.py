@@ -76,7 +76,7 @@ from codewheel_runtime.codec import (
     too_long,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import fact, looked_up
+from codewheel_runtime.encoder import Positioned, fact, looked_up
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
 from codewheel_runtime.frames import (
@@ -265,14 +265,6 @@ class Variant(Rotary, Wrapping):
         if self.interface is _BISS:
             return self.singleturn_bits + self.multiturn_bits + 8
         raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
 
 class SsiEncoder(Variant):
@@ -649,7 +641,7 @@ class _SsiWord(NamedTuple):
     singleturn: int
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2
     p.28].
 
@@ -752,7 +744,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
     significant first [6.2.1 p.32].
 
@@ -1552,7 +1544,7 @@ class _CompleteReply(NamedTuple):
     unused: int = 0
 
 
-class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply):
+class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:

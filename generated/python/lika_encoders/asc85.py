@@ -59,7 +59,7 @@ from codewheel_runtime.codec import (
     too_long,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import fact, looked_up
+from codewheel_runtime.encoder import Positioned, fact, looked_up
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames import (
@@ -222,14 +222,6 @@ class Variant(Rotary, Wrapping):
         if self.interface is _SSI:
             return self.position_bits
         raise ValueError(f"no frame bits over {self.interface.title}: the length depends on an answer")
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
 
 class SsiEncoder(Variant):
@@ -487,7 +479,7 @@ class _SsiWord(NamedTuple):
     position: int
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
 
     Attributes:
@@ -569,7 +561,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, InBits, _SingleCycleData):
+class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
     first [6.2.1 p.20].
 

@@ -71,7 +71,7 @@ from codewheel_runtime.codec import (
     too_long,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import fact, looked_up
+from codewheel_runtime.encoder import Positioned, fact, looked_up
 from codewheel_runtime.measures import Linear, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
 from codewheel_runtime.frames import (
@@ -329,14 +329,6 @@ class Variant(Linear, Wrapping):
         if self.interface is _BISS:
             return self.position_bits + self.scd_padding_bits + 8
         raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
@@ -703,7 +695,7 @@ class _SsiWord(NamedTuple):
     error: bool = False
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
 
     Attributes:
@@ -792,7 +784,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
     significant first [6.2 p.25].
 
@@ -982,7 +974,7 @@ class _PositionReply(NamedTuple):
     unused: int = 0
 
 
-class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply):
+class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
@@ -1149,7 +1141,7 @@ class _WidePositionReply(NamedTuple):
     unused: int = 0
 
 
-class WidePositionReply(Sent, FixedBytes, _WidePositionReply):
+class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
@@ -1288,7 +1280,7 @@ class _IdentificationReply(NamedTuple):
     unused: int = 0
 
 
-class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply):
+class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, Positioned):
     """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
