@@ -10,6 +10,7 @@ from collections.abc import Generator
 from ..model import Crc
 from ..reference.crc import compute_bits
 from .encoder import VirtualEncoder
+from .levels import ByLevels
 
 #: Number of zeros after which a control frame can start, and that abort one.
 ZEROS = 14
@@ -19,7 +20,7 @@ _CRC = Crc("control", 4, 0x3, 0, False, False, 0xF, "", ())
 _NONE = ("doubled", "echo", "junk")
 
 
-class BissLine:
+class BissLine(ByLevels):
     """BiSS line with one encoder, which has the ID 0.
 
     Args:
@@ -33,6 +34,7 @@ class BissLine:
     def __init__(self, encoder: VirtualEncoder, acknowledge: int = 3) -> None:
         if encoder.variant.interface != "biss":
             raise ValueError(f"{encoder.variant.code} has no BiSS")
+        super().__init__()
         self.encoder, self.acknowledge = encoder, acknowledge
         self._access: Generator[int, int, int] | None = None
         self._zeros = 0

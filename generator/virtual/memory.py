@@ -43,6 +43,19 @@ class Memory:
         """Return the number that a register holds."""
         return number_from_bytes(self.registers[name].layout, bytes(self._bytes[name]))
 
+    def hold(self, address: int, value: int) -> None:
+        """Set the byte at an address, even if the master cannot write it.
+
+        Raises:
+            ValueError: There is no register at this address.
+        """
+        register = self._at(address, write=False) or self._at(address, write=True)
+        if register is None:
+            raise ValueError(f"{self._encoder.variant.code} has no register at 0x{address:02X}")
+        self._bytes[register.name][address - register.address] = value
+        self._saved[register.name] = bytes(self._bytes[register.name])
+        self._take_over(register)
+
     def readable(self, address: int) -> bool:
         """Return whether the master may read the byte at an address."""
         return self._at(address, write=False) is not None

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from ..model import Layout
 from .encoder import VirtualEncoder
+from .levels import ByLevels
 
 
-class SsiLine:
+class SsiLine(ByLevels):
     """SSI line with one encoder.
 
     Args:
@@ -20,8 +21,9 @@ class SsiLine:
         if encoder.variant.interface != "ssi":
             raise ValueError(f"{encoder.variant.code} has no SSI")
         self.encoder = encoder
-        self._left = -1
-        self._word = 0
+        super().__init__()
+        self._left, self._word = -1, 0
+        self._level = self._data = 1
 
     @property
     def bits(self) -> int:
@@ -48,16 +50,18 @@ class SsiLine:
             else word
         )
 
-    def clock(self) -> int:
-        """Return the level of the data line after the next rising edge of the clock. After the word, it is 0."""
-        if self._left < 0:
-            self._word, self._left = self.word(), self.bits
-        self._left = max(self._left - 1, 0) if self._left else 0
-        bit = self._word >> self._left & 1 if self._word else 0
-        self._word &= (1 << self._left) - 1
-        return bit
+    def clock(self, level: int) -> int:
+        """Set the level of the clock, and return that of the data line. Zeros follow the word."""
+        if level and not self._level:
+            if self._left < 0:
+                self._word, self._left = self.word(), self.bits
+            self._left -= self._left > 0
+            self._data = self._word >> self._left & 1
+            self._word &= (1 << self._left) - 1
+        self._level = level
+        return self._data
 
-    def rest(self) -> int:
+    def timeout(self) -> int:
         """Let the pause after a word pass. The data line is then high."""
-        self._left = -1
+        self._left, self._data = -1, 1
         return 1
