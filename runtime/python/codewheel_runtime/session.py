@@ -22,7 +22,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 from .encoder import Encoder, Frame, PositionFrame
-from .errors import CrcError, FrameError, InterfaceError, LengthError
+from .errors import CrcError, FrameError, InterfaceError
 from .frames import shape_of
 from .reports import Interface
 from .running import StepError
@@ -50,8 +50,8 @@ _Result = TypeVar("_Result")
 _MOST_BYTES = 1024
 #: Seconds that a memory may be busy, and between two attempts.
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
-#: Seconds to wait for more bytes after a reply that could be an echo with a part of the reply.
-_ECHO_S = 0.002
+#: Seconds to wait for more bytes after a reply that follows other bytes.
+_QUIET_S = 0.002
 
 
 class LinkError(RuntimeError):
@@ -160,6 +160,8 @@ class Session:
         self._marks = [item.control for item in captures]
         #: First byte of the last request, if it failed.
         self._failed = 0
+        #: Number of replies in a row that look like those of another kind of encoder.
+        self._odd_replies = 0
         self._position = next((item for item in captures if item.tells_position), None)
 
     def position(self) -> Work[int]:
@@ -244,7 +246,7 @@ class Session:
             yield from self._resynchronise(self._failed)
         self._failed = asked.data[0]
         reply = yield from self._once(asked)
-        self._failed = 0
+        self._failed = self._odd_replies = 0
         return reply
 
     def _resynchronise(self, control: int) -> Work[None]:
@@ -268,8 +270,9 @@ class Session:
         while True:
             reply = self._reply_in(received, asked)
             if reply:
-                looks_like_echo = received[len(asked.data) : len(asked.data) + 1] == asked.data[:1]
-                more = yield Ask(b"", _ECHO_S if looks_like_echo else 0.0)
+                # After other bytes, or an echo, it could be by chance that a part of the reply looks like a reply.
+                is_clean = received.startswith(reply) and received[len(asked.data)] != asked.data[0]
+                more = yield Ask(b"", 0.0 if is_clean else _QUIET_S)
                 if not more:
                     return reply
                 received += more
@@ -311,23 +314,28 @@ class Session:
             text = f"only an echo of {what}; check the wires to the encoder, and its supply"
             return NoReplyError(text, received)
         if not any(received):
-            return DisturbedError(
-                f"the line is low after {what}: only 00 arrives; check whether A and B are swapped", received
-            )
-        candidates = (at for at, byte in enumerate(received) if byte == kind.control)
-        for at in candidates:
-            reply = received[at : at + kind.length]
-            error = self._error_in(reply, asked) if len(reply) == kind.length else None
-            if error is not None and not isinstance(error, (CrcError, LengthError)) and not _xor(reply):
-                text = f"the reply {shown} to {what} is from another kind of encoder: {error}; check the order code"
-                return WrongEncoderError(text, received)
-        if len(received) != kind.length and len(received) >= 3 and received[0] == kind.control and not _xor(received):
-            text = f"the reply {shown} to {what} has {len(received)} bytes instead of {kind.length}, and a valid CRC"
-            return WrongEncoderError(f"{text}: another kind of encoder; check the order code", received)
+            text = f"the line is low after {what}: only 00 arrives; check whether A and B are swapped"
+            return DisturbedError(text, received)
+        odd = self._odd(received, asked)
+        # A disturbed reply has a valid CRC once in 256 times, so one odd reply proves nothing.
+        self._odd_replies = self._odd_replies + 1 if odd else 0
+        if self._odd_replies > 1:
+            text = f"the reply {shown} to {what} is from another kind of encoder: {odd}; check the order code"
+            return WrongEncoderError(text, received)
+        if received[0] in self.kinds and received[0] != kind.control:
+            return NoReplyError(f"no reply to {what}, but a late one to another request: {shown}", received)
         if len(received) < kind.length:
             text = f"incomplete reply to {what}: {len(received)} of {kind.length} bytes, {shown}"
             return DisturbedError(text, received)
         return DisturbedError(f"no valid reply to {what} in {shown}", received)
+
+    def _odd(self, received: bytes, asked: _Asked) -> str:
+        """Return why bytes look like a reply of another kind of encoder, or an empty text."""
+        if received[0] != asked.kind.control or len(received) < 3 or _xor(received):
+            return ""
+        if len(received) != asked.kind.length:
+            return f"it has a valid CRC, but {len(received)} bytes instead of {asked.kind.length}"
+        return str(self._error_in(received, asked))
 
     def _asked(self, given: Any) -> _Asked:
         request, answers = _as_bytes(given)
