@@ -175,7 +175,7 @@ class Memory:
         if "save" in words or "restore" in words or "activate" in words:
             self._saved = {item: bytes(data) for item, data in self._bytes.items()}
         if "reset" in words:
-            self._encoder.restart()
+            self.restart()
         if "simulate" in words:
             self._encoder.flags.add(words[-1])
         if "clear" in words:

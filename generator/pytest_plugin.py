@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 if TYPE_CHECKING:
-    from .encoder import VirtualEncoder
+    from .virtual.encoder import VirtualEncoder
 
 
 class Served(NamedTuple):
@@ -30,8 +30,8 @@ def virtual_encoder() -> Iterator[Callable[..., Served]]:
 
         def start(order_code: str, *arguments: Any, tcp: bool = False, **options: Any) -> Served:
             # The plugin is loaded in every test run, so the specs are read only when an encoder is needed.
-            from .encoder import VirtualEncoder
-            from .serve import serving
+            from .virtual.encoder import VirtualEncoder
+            from .virtual.serve import serving
 
             encoder = VirtualEncoder(order_code, *arguments, **options)
             return Served(encoder, stack.enter_context(serving(encoder, tcp=tcp)))
