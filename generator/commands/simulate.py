@@ -5,16 +5,15 @@ from __future__ import annotations
 import argparse
 
 from ..virtual import FAULTS, VirtualEncoder, motion
-from ..virtual.serve import has_terminals, line_of, listener, serve, terminal
+from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
 from .arguments import held_bytes
 from .terminal import Stop
 
 HELP = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
     "pseudo-terminals, open the printed URL with pyserial. For SSI and BiSS, send 0 or 1 for each level of the clock, "
-    "and T for each time-out. Each is answered by the level of the data line, 0 or 1. End it with Ctrl+C. Faults: "
-    + "; ".join(f"{name}, {effect}" for name, effect in FAULTS.items())
-    + "."
+    "C for 0 and 1, and T for a time-out. Each is answered by the level of the data line, 0 or 1. End it with Ctrl+C. "
+    "Faults: " + "; ".join(f"{name}, {effect}" for name, effect in FAULTS.items()) + "."
 )
 
 
@@ -41,7 +40,7 @@ def run(chosen: argparse.Namespace) -> int:
     except ValueError as error:
         raise Stop(str(error), 2) from None
     try:
-        port = listener(chosen.tcp or 0) if chosen.tcp is not None or not has_terminals() else terminal()
+        port = listen_tcp(chosen.tcp or 0) if chosen.tcp is not None or not has_terminals() else terminal()
     except (OSError, OverflowError) as error:
         raise Stop(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
     print(port.name, flush=True)

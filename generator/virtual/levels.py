@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-#: Byte with which the master lets the time-out pass, instead of a level.
-TIMEOUT = ord("T")
+#: Bytes with which the master lets the time-out pass, and the clock go low and high.
+TIMEOUT, CLOCK = b"TC"
 
 
 class ByLevels(ABC):
-    """Line whose master sends ``0`` or ``1`` for each level of the clock, and ``T`` for each time-out.
+    """Line whose master sends ``0`` or ``1`` for each level of the clock, ``C`` for 0 and 1, and ``T`` for a time-out.
 
     Each byte is answered by the level of the data line after it, ``0`` or ``1``. Other bytes are ignored.
     """
@@ -30,6 +30,9 @@ class ByLevels(ABC):
         for byte in data:
             if byte in b"01":
                 self._levels.append(ord("0") + self.clock(byte & 1))
+            elif byte == CLOCK:
+                self.clock(0)
+                self._levels.append(ord("0") + self.clock(1))
             elif byte == TIMEOUT:
                 self._levels.append(ord("0") + self.timeout())
 

@@ -64,15 +64,21 @@ def terminal() -> _Port:
     )
 
 
-def listener(port: int = 0, host: str = "127.0.0.1") -> _Port:
-    """Listen for one client after the other over TCP. The name is a URL that pyserial opens."""
-    server = socket.create_server((host, port))
+def listen_tcp(port: int = 0) -> _Port:
+    """Listen on this computer over TCP. The name is a URL that pyserial opens."""
+    server = socket.create_server(("127.0.0.1", port))
+    return listener(server, f"socket://127.0.0.1:{server.getsockname()[1]}")
+
+
+def listener(server: socket.socket, name: str) -> _Port:
+    """Serve one client after the other on a socket that listens."""
     clients: list[socket.socket] = []
 
     def read() -> bytes:
         if not clients:
             client = server.accept()[0]
-            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if server.family == socket.AF_INET:
+                client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             clients.append(client)
             return b""
         try:
@@ -97,7 +103,7 @@ def listener(port: int = 0, host: str = "127.0.0.1") -> _Port:
     def handle() -> int:
         return (clients or [server])[0].fileno()
 
-    return _Port(f"socket://{host}:{server.getsockname()[1]}", handle, read, write, close)
+    return _Port(name, handle, read, write, close)
 
 
 def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:
@@ -124,7 +130,7 @@ def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = Fa
     Yields:
         The name of the device or the URL to open.
     """
-    port = listener() if tcp or not has_terminals() else terminal()
+    port = listen_tcp() if tcp or not has_terminals() else terminal()
     stop = Event()
     thread = Thread(target=serve, args=(encoder, line or line_of(encoder), port, stop), daemon=True)
     thread.start()
