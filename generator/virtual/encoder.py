@@ -95,6 +95,14 @@ class VirtualEncoder:
         """Return the position that the encoder sends at this moment."""
         return 0 if self.is_busy() and self._not_ready else (self.raw_position() + self._offset) % self.counts
 
+    def parts_now(self) -> dict[str, int]:
+        """Return the position of this moment as its fields."""
+        position, values = self.position_now(), dict[str, int]()
+        for name, width in reversed(self._parts()):
+            values[name] = position & ((1 << width) - 1)
+            position >>= width
+        return values
+
     def raw_position(self) -> int:
         """Return the position at this moment without presets and resets."""
         return int(self.position(self.clock()) if callable(self.position) else self.position)
@@ -195,7 +203,7 @@ class VirtualEncoder:
 
     def _values(self, layout: Layout, given: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
         values: dict[str, int | str | bool] = {}
-        parts = self._split(self.position_now())
+        parts = self.parts_now()
         for item in self.place(layout).fields:
             field = item.field
             if not field.carries_data:
@@ -223,13 +231,6 @@ class VirtualEncoder:
             if layout.names_in(name) != (name,) or parts[0] is not None:
                 return tuple((item.name, item.width) for item in parts if item is not None)
         return ()
-
-    def _split(self, position: int) -> dict[str, int]:
-        values: dict[str, int] = {}
-        for name, width in reversed(self._parts()):
-            values[name] = position & ((1 << width) - 1)
-            position >>= width
-        return values
 
     @cached_property
     def _not_ready(self) -> set[str]:
