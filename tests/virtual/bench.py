@@ -9,7 +9,7 @@ from typing import Any
 
 from codewheel.virtual import Rs485Line, VirtualEncoder
 
-#: The encoders of the library with RS-485.
+#: Seconds between two requests, and until a reply must be complete.
 INTERVAL_S = 0.0002
 TIMEOUT_S = 0.02
 
@@ -20,12 +20,12 @@ class Bench:
     The shaft turns through all positions once a second. Some replies arrive in two parts, 100 µs apart.
     """
 
-    def __init__(self, package: Any, code: str, *faults: str, seed: int = 0, retries: int = 3) -> None:
+    def __init__(self, package: Any, code: str, *faults: str, seed: int = 0, retries: int = 3, **more: Any) -> None:
         from codewheel_runtime.session import Session
 
         self.now, self.asked_at, self.sent = 0.0, 0.0, 0
         self.chance = random.Random(seed)
-        self.virtual = VirtualEncoder(code, faults=faults, seed=seed, clock=lambda: self.now)
+        self.virtual = VirtualEncoder(code, faults=faults, seed=seed, clock=lambda: self.now, **more)
         self.counts = self.virtual.counts
         self.virtual.position = self.shaft
         self.line = Rs485Line(self.virtual)

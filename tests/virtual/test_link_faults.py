@@ -71,3 +71,79 @@ def test_retries_make_up_for_a_fault(generated_python: Package, library: Library
     lasting = sum(outcomes.values()) - outcomes["right"]
     assert lasting == 0 or fault in ("busy", "restart", "brownout")
     assert injected[fault] > 10
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_resets_of_ten_requests(generated_python: Package, library: Library, fault: str) -> None:
+    """A reset that succeeds was carried out, however often it had to start again."""
+    lika = generated_python[1]
+    done = 0
+    for at, code in enumerate(codes_with(library.devices, "rs485")):
+        bench = Bench(lika, code, f"{fault}:0.05", seed=at, retries=20)
+        bench.virtual.position = 1234 + at
+        module = getattr(lika, bench.session.encoder.family.name)
+        procedure = next(
+            item
+            for item in bench.virtual.device.procedures
+            if "reset" in item.name and item.interface == "rs485" and "errors" not in item.name
+        )
+        try:
+            bench.do(bench.session.run(getattr(module, procedure.name)()))
+        except lika.StepError:
+            continue
+        done += 1
+        bench.now += 1
+        assert bench.virtual.position_now() == 0
+    assert done > 5
+
+
+def test_memory_that_is_busy(generated_python: Package) -> None:
+    """Accesses wait for MEM BUSY, and the reply to another address is refused."""
+    lika = generated_python[1]
+    answer = lika.amm5.EepromAddress.AS_T_FORMAT
+    bench = Bench(lika, "AMM5A23/65KJP1", "busy:0.1", choose={"eeprom_address": "as_t_format"})
+    for address in range(100):
+        written = lika.amm5.EepromWriteRequest(answer, address, address ^ 0x5A)
+        assert bench.do(bench.session.exchange(written)).data == address ^ 0x5A
+        read = bench.do(bench.session.exchange(lika.amm5.EepromReadRequest(answer, address)))
+        assert (read.address, read.data) == (address, address ^ 0x5A)
+    assert bench.virtual.faults.injected["busy"] > 10
+
+
+def test_a_memory_that_stays_busy(generated_python: Package) -> None:
+    lika = generated_python[1]
+    from codewheel_runtime.link import BusyError
+
+    bench = Bench(lika, "AMM5A23/65KJP1", "busy", choose={"eeprom_address": "as_t_format"})
+    request = lika.amm5.EepromReadRequest(lika.amm5.EepromAddress.AS_T_FORMAT, 1)
+    with pytest.raises(BusyError, match="the memory of AMM5A23/65KJP1 stayed busy for 1 s"):
+        bench.do(bench.session.exchange(request))
+    assert 1 < bench.now < 1.1
+
+
+@pytest.mark.parametrize("noise", [b"\x1a" * 4096, bytes(4096), bytes(range(256)) * 16])
+def test_endless_noise_ends_in_an_error_and_takes_little_memory(generated_python: Package, noise: bytes) -> None:
+    from codewheel_runtime.link import Link, LinkError
+
+    class Noise:
+        def write(self, data: bytes) -> None:
+            pass
+
+        def read(self, timeout_s: float) -> bytes:
+            return noise
+
+    link = Link(generated_python[1].lookup("AMM5A23/65KJP1"), Noise(), retries=0)
+    with pytest.raises(LinkError) as caught:
+        link.position()
+    assert len(caught.value.received) < 3 * 4096
+
+
+def test_requests_that_there_are_not(generated_python: Package) -> None:
+    from codewheel_runtime.link import LinkError
+
+    bench = Bench(generated_python[1], "AMM5A23/65KJP1")
+    for request in (b"\x55", b"", generated_python[1].sma21.DataId.POSITION):
+        with pytest.raises(
+            LinkError, match=r"AMM5A23/65KJP1 has no request '.*'; its requests are 02 \(singleturn\), "
+        ):
+            bench.do(bench.session.exchange(request))

@@ -22,7 +22,6 @@ from .session import (
     Session,
     Work,
     WrongEncoderError,
-    as_request,
     rs485_facts,
 )
 from .steps import Step
@@ -105,7 +104,7 @@ class Link:
         Raises:
             LinkError: There is no valid reply, or no such request. The subclass indicates the reason.
         """
-        return self._do(self.session.exchange(as_request(self.session, request)))
+        return self._do(self.session.exchange(request))
 
     def run(self, steps: Sequence[Step]) -> None:
         """Carry out a procedure, such as a reset. Requests in succession start again after a failure.

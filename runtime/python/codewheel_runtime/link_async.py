@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 
 from .encoder import Encoder, Frame, PositionFrame
 from .link import SerialTransport, Transport
-from .session import PortError, Session, Work, as_request, rs485_facts
+from .session import PortError, Session, Work, rs485_facts
 from .steps import Step
 
 __all__ = ["AsyncLink", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
@@ -107,7 +107,7 @@ class AsyncLink:
 
     async def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it."""
-        return await self._do(self.session.exchange(as_request(self.session, request)))
+        return await self._do(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
         """Carry out a procedure, such as a reset."""

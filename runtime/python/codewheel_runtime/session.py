@@ -7,7 +7,10 @@ arrived. ``link`` carries them out with any transport, such as a serial port, an
 A reply has no number that connects it to its request, and its CRC of eight bits misses one disturbance in 256. So the
 session accepts only a reply that begins with the first byte of its request, that is a valid frame, and after which
 nothing else came. After any failure it resynchronises: it sends a request of another kind, and discards everything
-before the reply to that. A late reply can therefore not be taken for the reply to the next request.
+before the reply to that. A late reply can therefore not be taken for the reply to the next request. If there is no
+reply to any other kind either, it waits four time-outs, so only a reply that is later than that could be mistaken.
+
+The reply to a write can equal its request, and then also the echo of it. Read back what you write.
 
 Not yet tested on hardware.
 """
@@ -23,10 +26,10 @@ from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 from .encoder import Encoder, Frame, PositionFrame
 from .errors import CrcError, FrameError, InterfaceError
-from .frames import shape_of
+from .frames import any_shape
 from .reports import Interface
 from .running import StepError
-from .shape import Shape, holds
+from .shape import holds
 from .steps import Send, Step, Wait
 
 __all__ = [
@@ -40,7 +43,6 @@ __all__ = [
     "Session",
     "Work",
     "WrongEncoderError",
-    "as_request",
     "rs485_facts",
 ]
 
@@ -50,6 +52,8 @@ _Result = TypeVar("_Result")
 _MOST_BYTES = 1024
 #: Seconds that a memory may be busy, and between two attempts.
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
+#: Number of time-outs after which no late reply is expected any more.
+_LATE = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
 
@@ -191,10 +195,18 @@ class Session:
             frame = decode(reply, **asked.answers)
             busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
             if not busy:
+                self._compare(request, frame, asked)
                 return frame
             if self.clock() > end:
                 raise BusyError(f"the memory of {self.encoder.code} stayed busy for {_BUSY_S:g} s", reply)
             yield from self.pause(_BUSY_PAUSE_S)
+
+    def _compare(self, request: Any, frame: Frame, asked: _Asked) -> None:
+        """Require that a reply repeats the values of its request, such as an address."""
+        for name in getattr(request, "_fields", ()):
+            found, sent = getattr(frame, name, None), getattr(request, name)
+            if name not in asked.answers and found is not None and found != sent:
+                raise DisturbedError(f"the reply of {self.encoder.code} has {name} {found}, but {sent} was sent")
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
         """Carry out the steps of a procedure. Requests in succession start again after a failure."""
@@ -251,14 +263,15 @@ class Session:
 
     def _resynchronise(self, control: int) -> Work[None]:
         """Get a reply to a request of another kind. All earlier replies come before it."""
-        others = [item for item in self._marks if item != control]
-        for mark in (others * 2)[: max(2, len(others))]:
-            try:
-                yield from self._once(self._asked(bytes([mark])))
-                return
-            except LinkError:
-                # Let late replies arrive, so that a request of this kind can follow again.
-                yield from self.pause(self.timeout_s)
+        for mark in self._marks:
+            if mark != control:
+                try:
+                    yield from self._once(self._asked(bytes([mark])))
+                    return
+                except LinkError:
+                    continue
+        # No kind is left. Let late replies arrive.
+        yield from self.pause(_LATE * self.timeout_s)
 
     def _once(self, asked: _Asked) -> Work[bytes]:
         """Send a request once, and return the valid reply."""
@@ -271,7 +284,7 @@ class Session:
             reply = self._reply_in(received, asked)
             if reply:
                 # After other bytes, or an echo, it could be by chance that a part of the reply looks like a reply.
-                is_clean = received.startswith(reply) and received[len(asked.data)] != asked.data[0]
+                is_clean = received.startswith(reply) and not received.startswith(asked.data + asked.data[:1])
                 more = yield Ask(b"", 0.0 if is_clean else _QUIET_S)
                 if not more:
                     return reply
@@ -338,59 +351,43 @@ class Session:
         return str(self._error_in(received, asked))
 
     def _asked(self, given: Any) -> _Asked:
-        request, answers = _as_bytes(given)
-        kind = self.kinds.get(request[0]) if request else None
+        """Return a request: bytes, an object of the encoder's module, or a member of its ``DataId``."""
+        answers: dict[str, object] = {}
+        if isinstance(given, IntEnum):
+            data = bytes(item.control for item in self.kinds.values() if item.id == given)
+        elif isinstance(given, (bytes, bytearray)):
+            data = bytes(given)
+        else:
+            data = given.encode()
+            values = {name: getattr(given, name) for name in given._fields}
+            # Answers to open questions, which the reply needs too.
+            answers = {
+                name: item for name, item in values.items() if isinstance(item, Enum) and not isinstance(item, IntEnum)
+            }
+        kind = self.kinds.get(data[0]) if data else None
         if kind is None:
             known = ", ".join(f"{item.control:02X} ({item.name})" for item in self.kinds.values())
-            raise LinkError(f"{self.encoder.code} has no request {request.hex(' ').upper()}; its requests are {known}")
-        return _Asked(request, kind, answers)
-
-
-def as_request(session: Session, request: Any) -> Any:
-    """Return a request, or a member of ``DataId``, as a request that a session takes."""
-    if isinstance(request, IntEnum):
-        kind = next((item for item in session.kinds.values() if item.id == request), None)
-        return bytes([kind.control]) if kind is not None else b""
-    return request
-
-
-def _as_bytes(request: Any) -> tuple[bytes, Mapping[str, object]]:
-    """Return the bytes of a request, and its answers to open questions, which its reply also needs."""
-    if isinstance(request, (bytes, bytearray)):
-        return bytes(request), {}
-    names = getattr(request, "_fields", ())
-    values = {name: getattr(request, name) for name in names}
-    return request.encode(), {
-        name: value for name, value in values.items() if isinstance(value, Enum) and not isinstance(value, IntEnum)
-    }
+            raise LinkError(f"{self.encoder.code} has no request '{data.hex(' ').upper()}'; its requests are {known}")
+        return _Asked(data, kind, answers)
 
 
 def _kinds(encoder: Encoder) -> dict[int, _Kind]:
     """Return the requests of an encoder by their first byte."""
     module: Any = import_module(type(encoder).__module__)
-    replies = [(kind, _shape(kind, encoder)) for kind in get_args(module.Reply) or (module.Reply,)]
+    replies = [(kind, any_shape(kind, encoder)) for kind in get_args(module.Reply) or (module.Reply,)]
     found: dict[int, _Kind] = {}
     for item in rs485_facts(encoder).data_ids:
         for kind, shape in replies:
-            checks = (one for one in shape.checks if one.low + one.width <= 8)
-            columns = (one for one in shape.columns if one.low + one.width <= 8 and isinstance(one.values, tuple))
-            fits = all(holds(item.control, one) for one in checks)
-            if fits and all(
-                not one.values or item.control >> one.low & (1 << one.width) - 1 in one.values for one in columns
-            ):
+            # The first byte identifies a reply.
+            checks = all(holds(item.control, one) for one in shape.checks if one.low + one.width <= 8)
+            values = (tuple(one.values) for one in shape.columns if one.low < 8 and one.values)
+            if checks and all(item.id in allowed for allowed in values):
                 flags = tuple(one.name for one in shape.columns if one.kind == "flag")
                 purpose = item.purpose.value
                 is_position = bool(shape.position) and hasattr(kind, "usable_position")
                 found[item.control] = _Kind(item.name, item.control, item.id, purpose, shape.length, is_position, flags)
                 break
     return found
-
-
-def _shape(kind: type, encoder: Encoder) -> Shape:
-    """Return the shape of a reply. Answers to open questions do not change its length, so any will do."""
-    from .frames import _described
-
-    return shape_of(kind, *(encoder if issubclass(hint, Encoder) else next(iter(hint)) for hint in _described(kind)[1]))  # type: ignore[call-overload]
 
 
 def rs485_facts(encoder: Encoder) -> Any:
