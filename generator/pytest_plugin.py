@@ -21,7 +21,7 @@ class Served(NamedTuple):
 
 @pytest.fixture
 def virtual_encoder() -> Iterator[Callable[..., Served]]:
-    """Start virtual encoders: ``virtual_encoder("AMM5A23/65KJP1", position=1000003, faults=["flip:0.01"])``.
+    """Start virtual encoders: ``virtual_encoder(order_code, position=1000003, faults=["flip:0.01"])``.
 
     The function takes the arguments of ``VirtualEncoder`` and ``tcp=True`` to use TCP. It returns the encoder and the
     ``port`` to open. The encoders end with the test.

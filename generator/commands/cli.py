@@ -307,7 +307,7 @@ def _add_simulate(commands: _Commands) -> None:
     parser.add_argument(
         "--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use, as for decode"
     )
-    parser.more_help = lambda: import_module(f"{__package__}.simulate").HELP
+    parser.more_help = lambda: import_module(f"{__package__}.simulate").more_help()
     parser.set_defaults(run=_simulate, looks_up=True)
 
 

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import argparse
+from textwrap import fill
 
 from ..virtual import FAULTS, VirtualEncoder, motion
 from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
 from .arguments import held_bytes
 from .terminal import Stop
 
-HELP = (
+_HOW = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
     "pseudo-terminals, open the printed URL with pyserial. For SSI and BiSS, send 0 or 1 for each level of the clock, "
-    "C for 0 and 1, and T for a time-out. Each is answered by the level of the data line, 0 or 1. End it with Ctrl+C. "
-    "Faults: " + "; ".join(f"{name}, {effect}" for name, effect in FAULTS.items()) + "."
+    "C for 0 and 1, and T for a time-out. Each is answered by the level of the data line, 0 or 1. End it with Ctrl+C."
 )
+
+
+def more_help() -> str:
+    """Return how to use the port, and the faults."""
+    faults = (f"  {name:<10}{effect}" for name, effect in FAULTS.items())
+    return "\n".join([fill(_HOW, 79), "", "faults:", *faults])
 
 
 def run(chosen: argparse.Namespace) -> int:

@@ -24,7 +24,7 @@ def motion(text: str, counts: int) -> Position:
         The position.
 
     Raises:
-        ValueError: The text is none of these.
+        ValueError: The text has another form.
     """
     try:
         return int(text, 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import shlex
 import subprocess
 import sys
 import time
@@ -14,6 +15,8 @@ from typing import Any
 
 import pytest
 from bench import codes_with
+from codewheel.commands.arguments import EXAMPLES
+from codewheel.commands.cli import main
 from codewheel.targets import Library
 from codewheel.virtual import FAULTS
 
@@ -80,6 +83,14 @@ def test_levels_of_biss_over_tcp() -> None:
     assert answer[1:104:2] == b"1" + b"000" + b"1" + b"0" + f"{1_000_003:037b}11".encode() + b"010011" + b"0"
 
 
+@pytest.mark.parametrize("line", EXAMPLES["simulate"])
+def test_the_examples_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "my_encoder"]) == 0
+    with simulated(*shlex.split(line)[2:]) as port:
+        assert port
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -93,8 +104,6 @@ def test_levels_of_biss_over_tcp() -> None:
     ],
 )
 def test_wrong_usage_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
-    from codewheel.commands.cli import main
-
     assert main(["simulate", *arguments]) == (1 if "--tcp" in arguments else 2)
     captured = capsys.readouterr()
     assert captured.err.startswith(message)

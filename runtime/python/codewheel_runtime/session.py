@@ -5,8 +5,8 @@ The methods of a :class:`Session` are generators that yield each action as an :c
 arrived. ``link`` carries them out with any transport, such as a serial port, and ``link_async`` does so for asyncio.
 
 A reply has no number that connects it to its request, and its CRC of eight bits misses one disturbance in 256. So the
-session accepts only a reply that begins with the first byte of its request, that is a valid frame, and after which
-nothing else came. After any failure it resynchronises: it sends a request of another kind, and discards everything
+session accepts a reply only if it begins with the first byte of its request, is a valid frame, and is the last that
+arrived. After any failure it resynchronises: it sends a request of another kind, and discards everything
 before the reply to that. A late reply can therefore not be taken for the reply to the next request. If there is no
 reply to any other kind either, it waits four time-outs, so only a reply that is later than that could be mistaken.
 
