@@ -8,21 +8,46 @@ the effect of a command, so that follows from the words in the name of its value
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from typing import Protocol
 
-from ..model import Constant, PollStep, Procedure, ReadStep, Register, WriteStep, number_from_bytes, number_to_bytes
+from ..model import (
+    Constant,
+    Device,
+    Layout,
+    PlacedLayout,
+    PollStep,
+    Procedure,
+    ReadStep,
+    Register,
+    Variant,
+    WriteStep,
+    number_from_bytes,
+    number_to_bytes,
+)
 from ..order_codes.run_time import after_write
 from ..reference import codec
 
-if TYPE_CHECKING:
-    from .encoder import VirtualEncoder
+
+class Host(Protocol):
+    """Encoder that has the registers."""
+
+    device: Device
+    variant: Variant
+    flags: set[str]
+    clock: Callable[[], float]
+
+    def place(self, layout: Layout) -> PlacedLayout: ...
+    def position_names(self) -> frozenset[str]: ...
+    def position_now(self) -> int: ...
+    def set_position(self, value: int) -> None: ...
+    def add_offset(self, value: int) -> None: ...
 
 
 class Memory:
     """Registers by address. ``too_early`` counts commands that were not executed because of a missing wait."""
 
-    def __init__(self, encoder: VirtualEncoder, given: Mapping[str, bytes]) -> None:
+    def __init__(self, encoder: Host, given: Mapping[str, bytes]) -> None:
         self._encoder = encoder
         device, interface = encoder.device, encoder.variant.interface
         self.registers = {item.name: item for item in device.registers if item.interface == interface}
@@ -242,7 +267,7 @@ class Memory:
             names = [step.register for step in procedure.steps if isinstance(step, ReadStep)][:-1]
             cleared = {item.name for item in self._encoder.device.alarms if procedure.name in item.cleared_by}
             if cleared and len(names) + 1 == len(procedure.steps) and list(self._read)[-len(names) :] == names:
-                self._encoder.clear_flag(*cleared)
+                self._encoder.flags -= cleared
 
 
 def _commands(procedure: Procedure, command: Register) -> list[WriteStep]:

@@ -20,7 +20,8 @@ ERRORS = {
     "lost": ("NoReplyError",),
     "short": ("DisturbedError", "NoReplyError"),
     "doubled": (),
-    "late": ("NoReplyError",),
+    # The second part of a late reply looks disturbed.
+    "late": ("NoReplyError", "DisturbedError"),
     "flip": ("DisturbedError",),
     "echo": (),
     "junk": (),
