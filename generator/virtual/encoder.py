@@ -72,6 +72,7 @@ class VirtualEncoder:
         self.flags: set[str] = set()
         self._offset = 0
         self._off_until = self._busy_until = 0.0
+        self._instant: float | None = None
         started = monotonic()
         self.clock = clock or (lambda: monotonic() - started)
         self.memory = Memory(self, registers or {})
@@ -105,7 +106,7 @@ class VirtualEncoder:
 
     def raw_position(self) -> int:
         """Return the position at this moment without presets and resets."""
-        return int(self.position(self.clock()) if callable(self.position) else self.position)
+        return int(self.position(self._now()) if callable(self.position) else self.position)
 
     def set_position(self, value: int) -> None:
         """Report ``value`` at the present position of the shaft, as a preset or reset does."""
@@ -158,7 +159,7 @@ class VirtualEncoder:
 
     def is_busy(self) -> bool:
         """Return whether the encoder is busy, after power-on or during a reset."""
-        return self.clock() < self._busy_until
+        return self._now() < self._busy_until
 
     @property
     def reports_busy(self) -> bool:
@@ -171,7 +172,11 @@ class VirtualEncoder:
 
     def frame(self, layout: Layout, given: Mapping[str, int | str | bool] | None = None) -> int:
         """Return a frame of this moment as one number. ``given`` are fields that the request determines."""
-        return codec.encode(self.device, self.place(layout), self._values(layout, given or {}))
+        self._instant = self.clock()
+        try:
+            return codec.encode(self.device, self.place(layout), self._values(layout, given or {}))
+        finally:
+            self._instant = None
 
     def place(self, layout: Layout) -> PlacedLayout:
         """Return a layout as it is for this encoder with its present registers."""
@@ -200,6 +205,10 @@ class VirtualEncoder:
         return (
             bool(self.flags) and field.name == next(iter(Biss.flags)) and not self.flags.isdisjoint(self._in_registers)
         )
+
+    def _now(self) -> float:
+        """Return the time. It stands still while a frame is made, so that its fields belong together."""
+        return self.clock() if self._instant is None else self._instant
 
     def _values(self, layout: Layout, given: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
         values: dict[str, int | str | bool] = {}

@@ -68,6 +68,17 @@ def test_a_position_is_a_function_of_time(clock: Clock) -> None:
     assert line.frame() >> 8 == 2500
 
 
+def test_the_fields_of_a_frame_belong_to_one_moment() -> None:
+    """The clock passes the end of BUSY between any two looks at it: position 0 and BUSY come together, or neither."""
+    for look in range(8):
+        times = iter([0.0] * (look + 3) + [1.0] * 100)
+        encoder = VirtualEncoder("AMM5A23/65KJP1", 1234, clock=lambda times=times: next(times))
+        encoder.be_busy(0.5)
+        layout = next(item for item in encoder.layouts("encoder") if item.name == "complete_reply")
+        number = encoder.frame(layout, {"data_id": 3})
+        assert (number >> 16 & 0xFFFFFF == 0) == (number >> 73 & 1 == 1)
+
+
 @pytest.mark.parametrize("text", ["12x", "sine:", "sine:nan", "ramp:1Hz", "sine:1e999Hz", ""])
 def test_positions_that_are_none(text: str) -> None:
     with pytest.raises(ValueError, match="is not a position; write"):
