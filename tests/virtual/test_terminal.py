@@ -193,6 +193,6 @@ def test_2000_requests_with_each_fault(
             age = (value - int(asked[0] * 1e6)) % served.encoder.counts
             assert age <= (time.monotonic() - asked[0]) * 1e6
     assert served.encoder.faults.injected[fault] > 10
-    # On a busy machine a reply can be late without a fault. The link may then give up, but never return a wrong position.
+    # On a busy machine a reply can be late without a fault. The link may give up, but return no wrong position.
     assert errors < 20 or fault in ("busy", "restart", "brownout", "late", "low", "high")
     assert time.monotonic() - started < 60
