@@ -271,6 +271,48 @@ def _add_master(commands: _Commands) -> None:
     parser.set_defaults(run=_master)
 
 
+def _add_simulate(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "simulate",
+        help="run a virtual encoder",
+        description="Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open.",
+    )
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument(
+        "--position",
+        default="0",
+        metavar="POSITION",
+        help="counts such as 1000003, sine:0.5Hz, or ramp:1000 in counts per second (default: 0)",
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="NAME[:RATE]",
+        help="inject a fault into this share of the replies, such as flip:1e-3 (may be repeated)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="start of the random sequence of faults (default: 0)")
+    parser.add_argument(
+        "--flag", action="append", default=[], metavar="NAME", help="activate an alarm or flag (may be repeated)"
+    )
+    parser.add_argument(
+        "--tcp",
+        nargs="?",
+        type=int,
+        const=0,
+        metavar="PORT",
+        help="use TCP on this computer instead of a pseudo-terminal (default port: any that is free)",
+    )
+    _add_register_option(parser)
+    _add_choose_option(parser, "requests that depend on the answer are not answered")
+    parser.add_argument("--edition", metavar="EDITION", help="use another edition of the manual: a revision or a date")
+    parser.add_argument(
+        "--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use, as for decode"
+    )
+    parser.more_help = lambda: import_module(f"{__package__}.simulate").more_help()
+    parser.set_defaults(run=_simulate, looks_up=True)
+
+
 def _add_diff(commands: _Commands) -> None:
     from .diff import add_diff
 
@@ -333,6 +375,7 @@ _COMMANDS = {
     "show": _add_show,
     "decode": _add_decode,
     "master": _add_master,
+    "simulate": _add_simulate,
     "diff": _add_diff,
     "reread": _add_reread,
     "facts": _add_facts,
@@ -519,6 +562,12 @@ def _facts(chosen: argparse.Namespace) -> int:
     from .reread import run_facts
 
     return run_facts(chosen)
+
+
+def _simulate(chosen: argparse.Namespace) -> int:
+    from .simulate import run
+
+    return run(chosen)
 
 
 def _diff(chosen: argparse.Namespace) -> int:

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from codewheel_runtime.codec import Data
     from codewheel_runtime.any_biss import biss_layout
     from codewheel_runtime.capture import Captures
+    from codewheel_runtime.link import Link, LinkError, Ports
     from codewheel_runtime.stream import Files
     from codewheel_runtime.table import ErrorKind, Table
 
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
     decode_partition = Files("lika_encoders").decode_partition
     decode_capture = Captures("lika_encoders").decode_capture
     read_capture = Captures("lika_encoders").read_capture
+    open_encoder = Ports(Package(__name__, {}).lookup).open_encoder
 
 __all__ = [
     "BitField",
@@ -118,7 +120,10 @@ __all__ = [
     "decode_file",
     "decode_partition",
     "identify",
+    "Link",
+    "LinkError",
     "lookup",
+    "open_encoder",
     "read_capture",
     "run",
     "why",
@@ -142,7 +147,13 @@ _PACKAGE: Final = Package(
 _FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
 
 #: Names that are imported from a module of the runtime on first use.
-_LATE: Final = {"ErrorKind": "table", "Table": "table", "biss_layout": "any_biss"}
+_LATE: Final = {
+    "ErrorKind": "table",
+    "Link": "link",
+    "LinkError": "link",
+    "Table": "table",
+    "biss_layout": "any_biss",
+}
 
 if not TYPE_CHECKING:
 
@@ -151,6 +162,8 @@ if not TYPE_CHECKING:
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
         if name in ("decode_file", "decode_partition"):
             return getattr(import_module("codewheel_runtime.stream").Files(__name__), name)
+        if name == "open_encoder":
+            return import_module("codewheel_runtime.link").Ports(_PACKAGE.lookup).open_encoder
         if name in ("decode_capture", "read_capture"):
             return getattr(import_module("codewheel_runtime.capture").Captures(__name__), name)
         if name in _LATE:

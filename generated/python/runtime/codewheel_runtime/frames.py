@@ -375,6 +375,12 @@ def shape_of(kind: type, *given: object) -> Shape:
     return make(*given)
 
 
+def any_shape(kind: type, encoder: Encoder) -> Shape:
+    """Return the description of a class for an encoder, with some answer to each question that is open."""
+    make, needed = _described(kind)
+    return make(*(encoder if issubclass(item, Encoder) else next(iter(cast(Any, item))) for item in needed))
+
+
 @cache
 def _described(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
     """Return the function that creates the description of a class, and the types of its arguments."""
