@@ -20,7 +20,6 @@ position lost after power off                 | questions-wrong-after-restart
 position wrong after power on                 | questions-wrong-after-restart
 BiSS CRC always wrong                         | questions-crc-always-wrong
 crc never matches                             | questions-crc-always-wrong
-every crc wrong                               | questions-crc-always-wrong
 all ones                                      | questions-all-ones
 open input reads as connected                 | questions-all-ones
 all bits are 1                                | questions-all-ones
