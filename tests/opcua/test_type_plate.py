@@ -7,12 +7,14 @@ plates on the real ones, check out the repository OPCFoundation/UA-Nodeset and s
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import os
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.opcua.files import generate
 
@@ -53,6 +55,16 @@ def test_each_order_code_has_a_plate(library: Library) -> None:
             root = ElementTree.fromstring(text)
             ids = [item.get("NodeId") for item in root if item.get("NodeId")]
             assert len(ids) == len(set(ids)), name
+
+
+def test_a_number_that_its_type_cannot_hold_is_left_out(amm5: Device) -> None:
+    """UInt32 ends below 2^32: an encoder with 32 bits in a revolution has no such attribute."""
+    only = tuple(item for item in amm5.variants if item.code == "AMM5A23/65KSC1")
+    for bits, has_it in ((31, True), (32, False)):
+        variant = dataclasses.replace(only[0], parameters={**only[0].parameters, "counts_per_turn": 2**bits})
+        (text, _) = generate(Library((dataclasses.replace(amm5, variants=(variant,)),))).values()
+        assert (f">{2**bits}<" in text) == (SINGLE in text) == has_it
+        assert ">65536<" in text
 
 
 def test_hostile_text_stays_text(hostile: Library) -> None:

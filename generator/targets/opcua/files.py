@@ -19,6 +19,8 @@ from ..licence import licence_in
 #: Values of EncoderType (7.8.9) and EncoderProtocol (7.8.13) with their names.
 _SINGLE_TURN, _MULTI_TURN, _LINEAR = (0, "ROT_SINGLE_TURN"), (1, "ROT_MULTI_TURN"), (4, "LINEAR_ABSOLUTE")
 _BISS_C, _SSI_BINARY, _SSI_GRAY = (0, "BISS_C"), (6, "SSI_BINARY"), (7, "SSI_GRAY_CODE")
+#: Largest number of the type UInt32. A resolution above it is left out.
+_LARGEST = 0xFFFFFFFF
 
 
 class Resolution(TypedDict):
@@ -74,7 +76,7 @@ def _plate(device: Device, variant: Variant, name: str) -> Plate | None:
         "name": name,
         "kind": "Linear" if encoder_type == _LINEAR else "Rotary",
         "encoder_type": encoder_type,
-        "resolutions": resolutions,
+        "resolutions": [item for item in resolutions if item["value"] <= _LARGEST],
         "protocol": _protocol(device, variant),
     }
 
@@ -86,7 +88,9 @@ def _protocol(device: Device, variant: Variant) -> tuple[int, str] | None:
         return _BISS_C
     if not isinstance(interface, Ssi):
         return None
-    layout = next(item for item in interface.layouts if device.tells_position(interface.name, item))
+    layout = next((item for item in interface.layouts if device.tells_position(interface.name, item)), None)
+    if layout is None:
+        return None
     always = bool(layout.gray_of) and not layout.gray_when
     return _SSI_GRAY if always or variant.parameters.get(layout.gray_when) else _SSI_BINARY
 
