@@ -103,7 +103,8 @@ def test_it_is_known_by_name_and_runs_when_asked_for(
     monkeypatch.chdir(tmp_path)
     assert main(["new", "demo"]) == 0
     assert main(["generate", "demo.yaml", "-o", "out"]) == 0
-    assert sorted(path.name for path in Path("out").iterdir()) == ["biss", "browser", "c", "docs", "masters", "opcua", "python"]
+    made = sorted(path.name for path in Path("out").iterdir())
+    assert made == ["biss", "browser", "c", "docs", "masters", "opcua", "python"]
     assert main(["generate", "demo.yaml", "-o", "out", "--target", "rust"]) == 0
     assert Path("out/rust/x.rs").read_text() == "edition=2021 crate=acme"
 
