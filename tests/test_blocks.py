@@ -67,6 +67,10 @@ ELSEWHERE = {
         "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
         "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
     },
+    **{
+        f"docs/questions-{name}.md": {": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands"}
+        for name in ("all-ones", "crc-always-wrong", "factor-of-two")
+    },
     "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
     **{
         f"docs/start-{name}.md": {
