@@ -8,12 +8,13 @@
   /** Words that people use for the same thing. The first words of a row are those of titles. */
   const CONCEPTS = [
     ["connector wiring", "pinout pin pins wire wires connect connection connections plug socket colour color colours"],
-    ["cable", "length distance metre metres meter long"],
+    ["cable baud", "length distance metre metres meter long"],
     ["preset zero send", "home homing origin offset zeroing reference datum set"],
     ["baud rate", "baudrate bitrate bps bd mbd"],
     ["clock", "frequency mhz khz"],
+    ["clock baud times", "time duration fast how"],
     ["timeout times", "monoflop"],
-    ["crc", "checksum polynomial poly checksums"],
+    ["crc frame", "checksum polynomial poly checksums"],
     ["led leds", "blink blinks blinking flash flashes flashing lamp light lights"],
     ["battery", "batteries"],
     ["save eeprom send", "store storing nonvolatile permanent persist keep"],
@@ -113,6 +114,18 @@
     const wrong = family ? undefined : others.find(isLikeCode);
     const words = others.filter((one) => one !== wrong);
     return { ...asked, family: family?.toLowerCase() ?? "", wrong: wrong ?? "", words };
+  }
+
+  const nameOf = (text) => text.toLowerCase().replace(/[^a-z0-9]/g, "");
+  const interfaces = new Map(families().flatMap((one) => one.interfaces)
+    .flatMap((one) => [[one.name, one.title], [nameOf(one.title), one.title]]));
+
+  /** The words without the names of interfaces, which the label has decided, and the titles of other interfaces. */
+  function withoutInterfaces({ label, words }) {
+    const named = label ? words.filter((word) => interfaces.has(nameOf(word))) : [];
+    const others = named.map((word) => interfaces.get(nameOf(word))).filter((title) => title !== label.interface.title);
+    const rest = words.filter((word) => !named.includes(word));
+    return { words: rest.length ? rest : words, others: [...new Set(others)] };
   }
 
   /** The page of a listed code, or of the listed code whose numbers an unlisted one has. */
@@ -283,7 +296,8 @@
   function results(text, from) {
     const asked = read(text);
     const context = contextOf(asked, from);
-    const typed = asked.words.join(" ");
+    const { words: plainWords, others } = withoutInterfaces(asked);
+    const typed = plainWords.join(" ");
     const words = [...new Set(wordsOf(typed))].map((word) => ({ word, synonyms: synonymsOf(word) }));
     const made = [];
     if (asked.wrong) {
@@ -292,6 +306,10 @@
       const isBeginning = like.length && squeezed(like[0]).startsWith(squeezed(asked.wrong));
       if (!isBeginning) made.push(element("p", { class: "help", role: "note" }, `${help}.`));
       made.push(...group("Order codes", like.slice(0, 12).map((code) => hit(pages[INDEX.codes[code]], "", code, ""))));
+    }
+    for (const title of others) {
+      const text = `${asked.label.code} has ${asked.label.interface.title}, not ${title}.`;
+      made.push(element("p", { class: "help", role: "note" }, text));
     }
     if (asked.label && !words.length && context.page) {
       made.push(...group(context.page.title, labelHits(asked.label, context.page)));

@@ -37,7 +37,7 @@ from ...say.box import as_words
 from ...say.interface import settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
-from ...say.place import addresses, bits
+from ...say.place import addresses, bits, frame_bytes
 from ...say.report import deciding
 from ...say.text import said
 from ...say.timing import bounds
@@ -247,17 +247,28 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line."""
     checked = family.crc_of(layout)
     yield "CRC", crc_line(checked) if checked is not None else "none"
-    by_level: dict[str, list[str]] = {}
-    for item in layout.place(variant.parameters).fields:
-        where = "" if layout.in_bytes else f" ({bits(item.high, item.low)})"
+    by_level: dict[str, list[tuple[str, str]]] = {}
+    placed = layout.place(variant.parameters)
+    for item in placed.fields:
+        of_byte = frame_bytes(layout, placed.bits, item.high, item.low) if layout.in_bytes else ""
+        at = (code(item.name), of_byte or bits(item.high, item.low))
         if isinstance(meaning_of(item.field), Active):
-            by_level.setdefault(f"Active at {deciding(item.field)}", []).append(code(item.name) + where)
-        elif where and item.field.printed_name and deciding(item.field) in {"0", "1"}:
-            by_level.setdefault("Not used by this encoder", []).append(code(item.name) + where)
-    yield from ((label, ", ".join(names)) for label, names in by_level.items())
+            by_level.setdefault(f"Active at {deciding(item.field)}", []).append(at)
+        elif not of_byte and item.field.printed_name and deciding(item.field) in {"0", "1"}:
+            by_level.setdefault("Not used by this encoder", []).append(at)
+    yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
         yield "Position", verdict_line(judgement, variant)
+
+
+def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
+    """Yield flags with their places. A byte is named only where it changes."""
+    last = ""
+    for name, place in flags:
+        byte, _, bit = place.rpartition(", ")
+        yield f"{name} ({bit if byte == last else place})"
+        last = byte
 
 
 def crc_line(crc: Crc) -> str:
