@@ -1,8 +1,8 @@
-"""Eleven tasks of a person with a label in hand, in a browser: one search, at most one click, and the answer in sight.
+"""Eleven tasks of a person with a label in hand: one search, at most one click, and the answer in sight.
 
-The answers are typed from the manuals: AMM5 1.9 (4.1.1 to 4.1.3, 4.3.2, 6.2, 6.4, 7.1, 7.3, 7.6), AM36 1.0 (4, 6.2, 6.4),
-ASC85 1.0 (4, 5.3) and SMA21 1.2 (4.1, 4.2, 7.1, 7.3, 9). Durations are counted here: bits, start bit and CDS bit at 1 MHz,
-or bytes of ten bits at 2.5 MBd. Clocks for cables of BiSS are those of AN15 of iC-Haus.
+The answers are typed from the manuals: AMM5 1.9 (4.1.1 to 4.1.3, 4.3.2, 6.2, 6.4, 7.1, 7.3, 7.6), AM36 1.0 (4, 6.2,
+6.4), ASC85 1.0 (4, 5.3) and SMA21 1.2 (4.1, 4.2, 7.1, 7.3, 9). Durations are counted here: bits, start bit and CDS bit
+at 1 MHz, or bytes of ten bits at 2.5 MBd. Clocks for cables of BiSS are those of AN15 of iC-Haus.
 """
 
 from __future__ import annotations
