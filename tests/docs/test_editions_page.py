@@ -391,12 +391,12 @@ SLIPS = {
     "a change of nothing": (
         "      - unknown: [registers.serial_number, examples.serial_number]\n        why",
         "      - why",
-        "overlay-change: this change does nothing; use one of set, add, remove, unknown and also",
+        "overlay-change: this change does nothing; use 'set', 'add', 'remove', 'unknown' or 'also'",
     ),
     "a change of two kinds": (
         "- unknown: [registers.device_id]",
         "- unknown: [registers.device_id]\n        also: More",
-        "overlay-change: this change has 'unknown' and 'also'; use one of set, add, remove, unknown and also",
+        "overlay-change: this change has 'unknown' and 'also'; use 'set', 'add', 'remove', 'unknown' or 'also'",
     ),
     "no such register": (
         "      - register: serial_number\n        run: week",
