@@ -136,14 +136,14 @@ power consumption               | Wiring              | am36/biss.html#wiring
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
 2.5 Mbit                        | AMM5: RS-485        | amm5/rs485.html
 gray code                       | Order codes and quantities | am36/biss.html#order-codes-and-quantities
-counting direction reverse      | Input: Counting direction (Complementary input) | #input-counting-direction-complementary-input
+counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
 crc wrong                       | CRC errors          | docs/command-line.html#crc-errors
 crc fails                       | Why a CRC fails     | docs/why-a-crc-fails.html
 nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
 AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame
-tape                            | Length of tape and travel, and information | #length-of-tape-and-travel-and-information
+tape                            | Length of tape and travel, and information | -and-travel-and-information
 mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
 acknowledge                     | Times               | am36/biss.html#times
 siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput

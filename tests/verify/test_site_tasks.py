@@ -311,6 +311,37 @@ def test_a_preset_that_does_not_fit_is_refused(site: Path, browser: Browser, typ
     assert set(rows) == {"00 00 00 00 00 00 00"}
 
 
+#: A page with its frame, the field that is pointed at, and what is shown about it. The frame of AMM5 is the manual's
+#: preset example, 1,000,003 counts, with both flags inactive; its CRC is computed in ``test_browser_codec.py``.
+DRAWN = [
+    ("#code=AMM5A21/65KSC1&frame=0x0F4243D3", "error", "error: bit 7, no (1). No active error. Manual 6.2.1 p.32"),
+    ("#code=AMM5A21/65KSC1&frame=0x0F4243D3", "singleturn",
+     "singleturn: bits 28:8, 1000003 counts (0xf4243). Position within one revolution. Manual 6.2.1 p.32"),
+]  # fmt: skip
+_DRAWN = """((name, how) => {
+  const cell = [...document.querySelectorAll(".codewheel-decode-cell")]
+    .find((item) => item.getAttribute("aria-label").startsWith(`${name}:`));
+  if (how === "focus") cell.focus();
+  else cell.dispatchEvent(new Event(how));
+  const lit = [...document.querySelectorAll("tr.codewheel-decode-lit th")].map((item) => item.firstChild.textContent);
+  const bits = [...document.querySelectorAll(".codewheel-decode-bits")].map((item) => item.textContent).join("");
+  return [document.querySelector(".codewheel-decode-about").textContent, cell.getAttribute("aria-label"), lit, bits];
+})(%s, %s)"""
+
+
+@pytest.mark.parametrize(("address", "name", "shown"), DRAWN)
+@pytest.mark.parametrize("how", ["pointerenter", "focus"])
+def test_a_field_of_the_drawn_frame_shows_value_and_source(
+    site: Path, browser: Browser, address: str, name: str, shown: str, how: str
+) -> None:
+    browser.open("about:blank")
+    browser.open((site / "decode.html").as_uri() + address)
+    about, label, lit, bits = browser.run(_DRAWN % (json.dumps(name), json.dumps(how)))
+    assert about.lower() == label.lower() == shown.lower()
+    assert lit == [name]
+    assert bits == f"{0x0F4243D3:045b}"
+
+
 def test_without_a_script_the_rows_remain(site: Path, browser: Browser) -> None:
     browser.call("Emulation.setScriptExecutionDisabled", value=True)
     browser.open((site / "generated/docs/amm5/AMM5A21-65KSC1.html").as_uri())

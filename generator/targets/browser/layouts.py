@@ -44,6 +44,7 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     made = [(field, told) for field in layout.fields for told in reports if told.by.field.name == field.name]
     return _layout(device, layout) | kept(
         title=title(layout),
+        source=cite(layout.source),
         sender=layout.sender,
         channel=layout.channel,
         selector=layout.selector,
@@ -62,6 +63,7 @@ def register(device: Device, item: Register) -> Data:
     about = (*told(item.meaning), *facts(device, item), *told(item.note))
     return _layout(device, item.layout) | kept(
         title=title(item),
+        source=cite(item.source),
         place=register_at(item),
         length=item.length,
         # The script gives the limits in numbers of the order code.
