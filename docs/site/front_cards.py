@@ -52,7 +52,8 @@ def _span(placed: PlacedLayout, item: PlacedField) -> str:
     kind = "crc" if item.field == placed.layout.crc_field else "flag" if is_flag else "position"
     label = "" if size < 3 else f"{escape(words(item.name))}<br>{_places(item)}"
     title = f"{words(item.name)}, {_places(item)}"
-    return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label or size}</span>'
+    label = label or escape(words(item.name)[0].upper())
+    return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label}</span>'
 
 
 def _places(item: PlacedField) -> str:

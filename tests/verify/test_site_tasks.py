@@ -342,6 +342,17 @@ def test_a_field_of_the_drawn_frame_shows_value_and_source(
     assert bits == f"{0x0F4243D3:045b}"
 
 
+def test_the_sidebar_lists_the_folds_and_registers_lead_to_the_encoder(site: Path, browser: Browser) -> None:
+    browser.look(1280, height=800)
+    browser.open((site / "generated/docs/amm5/AMM5A21-65KSC1.html").as_uri())
+    browser.run('document.querySelector(\'.sections a[href="#fold-registers"]\').click()')
+    assert browser.run('document.getElementById("register-preset").checkVisibility()') is True
+    browser.run('document.querySelector("#register-preset").parentElement.querySelector("small:last-child a").click()')
+    browser.wait()
+    assert "decode.html#code=AMM5A21%2F65KSC1&as=preset" in browser.run("location.href")
+    assert "Preset, registers 11h to 17h" in browser.run('document.querySelector("select").selectedOptions[0].text')
+
+
 def test_without_a_script_the_rows_remain(site: Path, browser: Browser) -> None:
     browser.call("Emulation.setScriptExecutionDisabled", value=True)
     browser.open((site / "generated/docs/amm5/AMM5A21-65KSC1.html").as_uri())

@@ -1,5 +1,5 @@
-// The page of an order code: a slider for the cable length, and a box for the value of the preset.
-// Without this script, the table of cable lengths and the bytes for the position 0 remain.
+// The page of an order code: a slider for the cable length, a box for the value of the preset, the folds in the sidebar,
+// and links to the page that encodes registers. Without this script, the tables and the bytes for the position 0 remain.
 (function () {
   "use strict";
   /** Offered lengths in metres. */
@@ -96,12 +96,41 @@
     follow();
   }
 
-  addEventListener("DOMContentLoaded", () => {
+  // ------------------------------------------------------------------------------------- folds and registers
+
+  /** Lists the folds below the details in the sidebar. */
+  function listFolds() {
+    const entry = document.querySelector('.sections a[href="#details"]');
+    const items = [...document.querySelectorAll("#details > details > summary")].map((summary) => {
+      summary.id = `fold-${summary.parentElement.querySelector("a[id]").id}`;
+      const title = (summary.querySelector("b") ?? summary).textContent;
+      return element("li", {}, element("a", { class: "reference internal", href: `#${summary.id}` }, title));
+    });
+    entry?.after(element("ul", {}, ...items));
+  }
+
+  /** Links each register to the page that encodes and decodes its bytes. */
+  function linkRegisters(code) {
+    const page = document.querySelector("header .to-decode")?.getAttribute("href");
+    for (const anchor of page ? document.querySelectorAll('#details h3 > a[id^="register-"]') : []) {
+      const given = new URLSearchParams({ code, as: anchor.id.replace("register-", "") });
+      anchor.parentElement.append(" ", element("small", {},
+        element("a", { href: `${page}#${given}` }, "encode or decode its bytes")));
+    }
+  }
+
+  function start() {
     const table = document.querySelector("#clock-and-cable table");
     if (table) cable(table);
     const anchor = document.getElementById("preset-value");
     const wheel = globalThis.codewheelDecode;
-    const found = wheel?.findCode(document.querySelector("[data-code]")?.dataset.code ?? "");
+    const code = document.querySelector("[data-code]")?.dataset.code ?? "";
+    const found = wheel?.findCode(code);
     if (anchor && found) preset(anchor, wheel, found);
-  });
+    listFolds();
+    linkRegisters(code);
+  }
+
+  if (document.readyState === "loading") addEventListener("DOMContentLoaded", start);
+  else start();
 })();
