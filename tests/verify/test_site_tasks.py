@@ -32,8 +32,8 @@ QUERIES = {
     "frame at 1 MHz": "frame time",
     "save": "save to eeprom",
 }
-#: Answers of each order code: rows of a page, with the texts that each must contain. Those with "not" are on the page
-#: of the search, without a click.
+#: Answers of each order code: rows of a page, with the texts that each must contain. Those with ", not " are on the
+#: page of the search, without a click.
 BISS_CABLE = ["10 m | 10 MHz", "25 m | 5 MHz", "60 m | 2 MHz", "100 m | 1 MHz", "200 m | 500 kHz"]
 SSI_CABLE = ["50 m | 400 kHz", "100 m | 300 kHz", "200 m | 200 kHz", "400 m | 100 kHz"]
 BISS_CRC = ["CRC | poly 0x43 (x⁶ + x + 1) | init 0 | inverted | 6 bits"]
@@ -189,7 +189,7 @@ def answered(site: Path, browser: Browser, query: str, rows: list[str], height: 
     hit = browser.run(f'{_FIRST}?.getAttribute("href") ?? ""')
     if not hit:
         return "no hit"
-    if " has " not in rows[0]:
+    if ", not " not in rows[0]:
         browser.run(f"{_FIRST}.click()")
         browser.wait()
         browser.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")

@@ -21,7 +21,7 @@
     ["led leds", "blink blinks blinking flash flashes flashing lamp light lights"],
     ["battery", "batteries dead flat empty depleted"],
     ["save eeprom send", "store storing nonvolatile permanent persist keep"],
-    ["alarm alarms error errors warning", "fault failure problem"],
+    ["alarm alarms error errors warning", "fault failure problem", "frame"],
     ["supply wiring", "voltage power volt volts vdc"],
     ["usable verdict", "trust valid reliable"],
     ["fails errors match", "wrong mismatch bad invalid"],
