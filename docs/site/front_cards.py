@@ -22,7 +22,8 @@ def _card(device: Device) -> Iterator[str]:
     variant, placed = _frame(device)
     interfaces = ", ".join(item.title for item in device.interfaces)
     yield f'<div class="card"><h3><a href="generated/docs/{device.name}.md">{escape(device.title)}</a></h3>\n'
-    yield f'<p class="facts">{escape(interfaces)}. {len(device.variants)} order codes.</p>\n'
+    manufacturer = escape(device.manufacturer.title)
+    yield f'<p class="facts">{manufacturer}. {escape(interfaces)}. {len(device.variants)} order codes.</p>\n'
     yield f"{_bits(placed)}\n"
     title = device.interface(variant.interface).title
     yield f'<p class="facts">Frame of {escape(variant.code)} over {escape(title)}: {placed.bits} bits.</p></div>\n'

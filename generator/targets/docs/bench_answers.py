@@ -309,10 +309,10 @@ def verdict_line(judgement: Judgement, variant: Variant) -> str:
 
 
 _VERDICT = {
-    Verdict.USABLE: "usable",
-    Verdict.USABLE_WITH_WARNING: "usable with a warning",
-    Verdict.NOT_USABLE: "**not usable**",
-    Verdict.UNKNOWN: "unknown",
+    Verdict.USABLE: "✓ usable",
+    Verdict.USABLE_WITH_WARNING: "▲ usable with a warning",
+    Verdict.NOT_USABLE: "✕ **not usable**",
+    Verdict.UNKNOWN: "? unknown",
 }
 
 
