@@ -63,9 +63,10 @@ function bitsOf(found, table) {
     const longest = size > 2 ? Math.max(...item.name.split("_").map((word) => word.length)) : 0;
     const cell = element("button", {
       type: "button", class: `${CLASS}-cell ${CLASS}-cell-${kindOf(found, item)}`,
-      style: `flex: ${size} 1 ${Math.max(size, longest) + 1}ch`,
       "aria-label": `${item.name}${told}${from}`,
     }, part("span", "bits", item.raw.toString(2).padStart(size, "0")), size > 2 ? part("span", "name", name) : "");
+    // The policy of the page allows this, but no attribute.
+    cell.style.flex = `${size} 1 ${Math.max(size, longest) + 1}ch`;
     const point = () => {
       about.replaceChildren(element("b", {}, item.name), told, from && part("span", "source", from));
       rows.forEach((row, at) => row.classList.toggle(`${CLASS}-lit`, found.fields[at] === item));
