@@ -44,7 +44,7 @@ function bitsOf(found, table) {
   const { layout } = found.at;
   const drawn = found.fields.filter((item, place, all) =>
     item.high >= 0 && all.findIndex((one) => one.high === item.high && one.low === item.low) === place);
-  const isLowFirst = layout.bytes === 1;
+  const isLowFirst = layout.order === "little";
   drawn.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
   const about = part("p", "about", "Point at a field, or move to it with the Tab key, to see its value and source.");
   about.setAttribute("aria-hidden", "true");
@@ -52,7 +52,7 @@ function bitsOf(found, table) {
   const cells = drawn.map((item) => {
     const size = item.high - item.low + 1;
     const place = placeOf(found.at, item);
-    const where = layout.bytes ? place : `bit${size > 1 ? "s" : ""} ${place}`;
+    const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
     const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
     const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
     const meaning = item.meaning ? ` ${sentence(item.meaning)}` : "";
