@@ -345,7 +345,7 @@ def test_a_field_of_the_drawn_frame_shows_value_and_source(
 def test_the_sidebar_lists_the_folds_and_registers_lead_to_the_encoder(site: Path, browser: Browser) -> None:
     browser.look(1280, height=800)
     browser.open((site / "generated/docs/amm5/AMM5A21-65KSC1.html").as_uri())
-    browser.run('document.querySelector(\'.sections a[href="#fold-registers"]\').click()')
+    browser.run("document.querySelector('.sections a[href=\"#fold-registers\"]').click()")
     assert browser.run('document.getElementById("register-preset").checkVisibility()') is True
     browser.run('document.querySelector("#register-preset").parentElement.querySelector("small:last-child a").click()')
     browser.wait()
