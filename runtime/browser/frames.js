@@ -198,6 +198,15 @@ function strangeIn(found) {
   });
 }
 
+/** The names and values of the fields that together hold a number. Excess bits go to the highest field. */
+function splitInto(parts, number) {
+  const top = Math.max(...parts.map((one) => one.low + (one.item?.width ?? 0)));
+  return parts.filter((one) => one.item).map(({ item, low }) => {
+    const isOpen = low + item.width === top || number < 0n;
+    return [item.name, isOpen ? number >> BigInt(low) : bits(number, low, item.width)];
+  });
+}
+
 class Refusal extends Error {}
 
 /** The number whose fields have these values: numbers, booleans and texts by name. */
@@ -250,6 +259,13 @@ function refuseOutside(at, number, limits) {
   if ((low !== null && found < low) || (high !== null && found > high)) {
     throw new Refusal(said("outside", found, low ?? "the lowest value", high ?? "the highest value"));
   }
+}
+
+/** The bytes of a register that holds one number, such as a position, in hex. */
+function bytesOfNumber(at, number, limits) {
+  const [join] = at.joins;
+  const parts = join ? join.parts : at.fields.filter(isGiven).map((item) => ({ item, low: 0 }));
+  return bytesFor(at, named(Object.fromEntries(splitInto(parts, number))), limits);
 }
 
 /** The bytes of a register with these values, in hex. */

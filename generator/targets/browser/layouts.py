@@ -45,6 +45,7 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     names = [item.name for item in layout.fields]
     return _layout(device, codec, of) | kept(
         title=title(layout),
+        source=cite(layout.source),
         sender=layout.sender,
         channel=layout.channel,
         selector=layout.selector,
@@ -62,6 +63,7 @@ def register(device: Device, item: Register) -> Data:
     codec = codec_of(device, item.layout)
     return _layout(device, codec, describe(codec)) | kept(
         title=title(item),
+        source=cite(item.source),
         place=register_at(item),
         length=item.length,
         # The script gives the limits in numbers of the order code.
