@@ -278,6 +278,8 @@ def test_errors_can_be_pickled(lika: Any) -> None:
 
 def test_frames_of_the_wrong_kind(amm5: Any) -> None:
     with pytest.raises(TypeError):
+        amm5.lookup("AMM5A21/65KSC1").decode(2.0)
+    with pytest.raises(amm5.LengthError):
         amm5.lookup("AMM5A21/65KSC1").decode(b"\x02")
     with pytest.raises(TypeError):
         amm5.lookup("AMM5A21/65KJP1").decode(2)

@@ -249,7 +249,7 @@ def test_capture_with_si_units(command: Command) -> None:
         ),
         (["capture", "ASC8525/SC1", "it.npy"], 2, "the manual leaves the zero_bit"),
         (
-            ["monitor", "AMM5A21/65KSC1", "/dev/null"],
+            ["monitor", "AMM5A21/65KSC1", "COM3"],
             2,
             "AMM5A21/65KSC1 has the interface BiSS, and a serial port cannot",
         ),

@@ -14,7 +14,7 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 import pytest
-from codewheel_runtime import inputs
+from codewheel_runtime import fast_csv
 from codewheel_runtime.command import main
 
 CODE = "AMM5A21/65KSC1"
@@ -166,7 +166,7 @@ def test_a_cell_that_is_no_number_is_counted(
     lika: Any, decode: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The type of a column follows from its first part; nothing that is left out later is left out silently."""
-    monkeypatch.setattr(inputs, "ROWS", 4)
+    monkeypatch.setattr(fast_csv, "BLOCK", 50)
     (tmp_path / "it.csv").write_text("time,word\n" + "".join(f"{time},{GOOD:#x}\n" for time in (1, 2, 3, "x", "", 4.5)))
     code, out, _ = decode(CODE, "it.csv", "-o", "it.parquet")
     assert (code, "2 cells of other columns left empty" in out) == (0, True)

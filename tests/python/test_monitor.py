@@ -49,9 +49,9 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_terminal_shows_the_last_state(encoder: Any) -> None:
     out = Terminal()
     readings = Readings(encoder.decode(GOOD), NoReplyError("no reply within 50 ms"), encoder.decode(SPOILT))
-    monitor.watch(readings, encoder, "/dev/ttyUSB0", count=3, out=out)
+    monitor.watch(readings, encoder, "COM3", count=3, out=out)
     last = out.getvalue().rpartition("\x1b[9A")[2].replace("\r\x1b[2K", "").splitlines()
-    assert last[0] == "AMM5A21/65KSC1, BiSS, /dev/ttyUSB0    Ctrl-C ends"
+    assert last[0] == "AMM5A21/65KSC1, BiSS, COM3    Ctrl-C ends"
     shown = {line[:10].strip(): line[10:] for line in last[1:]}
     # The position of the last frame is not usable, so none is shown.
     assert shown["position"] == "-"

@@ -147,6 +147,20 @@ def test_another_kind_of_encoder(generated_python: Package, virtual_encoder: Cal
         assert encoder.position() == (1 << 23) - 1
 
 
+def test_the_fixture_of_the_page(generated_python: Package, virtual_encoder: Callable[..., Any]) -> None:
+    lika: Any = generated_python[1]
+
+    def my_program(port: str) -> int:
+        with lika.open_encoder(port, CODE, timeout_s=1) as encoder:
+            return 0 if encoder.position() < encoder.position() else 1
+
+    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    block = next(text for text in page.split("```") if text.startswith("python\ndef test_my_program"))
+    names: dict[str, Any] = {"my_program": my_program}
+    exec(block.removeprefix("python\n"), names)
+    names["test_my_program"](virtual_encoder)
+
+
 def test_200_requests_for_each_order_code(
     generated_python: Package, virtual_encoder: Callable[..., Any], library: Library
 ) -> None:

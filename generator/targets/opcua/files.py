@@ -41,7 +41,7 @@ class Plate(TypedDict):
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``opcua/<maker>-<device>/<order code>.xml`` for each listed order code whose type of encoder is known."""
-    files = {}
+    files = licence_in("opcua")
     for device in library.devices:
         names = names_of_codes(item.code for item in device.variants)
         for name, variant in zip(names, device.variants, strict=True):
@@ -49,7 +49,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             if plate is not None:
                 path = f"opcua/{device.manufacturer.name}-{device.name}/{name}.xml"
                 files[path] = TEMPLATES.render("type_plate.xml.jinja", plate, library.own_templates)
-    return files | licence_in("opcua") if files else files
+    return files
 
 
 def _plate(device: Device, variant: Variant, name: str) -> Plate | None:
