@@ -152,7 +152,9 @@ def test_the_fixture_of_the_page(generated_python: Package, virtual_encoder: Cal
 
     def my_program(port: str) -> int:
         with lika.open_encoder(port, CODE, timeout_s=1) as encoder:
-            return 0 if encoder.position() < encoder.position() else 1
+            first = encoder.position()
+            time.sleep(0.02)
+            return 0 if first < encoder.position() else 1
 
     page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
     block = next(text for text in page.split("```") if text.startswith("python\ndef test_my_program"))
