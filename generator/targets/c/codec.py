@@ -28,20 +28,25 @@ class StructCodec:
         self.struct = struct
         self.plan = struct.plan
         self.scope = struct.scope
-        self.name = struct.name
+        self.name, self.type = struct.name, struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         self.asked = tuple(item for item in struct.context.alternatives if item.item in self.plan.alternatives)
+        #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
+        self.decodes = struct.register is not None or struct.layout.sender == "encoder"
+        self.encodes = struct.register is not None or not self.decodes
         #: The reports of a frame, None for a register.
-        self.reports = struct.context.reports.of(struct.layout, self.name) if struct.register is None else None
+        self.reports = (
+            struct.context.reports.of(struct.layout, self.name, self.type) if struct.register is None else None
+        )
 
     def declared(self) -> Iterator[Declared]:
         yield from ((name, self.struct.path) for name in self._names())
 
     def _names(self) -> Iterator[str]:
-        yield self.name
+        yield self.type
         yield from (f"{self.name}_{ending}" for ending in ("decode", "encode"))
         if not self.plan.in_bytes:
             yield f"{self.name}_bits"

@@ -52,7 +52,7 @@ class InterfaceCode:
 
     def __init__(self, context: Context, interface: Interface) -> None:
         self.device, self.interface = context.device, interface
-        self.prefix = f"{context.prefix}_{interface.name}"
+        self.prefix = context.prefix
         self.upper = self.prefix.upper()
         self.cable = [item for item in interface.facts() if isinstance(item, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
@@ -94,7 +94,10 @@ class InterfaceCode:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
     def _codec(self, context: Context, layout: Layout) -> StructCodec:
-        struct = Struct(context, layout, f"{context.prefix}_{layout.name}", context.length_macro(layout))
+        # The functions of the only frame of an interface need no further name.
+        alone = len(self.interface.layouts) == 1 and not self.tellers
+        name = context.prefix if alone else f"{context.prefix}_{layout.name}"
+        struct = Struct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _about(self) -> Iterator[Paragraph]:

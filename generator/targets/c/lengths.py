@@ -38,7 +38,7 @@ class LengthCode:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         names = [item.layout.name] if len(self.layouts) > 1 else []
         names += [answer.name for answer in item.answers]
-        stem = "_".join((self._stems[id(item.variant)], self.interface.name, *names))
+        stem = "_".join((self._stems[id(item.variant)], *names))
         yield Macro(f"{stem}_BITS".upper(), number(item.bits))
         yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
 

@@ -44,7 +44,8 @@ class VariantCode:
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[Declared]:
-        for name in ("variant", "order_code", "order_codes", "find_order_code"):
+        yield self.context.prefix, ()
+        for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
         for item in self._named:
             yield f"{self.context.prefix}_{item.name}", ("parameters", item.name)
