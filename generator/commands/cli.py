@@ -431,7 +431,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
     families: list[Family] = []
-    devices, report = load_for(paths, targets, chosen.edition, families)
+    devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
     if report:
         raise look_up.problems(report)
     names = [device.name for device in devices]

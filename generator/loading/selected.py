@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -114,7 +113,7 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     Raises:
         _NotSelectable: The spec has problems or overlays.
     """
-    from .stored import NotStorable, as_data, from_data
+    from .stored import keep, kept
 
     files = family_files(spec)
     if any(".overlay." in path.name for path in files):
@@ -123,10 +122,9 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     starts = cache.get("beginnings", content) if label else None
     if isinstance(starts, list) and not label.startswith(tuple(map(str, starts))):
         return ()
-    with suppress(NotStorable):
-        found = cache.get("family", content)
-        if found is not None:
-            return (from_data(found),)
+    found = kept(cache, content)
+    if found is not None:
+        return (found,)
     from ..order_codes.labels import beginnings
     from .library import load_library
 
@@ -135,7 +133,6 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
         raise _NotSelectable
     # The files must not have changed since their content was read.
     if content_of(family_files(spec)) == content:
-        with suppress(NotStorable):
-            cache.put("family", content, as_data(devices[0]))
-            cache.put("beginnings", content, beginnings(devices[0].order_code))
+        keep(cache, content, devices[0])
+        cache.put("beginnings", content, beginnings(devices[0].order_code))
     return devices

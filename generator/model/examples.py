@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 from .facts import Sources
+from .record import dataclass
 
 #: Value of a field, a join or a run of digits in an example.
 Values = Mapping[str, int | str | bool]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import Enum
 
 from .facts import Sources
+from .record import dataclass
 
 #: Meaning of an active flag that the manual explains only for other order codes.
 UNEXPLAINED = "the manual does not say what this bit means for this order code"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from .expressions import Expression
 from .facts import Sources
+from .record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,7 +74,7 @@ def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
     return _headed(title(item), alarm.alarm(device, item))
 
 
-_OF_BITS = "Return the CRC of bits, the last one sent as bit 0."
+_OF_BITS = "Return the CRC of bits. Bit 0 is the last one sent."
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:

@@ -166,7 +166,7 @@ def of_class(
     about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *others: Block
 ) -> str:
     """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
-    variant = [("variant", f"Encoder that the {of_variant} belongs to.")] if of_variant else []
+    variant = [("variant", f"Encoder to which the {of_variant} belongs.")] if of_variant else []
     summary, blocks = about
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
 
