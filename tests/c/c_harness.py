@@ -55,8 +55,8 @@ MADE_UP = {
 
 #: The include folder of the runtime, where it lies.
 RUNTIME = _HERE.parents[1] / "runtime" / "c"
-#: The headers of the runtime that the header of a family includes.
-SHARED = ("result", "bits", "encoder", "transport")
+#: The headers of the runtime that the headers of a family include.
+SHARED = ("result", "bits", "receive", "encoder", "transport")
 
 GCC = ["gcc", "-std=c99"]
 #: What a program may not do is watched while it runs.
@@ -69,6 +69,18 @@ MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 
 #: The families of the library, by which tests are named.
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
+
+
+def headers_of(name: str, include: Path) -> list[Path]:
+    """The headers of a family, those of each interface together, in the order in which they include each other."""
+    places = [path for path in include.glob(f"*/{name}_*.h") if path.stem.split("_")[0] == name]
+    order = ["", "labels", "reports", "registers", "procedures", "simulate"]
+    return sorted(places, key=lambda path: (path.stem.split("_")[1], order.index("".join(path.stem.split("_")[2:]))))
+
+
+def text_of(name: str, include: Path) -> str:
+    """The text of all headers of a family."""
+    return "".join(path.read_text(encoding="ascii") for path in headers_of(name, include))
 
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:

@@ -12,12 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, RUNTIME, SHARED, write
+from c_harness import FAMILIES, RUNTIME, SHARED, text_of, write
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError
-from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.device import views_of
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.reserved import RESERVED, c_name
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
@@ -31,12 +31,14 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
     """The declarations in the text are the listed ones, so that no clash can be overlooked."""
     device = every_device[name]
-    view = DeviceView(device)
-    found = Counter(declared([generate(Library((device,)))[f"c/include/{device.manufacturer.name}/{name}.h"]]).names)
-    assert set(found) == set(view.names.paths) - {f"{view.PREFIX}_H"}
-    assert max(found.values()) == 1
-    assert view.names.clashes == []
-    assert all(item.startswith((f"{view.prefix}_", f"{view.PREFIX}_")) and not item.endswith("_") for item in found)
+    files = generate(Library((device,)))
+    for view in views_of(device):
+        found = Counter(declared(files[f"c/include/{header}"] for header in view.headers).names)
+        assert set(found) == {item for item in view.names.paths if not item.endswith("_H")}
+        assert max(found.values()) == 1
+        assert view.names.clashes == []
+        begins = (f"{view.prefix}_", f"{view.PREFIX}_")
+        assert all(item.startswith(begins) and not item.endswith("_") for item in found if item != view.prefix)
 
 
 @pytest.mark.parametrize("path", sorted((RUNTIME / "codewheel").iterdir()), ids=lambda path: path.name)
@@ -262,7 +264,7 @@ def groups(every: Iterable[str], size: int) -> Iterator[list[str]]:
 @pytest.mark.slow
 def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path: Path) -> None:
     words = set(RESERVED).union(
-        *(own_words((include / "lika" / f"{name}.h").read_text()) for name in FAMILIES),
+        *(own_words(text_of(name, include)) for name in FAMILIES),
         *(own_words((include / "codewheel" / f"{name}.h").read_text()) for name in SHARED),
     )
     assert {
@@ -300,7 +302,8 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
         devices, report = load_library([folder / "hostile.yaml"])
         assert [problem.format() for problem in report.problems] == []
         headers = write(folder, devices)
-        (folder / "unit.c").write_text(use_everything(["test/hostile.h"], headers))
+        every = [header for view in views_of(devices[0]) for header in view.headers]
+        (folder / "unit.c").write_text(use_everything(every, headers))
         for command in (["gcc", "-std=gnu2x"], ["g++", "-x", "c++", "-std=gnu++2b"]):
             shown = subprocess.run(
                 [
