@@ -62,14 +62,16 @@ def test_a_member_that_begins_like_the_runtime_gets_an_underscore() -> None:
 
 
 def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Family ``a`` with a layout ``b_c``, and family ``a_b`` with a layout ``c``."""
+    """Family ``a`` with a layout ``biss_c``, and family ``a_biss`` with a layout ``c``, all over BiSS."""
     text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text()
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
-    layout = re.search(r"layouts:\n +- name: (\w+)", text)
-    assert layout is not None
-    for device, name in (("a", "b_c"), ("a_b", "c")):
-        made = text.replace("device: bits22", f"device: {device}").replace(
-            f"- name: {layout[1]}\n", f"- name: {name}\n"
+    layout = text.index("      - name: single_cycle_data\n")
+    for device, name in (("a", "biss_c"), ("a_biss", "c")):
+        again = text[layout:].replace("single_cycle_data", "another", 1)
+        made = (
+            (text + again)
+            .replace("device: bits22", f"device: {device}")
+            .replace("- name: single_cycle_data\n", f"- name: {name}\n")
         )
         (tmp_path / f"{device}.yaml").write_text(
             re.sub(r"(pattern: \W*)", rf"\1{device.upper().replace('_', '')}X", made)
@@ -77,11 +79,13 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["check", str(tmp_path)]) == 1
     said = [line for line in capsys.readouterr().out.splitlines() if "c-name" in line]
     line = next(
-        number for number, row in enumerate((tmp_path / "a_b.yaml").read_text().splitlines(), 1) if "- name: c" in row
+        number
+        for number, row in enumerate((tmp_path / "a_biss.yaml").read_text().splitlines(), 1)
+        if "- name: c" in row
     )
     for ending in ("", "_bits", "_crc", "_decode", "_encode"):
         wanted = (
-            f"a_b.yaml:{line}:9: c-name: its C name test_a_b_c{ending} "
+            f"a_biss.yaml:{line}:9: c-name: its C name test_a_biss_biss_c{ending} "
             "is also that of the family 'a'; rename one of the two"
         )
         assert any(row.endswith(wanted) for row in said), said
@@ -285,7 +289,7 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
     #: The words that name something of each header are refused as names of layouts;
     #: see tests/check/broken_model/c_name_*.
     #: BiSS lays down what error and warning are.
-    words -= {"variant", "error", "warning"} | {word for word in words if len(word) > 30}
+    words -= {"variant", "error", "warning", "frame"} | {word for word in words if len(word) > 30}
     #: BiSS itself has a place for the registers of these names.
     words = {
         f"{word}s" if word in ("device_id", "manufacturer_id", "profile_id", "serial_number") else word

@@ -8,7 +8,7 @@ from functools import cached_property
 from ...model import Field
 from ...model.expressions import Expression
 from ...plan.refusals import OutsideLimits, depends
-from .about import about_member, about_unused
+from .about import about_member, about_unused, about_word_crc
 from .alternatives import AlternativeCode, asked
 from .comments import Paragraph
 from .decode import Decoder
@@ -81,7 +81,8 @@ class StructCodec:
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
         steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
-        return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps)
+        about = tuple(about_word_crc(self.struct.device, crc.crc, bool(steps)))
+        return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps, about)
 
     def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
         """Return the alternatives whose answers these expressions need."""

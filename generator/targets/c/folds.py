@@ -85,6 +85,7 @@ class WordCrc:
     crc: Crc
     bits: int
     folds: tuple[FoldOperation, ...]
+    about: tuple[Paragraph, ...]
 
     @property
     def at_once(self) -> int:
