@@ -85,9 +85,9 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
 
 def about_word_crc(device: Device, item: Crc, folds: bool) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over a whole word."""
+    use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
     return [
-        f"Compute CRC {item.name} over a whole word. The result is 0 if a received word is valid. With 0 in place of "
-        "the CRC, it is the CRC to send.",
+        f"Compute CRC {item.name} over a whole word. {use}",
         *map(S.sentence, crc.crc(device, item)),
         _derivation(item) if folds else "",
     ]
