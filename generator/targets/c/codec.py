@@ -56,6 +56,8 @@ class StructCodec:
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:
             yield self.word_crc.name
+        if self.name == self.struct.context.prefix and self.reports is not None and self.reports.verdict:
+            yield f"{self.name}_position"
         if self.tells_difference:
             yield f"{self.name}_is_expected"
             yield from (self.expected_macro(field) for field in self.expected if self.is_the_same(field))

@@ -152,6 +152,16 @@ class DeviceView:
             yield from ((macro.name, ("timings", item.name)) for macro in timing_macros(item, self.PREFIX))
 
     @property
+    def measured(self) -> str:
+        """The field or join with the position, in the only frame of the interface. Empty if there is none."""
+        measurement = self.device.measurement_of(self.context.interface.name)
+        only = self.interface.codecs[0].struct.layout if len(self.interface.codecs) == 1 else None
+        if only is None or measurement is None:
+            return ""
+        names = {item.name for item in only.fields} | {item.name for item in only.joins}
+        return measurement.of if measurement.of in names else ""
+
+    @property
     def manual(self) -> str:
         manual = self.device.manual
         editions = ", ".join(f"{item.language} {item.revision}" for item in manual.editions)

@@ -24,6 +24,7 @@ from .examples import ExampleCode
 from .filters import FILTERS, TESTS
 from .lines import documented, laid_out
 from .names import called, clashes
+from .only import ONLY, narrowed
 from .package import FILES, Package, package_files
 from .receivers import ReceiverCode
 from .runtime import FOLDER, runtime_headers, runtime_version
@@ -58,7 +59,7 @@ class Program(Family):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path."""
     files: dict[str, str] = {}
-    views = [view for device in library.devices for view in views_of(device)]
+    views = [view for device in narrowed(library.devices, options.get("only", "")) for view in views_of(device)]
     for view in views:
         files |= {f"c/include/{path}": text for path, text in _headers(library, view)}
     for device, clash in clashes((view.device, view.names) for view in views):
@@ -132,5 +133,6 @@ TARGET = Target(
     summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO and Zephyr",
     files=generate,
     problems=problems,
+    options=(ONLY,),
     templates=TEMPLATES,
 )
