@@ -67,6 +67,11 @@ Run = Callable[[Iterable[str]], list[str]]
 #: The fixture that fills a folder once for all workers.
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 
+#: The interfaces of the families, by the stems of their headers.
+INTERFACES = (
+    *("am36_ssi", "am36_biss", "amm5_ssi", "amm5_biss", "amm5_rs485", "asc85_ssi", "asc85_biss"),
+    *("sma21_ssi", "sma21_biss", "sma21_rs485"),
+)
 #: The families of the library, by which tests are named.
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
 
@@ -81,6 +86,16 @@ def headers_of(name: str, include: Path) -> list[Path]:
 def text_of(name: str, include: Path) -> str:
     """The text of all headers of a family."""
     return "".join(path.read_text(encoding="ascii") for path in headers_of(name, include))
+
+
+def interfaces_of(devices: Iterable[Device]) -> dict[str, Device]:
+    """Each device with one of its interfaces alone, by the stem of its headers."""
+    return {view.stem: view.device for device in devices for view in views_of(device)}
+
+
+def included(device: Device) -> str:
+    """Lines that include all headers of a device with one interface."""
+    return "".join(f'#include "{header}"\n' for header in DeviceView(device).headers)
 
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
