@@ -26,7 +26,7 @@ so that a fault that changes it shows.
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -141,8 +141,12 @@ def compile_programs(command: list[str], device: Device, folder: Path, include: 
 
 
 def runner_over(device: Device, folder: Path) -> Run:
-    """Hands each line to the program of its order code, and to all of them to find a label."""
-    programs = {item.name: runner(folder / item.name) for item in device.interfaces}
+    """The programs compiled into this folder, as one."""
+    return as_one(device, {item.name: runner(folder / item.name) for item in device.interfaces})
+
+
+def as_one(device: Device, programs: Mapping[str, Run]) -> Run:
+    """Hands each line to the program of its order code, by the interface, and to all of them to find a label."""
     kinds = {item.code: item.interface for item in device.variants}
 
     def run(lines: Iterable[str]) -> list[str]:
@@ -397,7 +401,24 @@ def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
     verdict, reports = codec.reports.verdict, codec.reports.reports
     then = f'printf(" %d", (int){verdict}(variant, &out));' if verdict else 'printf(" -");'
     then += f' printf(" %llX", (unsigned long long){reports}(variant, &out));' if reports else ' printf(" -");'
-    return _decoded(view, codec, "tells", name, then)
+    return _decoded(view, codec, "tells", name, then + _position(view, codec))
+
+
+def _position(view: DeviceView, codec: StructCodec) -> str:
+    """The short way gives the same verdict and position as the long one, and stores nothing that is not usable."""
+    if codec.name != view.prefix or not view.measured:
+        return ""
+    given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
+    return f"""
+        {codec.struct.member_type(view.measured)} position = 0x5A;
+        const cw_verdict verdict = {codec.name}_position(variant, {given}, &position);
+        if (verdict != {codec.name}_verdict(variant, &out)
+            || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(view.measured)})) {{
+            abort();
+        }}
+        if ({codec.name}_position(variant, {answers(codec)}~(uint64_t)0U, &position) != CW_NOT_USABLE) {{
+            abort();
+        }}"""
 
 
 def _text(view: DeviceView) -> str:

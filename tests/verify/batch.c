@@ -2,7 +2,7 @@
 static size_t feed(uint8_t *to, size_t count);
 static void emit(const uint8_t *from, size_t count);
 
-static void wipe(uint8_t *to, size_t count, uint8_t byte)
+static inline void wipe(uint8_t *to, size_t count, uint8_t byte)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -10,7 +10,7 @@ static void wipe(uint8_t *to, size_t count, uint8_t byte)
     }
 }
 
-static void copy(uint8_t *to, const uint8_t *from, size_t count)
+static inline void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -18,7 +18,7 @@ static void copy(uint8_t *to, const uint8_t *from, size_t count)
     }
 }
 
-static bool is_all(const uint8_t *from, size_t count, uint8_t byte)
+static inline bool is_all(const uint8_t *from, size_t count, uint8_t byte)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -29,7 +29,7 @@ static bool is_all(const uint8_t *from, size_t count, uint8_t byte)
     return true;
 }
 
-static void put(uint8_t *to, uint64_t value, size_t count)
+static inline void put(uint8_t *to, uint64_t value, size_t count)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -37,7 +37,7 @@ static void put(uint8_t *to, uint64_t value, size_t count)
     }
 }
 
-static uint64_t number(const uint8_t *from, size_t count)
+static inline uint64_t number(const uint8_t *from, size_t count)
 {
     uint64_t value = 0U;
     size_t index;

@@ -157,7 +157,7 @@ def test_the_self_test_of_the_folder(folder: Path, tmp_path: Path) -> None:
     own = tmp_path / "own"
     own.mkdir()
     (own / "main.c").write_text(
-        '#include "selftest.h"\nint main(void) { return lika_amm5_selftest() == 0U ? 0 : 1; }\n'
+        '#include "selftest.h"\nint main(void) { return lika_amm5_biss_selftest() == 0U ? 0 : 1; }\n'
     )
     (own / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.14)\nproject(own C)\nset(LIKA_ENCODERS_SELFTEST ON)\n"
