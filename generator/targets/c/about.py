@@ -130,9 +130,8 @@ def about_member(struct: Struct, item: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(item)
     about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
-    return " ".join(
-        filter(None, (S.paragraph(about), "No terminator." if isinstance(meaning_of(item), Characters) else ""))
-    )
+    ending = "No terminator." if isinstance(meaning_of(item), Characters) else ""
+    return " ".join(filter(None, (S.paragraph(about) or f"{title(item)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:

@@ -9,6 +9,7 @@ from ...plan.frames import Branch, Dispatch, dispatches
 from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, settings
 from ...say.interface import interface as said_of
+from ...say.name import words
 from ...say.text import Said
 from ...say.timing import timing
 from .about import about_layout
@@ -124,7 +125,7 @@ class InterfaceCode:
     def _macro(self, name: str, value: int, about: Said | None = None, hexadecimal: bool = False) -> Macro:
         if about is not None:
             self._said.append(about)
-        note = S.sentence(about) if about is not None else ""
+        note = S.sentence(about) if about is not None else words(name.lower())
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _macros(self) -> Iterator[Macro]:
@@ -151,7 +152,7 @@ class InterfaceCode:
     def _port(self, port: Port, about: Said) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
         yield self._macro("DATA_BITS", port.data_bits)
-        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity])
+        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], "parity")
         yield self._macro("STOP_BITS", port.stop_bits)
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:

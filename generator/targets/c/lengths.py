@@ -52,8 +52,8 @@ class LengthCode:
         names = [item.layout.name] if len(self.layouts) > 1 else []
         names += [answer.name for answer in item.answers]
         stem = "_".join((self._stems[id(item.variant)], *names))
-        yield Macro(f"{stem}_BITS".upper(), number(item.bits))
-        yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
+        yield Macro(f"{stem}_BITS".upper(), number(item.bits), "bits of its frame")
+        yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes), "bytes of its buffer")
 
 
 def _register_access(interface: Interface, found: Sequence[Received]) -> Iterator[str]:

@@ -37,7 +37,7 @@ class VariantCode:
         known = set(unknown_parts(self.device))
         left_open = [part for part in self.device.order_code.parts if part.open and part.name not in known]
         self.unlisted = [
-            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True))
+            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True), part.name)
             for index, part in enumerate(left_open)
         ]
         self.patterns = open_codes(self.device)
