@@ -10,8 +10,8 @@ from pathlib import Path
 from ..cache import Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import beside
+from ..loading.family_files import family_files
 from ..loading.library import Family, contents, load_families
-from ..loading.selected import family_files
 from ..readings.second_readings import Reader, Readings, Second, compare_readings, read_beside, sound_specs
 from ..targets import Target
 from .editions import check_all

@@ -34,7 +34,7 @@ class FrameTextError(ValueError):
 
 
 class Line(NamedTuple):
-    """A frame as text, with its line number, or None if it is the only one, and the time in front of it."""
+    """A frame as text, with its line number (None if it is the only one) and its leading timestamp."""
 
     number: int | None
     time: str

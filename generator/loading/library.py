@@ -21,11 +21,11 @@ from .across_devices import check_alike
 from .device import build_device
 from .editions import check_editions, edition_of, notes
 from .facts import build_manufacturer
+from .family_files import family_files, spec_files
 from .history import read_history
 from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
 from .reading_counts import read_counts
-from .selected import family_files, spec_files
 from .shipped import packaged_families
 from .stored import keep, kept
 

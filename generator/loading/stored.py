@@ -95,7 +95,7 @@ def from_data(rows: Any) -> model.Device:
     """Return the device that ``as_data`` converted.
 
     Raises:
-        NotStorable: The data is not that of a device.
+        NotStorable: The data does not describe a device.
     """
     built: list[Any] = []
 

@@ -32,7 +32,7 @@ class _Example:
 class FrameExample(_Example):
     """A frame, in ``bits`` or in ``bytes``, with its values or the error for which it is ``refused``.
 
-    ``alternatives`` has the answers that it needs, keyed by the name of the alternative.
+    ``alternatives`` contains the answers that it needs, keyed by the name of the alternative.
     """
 
     kind: ClassVar[str] = "frame"

@@ -242,7 +242,7 @@ class ManualEdition:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """Changes to a spec: a correction, or the manufacturer's facts about the models whose codes end in ``special``."""
+    """Changes to a spec: a correction, or the manufacturer's facts about the models with the suffix ``special``."""
 
     name: str
     title: str

@@ -104,7 +104,7 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Unused:
-    """Reserved bits. This encoder sends ``value``. Similar encoders may send anything.
+    """Reserved bits. This encoder sends ``value``. Other encoders of the same kind may send any value.
 
     Other values are reported, not rejected. ``makes_position`` is the verdict on the position in that case.
     """
@@ -122,7 +122,7 @@ class CrcValue:
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """A bit that makes the number of ones even or odd, counting itself and the fields ``of``."""
+    """A bit that makes the number of ones even or odd, counting this bit and those of the fields ``of``."""
 
     of: tuple[str, ...]
     odd: bool = False

@@ -1,4 +1,4 @@
-"""Statements about a hardware input."""
+"""Sentences about a hardware input."""
 
 from __future__ import annotations
 

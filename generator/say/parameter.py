@@ -1,4 +1,4 @@
-"""Statements about a parameter."""
+"""Sentences about a parameter."""
 
 from __future__ import annotations
 

@@ -367,10 +367,10 @@ def test_a_printed_time_out_stands_there_once(files: Files) -> None:
 
 def test_labels_of_another_edition_are_on_the_page(files: Files) -> None:
     page = files["docs/am36.md"]
-    assert "These other spellings on labels are accepted" in page
+    assert "These other spellings on labels are also accepted" in page
     assert "`{model}{singleturn}/{turns}{output}`" in page
     assert "`SC` is `I7`; `[0-9]?` may follow" in page.replace("<br>", "; ")
-    assert "These other spellings on labels are accepted" not in files["docs/amm5.md"]
+    assert "These other spellings on labels are also accepted" not in files["docs/amm5.md"]
 
 
 def test_files_end_with_a_line_and_have_no_gaps(files: Files) -> None:

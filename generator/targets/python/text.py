@@ -114,7 +114,7 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         *set_here,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
-        ("special_code", f"Ending /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
+        ("special_code", f"Suffix /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
         ("written_as_in", "Document that uses the label's spelling of the order code, if it is not the usual one."),
     ]
     return docstring(

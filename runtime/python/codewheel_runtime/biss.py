@@ -221,7 +221,7 @@ class Request:
         return (0,) * ZEROS + (1,) + tuple(word >> left & 1 for left in range(31, -1, -1))
 
     def _echo(self, answers: int) -> Outcome:
-        """Return the outcome of the first 18 answers, IDL0 highest and W lowest. RUNNING if the slave takes part."""
+        """Return the outcome of the first 18 answers, IDL0 highest and W lowest. RUNNING if the slave participates."""
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
             return Outcome.NO_ANSWER
         expected = 0b10 if self.value is None else 0b01

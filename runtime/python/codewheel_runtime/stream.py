@@ -105,7 +105,7 @@ def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
 
 
 def layout_of(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, which is the name in the manual or that of the class.
+    """Return the kind of frame with this name, which is the name in the manual or the name of the class.
 
     Raises:
         UsageError: There is no such frame, or a name is needed to choose one.
@@ -189,7 +189,7 @@ class Files(NamedTuple):
             column: Name of the column with the frames. For CSV, this may be its number, from 1.
             digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
             cut: Ignore an incomplete frame at the end.
-            columns: Columns to write, both decoded ones and those of the file. The default is all.
+            columns: Columns to write, both decoded columns and columns of the file. The default is all.
             limit: Maximum number of frames to decode.
             raw: Write the position of every frame, even if it is not usable.
             force: Replace an existing file.
