@@ -17,6 +17,7 @@ pytestmark = pytest.mark.slow
 
 #: Arguments: one of so many frames is lost (0: none), how many presets, when the line is cut, and for how long.
 ENCODER = r"""
+#include "lika/amm5_biss_simulate.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,8 +58,8 @@ static void draw(bool cds)
     unsigned at;
     memset(&frame, 0, sizeof frame);
     frame.error = false;
-    if (lika_amm5_biss_set_position(&encoder, shown(), &frame) != CW_OK
-        || lika_amm5_biss_encode(&encoder, &frame, &word) != CW_OK) { abort(); }
+    if (lika_amm5_biss_set_position(encoder, shown(), &frame) != CW_OK
+        || lika_amm5_biss_encode(encoder, &frame, &word) != CW_OK) { abort(); }
     memset(rx, 0, sizeof rx);
     rx[0] = 0xC2U | (cds ? 1U : 0U); /* rest, an acknowledge of four bits, start, CDS */
     for (at = 0U; at < 45U; at++) {
