@@ -22,6 +22,8 @@
 #include "lika/amm5_biss_registers.h"
 #include "lika/amm5_biss_simulate.h"
 #include "tolvarn/tv62_biss.h"
+#include "tolvarn/tv62_biss_registers.h"
+#include "tolvarn/tv62_biss_simulate.h"
 
 static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A21_1SC1;
 static const tolvarn_tv62_biss *const tv62 = &TOLVARN_TV62_BISS_M17_B1;
