@@ -55,14 +55,17 @@ def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Dev
 
 #: Header, what is changed, and the families of whose self-tests one has to tell.
 FAULTS = {
-    "polynomial of a CRC of bits": ("amm5_biss.h", r"(lika_amm5_biss_crc\(uint64_t word\).*#else.*?)<< 1U\)", r"\1<< 2U)"),
-    "inversion of a CRC": ("asc85_biss.h", r"(lika_asc85_biss_crc\(uint64_t word\).*#else.*?)\^ 0x3FU;", r"\g<1>^ 0x3EU;"),
+    "polynomial of a CRC of bits": ("amm5_biss.h",
+        r"(lika_amm5_biss_crc\(uint64_t word\).*#else.*?)<< 1U\)", r"\1<< 2U)"),
+    "inversion of a CRC": ("asc85_biss.h",
+        r"(lika_asc85_biss_crc\(uint64_t word\).*#else.*?)\^ 0x3FU;", r"\g<1>^ 0x3EU;"),
     "CRC of bytes": ("sma21_rs485.h", r"(lika_sma21_rs485_crc_rs485_8\(.*?)\^", r"\1+"),
     "shift of a frame": ("amm5_rs485.h", r"(lika_amm5_rs485_singleturn_reply_decode\(.*?)<< 8U", r"\1<< 7U"),
     "shift of a register": ("am36_biss_registers.h", r"(lika_am36_biss_reg_preset_decode\(.*?)<< 8U", r"\1<< 9U"),
     "level of a flag": ("sma21_biss.h",
         r"(static inline cw_result lika_sma21_biss_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
-    "order of a procedure": ("amm5_biss_procedures.h", r"(lika_amm5_biss_set_preset_steps\(.*?)cw_step_write\(0x40U, 0xFFU, 0x01U\)",
+    "order of a procedure": ("amm5_biss_procedures.h",
+        r"(lika_amm5_biss_set_preset_steps\(.*?)cw_step_write\(0x40U, 0xFFU, 0x01U\)",
         r"\1cw_step_write(0x41U, 0xFFU, 0x01U)"),
     "words of BiSS": ("biss.h", r"(static inline cw_result cw_biss_request_encode\(.*?)<< 15U", r"\1<< 14U"),
     "a count that goes on": ("tracker.h", r"forward \+= modulus;", "forward += 1U;"),

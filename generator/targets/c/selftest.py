@@ -26,6 +26,7 @@ from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComple
 from ...plan.vectors import CONTROL_FIELDS, vectors_of
 from .codec import StructCodec
 from .device import DeviceView
+from .folds import WordCrc
 from .positions import LengthPositions
 from .procedures import ProcedureCode
 from .reserved import c_name
@@ -129,10 +130,8 @@ class SelfTest:
             if crc is None:
                 continue
             for vector in vectors_of(crc.crc):
-                sent = vector.data << crc.crc.width | vector.crc
-                if sent.bit_length() <= crc.bits:
-                    about = f"{crc.crc.name}: {vector.title} [{vector.source}]"
-                    yield about, CrcCheck(crc.name, (), _hex(sent, 64), _hex(0))
+                about = f"{vector.title} [{vector.source}]"
+                yield from ((f"{crc.crc.name}: {about}", work) for work in _whole_word(crc, vector.data, vector.crc))
         interface = self.view.context.interface
         for item in interface.data_ids if isinstance(interface, Rs485) else ():
             if item.id in CONTROL_FIELDS:
@@ -231,6 +230,10 @@ class SelfTest:
         for item in self.view.crcs:
             if item.crc.name == example.crc and item.is_called and item.in_bytes:
                 yield CrcCheck(item.name, _bytes(example.bytes), "", _hex(example.check))
+        data = int.from_bytes(example.bytes, "big")
+        for crc in (item.word_crc for item in self.view.interface.codecs):
+            if crc is not None and crc.crc.name == example.crc:
+                yield from _whole_word(crc, data, example.check)
 
     def _measure(self, example: MeasureExample) -> Iterator[Work]:
         if isinstance(self.view.positions, LengthPositions):
@@ -243,6 +246,13 @@ def _members(of: StructCodec) -> Iterator[str]:
     yield from (whole.join.name for whole in of.plan.wholes)
     for part in of.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
+
+
+def _whole_word(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
+    """Yield the check of a word that ends in its CRC, if a frame can be as long."""
+    word = data << crc.crc.width | check
+    if word.bit_length() <= crc.bits:
+        yield CrcCheck(crc.name, (), _hex(word, 64), _hex(0))
 
 
 def _bytes(data: bytes) -> tuple[str, ...]:
