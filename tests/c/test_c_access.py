@@ -13,7 +13,7 @@ from c_harness import FAMILIES, Run, compile_c
 from codewheel.model import Device, Register, Rs485, Variant, number_from_bytes, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bytes
-from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.device import views_of
 from test_c_codec import FAULTS, Table, check, sound_numbers
 from test_c_families import identity_bytes
 from transport_harness import OK, RANGE, READ, TRANSPORT, UNTOUCHED, WRITE, Encoder, Machine
@@ -134,7 +134,7 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
 
 def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
     device, run = family
-    (identity,) = DeviceView(device).identities
+    (identity,) = (item for view in views_of(device) for item in view.identities)
     registers = [item.register for item in identity.compared]
     variant = variant_of(device, registers[0])
     read = [identity_bytes(register, variant) for register in registers]

@@ -40,7 +40,7 @@ from codewheel.order_codes.labels import UnknownOrderCode, find
 from codewheel.order_codes.run_time import RegisterError, with_registers
 from codewheel.reference import codec
 from codewheel.reference.procedures import register_writes
-from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.order_codes import written_out
 from test_c_codec import FAULTS, Table, check, register_bytes, run_time_variants
 
@@ -443,7 +443,13 @@ def test_revolutions_that_are_no_power_of_two_roll_over_where_they_end(
 
 def test_small_functions_agree_with_their_expressions(family: Family) -> None:
     """Parameters that follow from others, and limits that depend on the order code or on what a register means."""
-    device, run = family
+    whole, run = family
+    for view in views_of(whole):
+        small_functions_agree(view, run)
+
+
+def small_functions_agree(view: DeviceView, run: Run) -> None:
+    device = view.device
     wanted: dict[str, Expression] = {item.name: item.equals for item in device.parameters if item.equals is not None}
     for register in device.registers:
         bounds = {f"reg_{register.name}_min": register.min, f"reg_{register.name}_max": register.max}
@@ -453,10 +459,6 @@ def test_small_functions_agree_with_their_expressions(family: Family) -> None:
                 f"reg_{register.name}_{meaning.name}_max": meaning.max,
             }
         wanted |= {name: bound for name, bound in bounds.items() if bound is not None and not bound.is_constant}
-    view = DeviceView(device)
-    # Where interfaces count differently, the counts of a turn and of all turns have a function for each.
-    also = {"modulus": "ssi_modulus"} if device.name in ("am36", "sma21") else {}
-    wanted = {also.get(name, name): item for name, item in wanted.items()}
     assert set(wanted) <= {item.name.removeprefix(view.prefix + "_") for item in functions(view)}
     variants = (*device.variants, *run_time_variants(device))
     check(
@@ -474,8 +476,7 @@ def test_small_functions_agree_with_their_expressions(family: Family) -> None:
 
 def test_candidates_are_the_order_codes_that_read_so(family: Family) -> None:
     device, run = family
-    view = DeviceView(device)
-    (identity,) = view.identities
+    (identity,) = (item for view in views_of(device) for item in view.identities)
     registers = [item.register for item in identity.compared]
     pairs = []
     variants = [item for item in device.variants if item.interface == registers[0].interface]

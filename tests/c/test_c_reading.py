@@ -188,6 +188,6 @@ def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[De
     """An AMM5 EEPROM write with the address where others have it reaches another one: the functions say so."""
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5_rs485.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
-        before = header.partition(f"#define LIKA_AMM5_RS485_{name}_LENGTH")[0].rpartition("/*")[2]
+        before = header.partition(f"typedef struct lika_amm5_rs485_{name.lower()} ")[0].rpartition("/*")[2]
         assert "Used: Either position is possible. The user must choose, and there is no default" in before
         assert "a write destroys other data" in before

@@ -56,7 +56,7 @@ class Chosen:
         variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
         # Without any example, take the one with the finest resolution.
         self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
-        self.examples = [item for item in given if example_variant(device, item) == self.variant]
+        self.examples = [item for item in given if example_variant(device, item).code == self.variant.code]
         self.frame = self._frame()
 
     def _is_here(self, example: Example) -> bool:
