@@ -11,7 +11,7 @@ from .types import string
 
 #: Places where a long line may be broken, the better ones first.
 _CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
-_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
+_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
 _OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
