@@ -19,9 +19,10 @@ from .types import number
 
 @dataclass(frozen=True, slots=True)
 class CodeRow:
-    """An order code, the macro of its variant, and the values of that macro."""
+    """An order code, its name in C with and without the prefix, and its values."""
 
     variant: Variant
+    code: str
     macro: str
     values: tuple[str, ...]
 
@@ -90,8 +91,10 @@ class VariantCode:
         family, stem = self.device.name.upper(), variant.code.upper()
         if all(item.code.upper().startswith(family) for item in self.device.variants):
             stem = stem.removeprefix(family)
-        macro = f"{self.context.PREFIX}_{re.sub('[^A-Z0-9]+', '_', stem).strip('_')}"
-        return CodeRow(variant, macro, tuple(_value(item, variant) for item in self.parameters))
+        code = re.sub("[^A-Z0-9]+", "_", stem).strip("_")
+        return CodeRow(
+            variant, code, f"{self.context.PREFIX}_{code}", tuple(_value(item, variant) for item in self.parameters)
+        )
 
 
 def _value(item: Parameter, variant: Variant) -> str:
