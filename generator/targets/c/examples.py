@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -232,7 +232,11 @@ class ExampleCode:
         used = {"reports"} if self.reports is not None and self.reports.reports else set()
         used |= ({"registers"} if self.reads else set()) | ({"procedures"} if self.run is not None else set())
         yield self.view.header
-        yield from (f"{self.view.maker.name}/{item.file}" for item in self.view.parts if item.name in used)
+        yield from self.headers_of(used)
+
+    def headers_of(self, names: Collection[str]) -> Iterator[str]:
+        """Yield the further headers with these names."""
+        yield from (f"{self.view.maker.name}/{item.file}" for item in self.view.parts if item.name in names)
 
     # -- registers and procedures
 

@@ -14,21 +14,27 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
+from ...loading.named import UnknownName, narrowed
 from ...model import Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
-from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
+from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..licence import licence_in
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
 from .lines import documented, laid_out
 from .names import called, clashes
-from .only import ONLY, narrowed
 from .package import FILES, Package, package_files
 from .receivers import ReceiverCode
 from .runtime import FOLDER, runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, selftest_files
+
+ONLY = Option(
+    "only",
+    "order codes, interfaces (biss, amm5_biss) and families to generate, separated by commas; empty for all",
+    "",
+)
 
 
 class Shared(TypedDict):
@@ -59,7 +65,11 @@ class Program(Family):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path."""
     files: dict[str, str] = {}
-    views = [view for device in narrowed(library.devices, options.get("only", "")) for view in views_of(device)]
+    try:
+        devices = narrowed(library.devices, options.get(ONLY.name, ""))
+    except UnknownName as error:
+        raise OptionError(f"c.{ONLY.name}: {error}") from None
+    views = [view for device in devices for view in views_of(device)]
     for view in views:
         files |= {f"c/include/{path}": text for path, text in _headers(library, view)}
     for device, clash in clashes((view.device, view.names) for view in views):

@@ -1,26 +1,23 @@
-"""The option that narrows the output to some families, interfaces and order codes."""
+"""Reduce devices to the families, interfaces and order codes that a user names."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...language.problems import meant
-from ...model import Device, Variant
-from ...order_codes.narrowing import for_codes
-from .. import Option, OptionError
+from ..language.problems import meant
+from ..model import Device, Variant
+from ..order_codes.narrowing import for_codes
 
-ONLY = Option(
-    "only",
-    "order codes, interfaces (biss, amm5_biss) and families to generate, separated by commas; empty for all",
-    "",
-)
+
+class UnknownName(ValueError):
+    """A name is that of no order code, interface or family. The message says which there are."""
 
 
 def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     """Return the devices with the order codes that ``only`` names, and all of them if it is empty.
 
     Raises:
-        OptionError: A name is that of no order code, interface or family.
+        UnknownName: A name is that of no order code, interface or family.
     """
     words = [item.strip() for item in only.split(",") if item.strip()]
     if not words:
@@ -28,7 +25,7 @@ def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     known = {name for device in devices for item in device.variants for name in _names(device, item)}
     for word in words:
         if word.upper() not in known:
-            raise OptionError(_unknown(devices, word))
+            raise UnknownName(_unknown(devices, word))
     wanted = {word.upper() for word in words}
     found = []
     for device in devices:
@@ -58,4 +55,4 @@ def _unknown(devices: Sequence[Device], word: str) -> str:
     first = next((item.code for device in devices for item in device.variants), "")
     others = codes or [f"order codes, such as {first}", *_words(devices)]
     hint = f"did you mean '{near}'?" if near else f"valid are {', '.join(others)}"
-    return f"c.only: there is no order code, interface or family '{word}'; {hint}"
+    return f"there is no order code, interface or family '{word}'; {hint}"
