@@ -7,12 +7,14 @@ import shlex
 import shutil
 import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from lines import Biss
 from python_path import python_path
 
 ROOT = Path(__file__).parents[1]
@@ -64,6 +66,10 @@ ELSEWHERE = {
         ": $ codewheel": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
         "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
         "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
+    },
+    **{
+        f"docs/questions-{name}.md": {": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands"}
+        for name in ("all-ones", "crc-always-wrong", "factor-of-two")
     },
     "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
     **{
@@ -123,7 +129,7 @@ EXCEPTIONS = {
     ): "two lines of a Cargo.toml; test_the_readme compiles against the crate",
 }
 #: Commands that show nothing of what they print are run here, in order.
-_OURS = re.compile(r"(?:\$ )?(?:\.venv/bin/)?(codewheel|python -m lika_encoders) ")
+_OURS = re.compile(r"(?:\$ )?(?:\.venv/bin/)?(codewheel|lika-encoders) ")
 
 
 @dataclass(frozen=True)
@@ -184,7 +190,7 @@ def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[
     for line in block.lines:
         command = line.removeprefix("$ ").partition(" #")[0].partition(" | ")[0].strip()
         words = shlex.split(command.replace(".venv/bin/codewheel", "codewheel"))
-        module = words[1:] if words[0] == "python" else ["-m", *words]
+        module = ["-m", words[0].replace("-", "_"), *words[1:]]
         done = subprocess.run(
             [sys.executable, *module], capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
         )
@@ -198,7 +204,14 @@ def _prepare(folder: Path) -> None:
     shutil.copy(ROOT / "generator" / "language" / "idbiss.reconstructed.dtd", folder / "idbiss.dtd")
     word = 0x55BCD15E2  # AMM5A21/65KSC1: 42 revolutions and 1821973 counts
     (folder / "frames.bin").write_bytes(word.to_bytes(6, "big") * 3)
-    (folder / "capture.csv").write_text(f"time,word\n0,{word:#x}\n1,{word:#x}\n", encoding="utf-8")
+    line = Biss()
+    for _ in range(5):
+        line.cycle(word, 45)
+    with zipfile.ZipFile(folder / "line.sr", "w") as session:
+        head = "[device 1]\ncapturefile=logic-1\nsamplerate=24 MHz\nprobe1=MA\nprobe2=SLO\nunitsize=1\n"
+        session.writestr("metadata", head)
+        session.writestr("logic-1-1", bytes(clock | data << 1 for clock, data in line.finish().samples(12)))
+    (folder / "frames.csv").write_text(f"time,word\n0,{word:#x}\n1,{word:#x}\n", encoding="utf-8")
 
 
 def _versioned(folder: Path) -> None:

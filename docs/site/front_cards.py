@@ -22,7 +22,8 @@ def _card(device: Device) -> Iterator[str]:
     variant, placed = _frame(device)
     interfaces = ", ".join(item.title for item in device.interfaces)
     yield f'<div class="card"><h3><a href="generated/docs/{device.name}.md">{escape(device.title)}</a></h3>\n'
-    yield f'<p class="facts">{escape(interfaces)}. {len(device.variants)} order codes.</p>\n'
+    manufacturer = escape(device.manufacturer.title)
+    yield f'<p class="facts">{manufacturer}. {escape(interfaces)}. {len(device.variants)} order codes.</p>\n'
     yield f"{_bits(placed)}\n"
     title = device.interface(variant.interface).title
     yield f'<p class="facts">Frame of {escape(variant.code)} over {escape(title)}: {placed.bits} bits.</p></div>\n'
@@ -52,7 +53,8 @@ def _span(placed: PlacedLayout, item: PlacedField) -> str:
     kind = "crc" if item.field == placed.layout.crc_field else "flag" if is_flag else "position"
     label = "" if size < 3 else f"{escape(words(item.name))}<br>{_places(item)}"
     title = f"{words(item.name)}, {_places(item)}"
-    return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label or size}</span>'
+    label = label or escape(words(item.name)[0].upper())
+    return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label}</span>'
 
 
 def _places(item: PlacedField) -> str:

@@ -30,6 +30,8 @@ _OF_PROJECT = re.compile(
 _LONGEST = 6000
 #: Heading of the folded part of the page of an order code.
 _DETAILS = "Details"
+#: Heading above the worked examples of a family.
+_EXAMPLES = "Worked examples"
 
 
 @dataclass
@@ -37,6 +39,7 @@ class Section:
     anchor: str
     title: str
     is_fold: bool = False
+    is_example: bool = False
     texts: list[str] = field(default_factory=list)
 
     @property
@@ -61,7 +64,7 @@ def sections(doctree: nodes.document) -> Iterator[Section]:
         elif isinstance(node, nodes.title) and isinstance(node.parent, nodes.section):
             yield current
             own = "" if isinstance(node.parent.parent, nodes.document) else node.parent["ids"][0]
-            current, anchor = Section(anchor or own, node.astext()), ""
+            current, anchor = Section(anchor or own, node.astext(), is_example=_is_example(node)), ""
         elif isinstance(node, nodes.Text) and _is_prose(node):
             current.texts.append(str(node))
     yield current
@@ -71,6 +74,11 @@ def _title(inside: str) -> str:
     """Return the title of a heading or fold in HTML: its bold part, or all of it."""
     bold = re.search(r"<b>(.*?)</b>", inside, re.DOTALL)
     return html.unescape(_TAG.sub("", _SMALL.sub("", bold[1] if bold else inside))).strip()
+
+
+def _is_example(title: nodes.title) -> bool:
+    above = title.parent.parent
+    return isinstance(above, nodes.section) and above[0].astext() == _EXAMPLES
 
 
 def _is_prose(node: nodes.Node) -> bool:
@@ -100,7 +108,8 @@ class Index:
             in_sight = True
             for item in self._found[page][1]:
                 in_sight &= item.title != _DETAILS
-                rows.append([place, item.anchor, item.title, texts.setdefault(item.text, len(texts)), int(in_sight)])
+                standing = 2 if item.is_example else int(in_sight)
+                rows.append([place, item.anchor, item.title, texts.setdefault(item.text, len(texts)), standing])
         things = [
             [name.partition(".")[2] or name, what, places[page], anchor, name.partition(".")[0].lower(), priority]
             for name, _, what, page, anchor, priority in encoders.get_objects()
@@ -134,7 +143,7 @@ class Index:
 
 
 def _add(app: Sphinx, page: str, _template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:
-    if doctree is not None:
+    if doctree is not None and page != app.config.root_doc:
         index: Index = app.search_index  # type: ignore[attr-defined]
         index.add(page, _TAG.sub("", context["title"]), doctree)
 

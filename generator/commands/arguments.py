@@ -28,6 +28,10 @@ EXAMPLES = {
         'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8"',
     ),
     "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC"),
+    "simulate": (
+        "codewheel simulate MY-ENCODER-13-SC --position 1000",
+        "codewheel simulate MY-ENCODER-13-SC --position sine:0.5Hz --fault flip:1e-3",
+    ),
     "diff": (
         "codewheel diff old/my_encoder.yaml my_encoder.yaml",
         "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",

@@ -338,7 +338,8 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
         number |= _raw(placed, item, given) << item.low
     if placed.layout.unused:
         number |= _unused(placed, _number(given.pop(UNUSED, 0)))
-    left = [name for name in given if name not in _used(placed)]
+    used = _used(placed)
+    left = [name for name in given if name not in used]
     if left:
         raise EncodeError(f"there is no field '{left[0]}' in {placed.name}")
     absent = next(

@@ -90,13 +90,7 @@ function joinItem({ name, parts }) {
   const split = (items) => {
     const given = numberOrEmpty(input.value);
     if (given === "") return;
-    const top = Math.max(...parts.map((one) => one.low + (one.item?.width ?? 0)));
-    for (const { item, low } of parts.filter((one) => one.item)) {
-      const isTop = low + item.width === top;
-      // Excess bits go to the highest field, which then rejects them.
-      const own = isTop || given < 0n ? given >> BigInt(low) : bits(given, low, item.width);
-      items.find((one) => one.name === item.name)?.write(own, own);
-    }
+    for (const [part, own] of splitInto(parts, given)) items.find((one) => one.name === part)?.write(own, own);
   };
   const label = labelled(name, input, said("as_one_number", names));
   return { name: "", join: name, input, label, split, write: (one) => Object.assign(input, { value: one }) };

@@ -21,7 +21,7 @@ const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 function placeOf(at, { high, low }) {
   if (high < 0) return "";
   const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
-  if (!at.layout.bytes) return range(high, low);
+  if (!at.layout.order) return range(high, low);
   const ends = [byteOf(at, low), byteOf(at, high)].sort((one, other) => one - other);
   const isWhole = low % 8 === 0 && high % 8 === 7;
   if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
@@ -32,6 +32,51 @@ const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `$
 
 /** A name that may wrap after each of its words. */
 const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
+
+/** The kind of a field, for its colour: a flag, an active flag, the CRC, or a number. */
+function kindOf(found, item) {
+  if (item.name === found.crc?.field) return "crc";
+  return typeof item.value !== "boolean" ? "number" : item.value ? "active" : "flag";
+}
+
+/** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
+function bitsOf(found, table) {
+  const { layout } = found.at;
+  const drawn = found.fields.filter((item, place, all) =>
+    item.high >= 0 && all.findIndex((one) => one.high === item.high && one.low === item.low) === place);
+  const isLowFirst = layout.order === "little";
+  drawn.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
+  const about = part("p", "about", "Point at a field, or move to it with the Tab key, to see its value and source.");
+  about.setAttribute("aria-hidden", "true");
+  const rows = [...table.querySelectorAll("tbody tr")];
+  const cells = drawn.map((item) => {
+    const size = item.high - item.low + 1;
+    const place = placeOf(found.at, item);
+    const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
+    const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
+    const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
+    const meaning = item.meaning ? ` ${sentence(item.meaning)}` : "";
+    const told = `: ${where}, ${shownValue(item.value)}${unit}${raw}.${meaning}`;
+    const from = layout.source ? ` Manual ${layout.source}` : "";
+    const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
+      ? item.name : breakable(item.name);
+    const longest = size > 2 ? Math.max(...item.name.split("_").map((word) => word.length)) : 0;
+    const cell = element("button", {
+      type: "button", class: `${CLASS}-cell ${CLASS}-cell-${kindOf(found, item)}`,
+      "aria-label": `${item.name}${told}${from}`,
+    }, part("span", "bits", item.raw.toString(2).padStart(size, "0")), size > 2 ? part("span", "name", name) : "");
+    // The policy of the page allows this, but no attribute.
+    cell.style.flex = `${size} 1 ${Math.max(size, longest) + 1}ch`;
+    const point = () => {
+      about.replaceChildren(element("b", {}, item.name), told, from && part("span", "source", from));
+      rows.forEach((row, at) => row.classList.toggle(`${CLASS}-lit`, found.fields[at] === item));
+      cells.forEach((one) => one.classList.toggle(`${CLASS}-lit`, one === cell));
+    };
+    for (const event of ["pointerenter", "focus", "click"]) cell.addEventListener(event, point);
+    return cell;
+  });
+  return [element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, cells), about];
+}
 
 function fieldTable(found) {
   const rows = found.fields.map((item) => {
@@ -44,9 +89,10 @@ function fieldTable(found) {
       element("td", {}, `${shownValue(item.value)}${unit}`, raw));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
-  const size = found.at.layout.bytes ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
+  const size = found.at.layout.order ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
   return element("table", {},
-    element("caption", {}, `${found.at.layout.title}, ${size}`),
+    element("caption", {}, `${found.at.layout.title}, ${size}`, found.at.layout.source
+      ? part("span", "source", `, manual ${found.at.layout.source}`) : ""),
     element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
 }
 
@@ -75,7 +121,7 @@ function crcLine({ crc, received, computed }) {
 function reportsOf(found) {
   if (!found.reports.length) return [];
   const items = found.reports.map((item) => [
-    element("strong", {}, item.field), `: ${sentence(item.meaning)}`,
+    element("strong", {}, item.flag), `: ${sentence(item.meaning)}`,
     item.remedy ? ` ${sentence(item.remedy)}` : "", item.source ? part("span", "source", ` [${item.source}]`) : "",
   ]);
   return [element("p", {}, "The encoder reports:"), list(items)];
@@ -117,20 +163,21 @@ function whyOf(found, command) {
   return [...noise, ...told, ...more];
 }
 
-const byteOf = (at, bit) => (at.layout.bytes === 1 ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
-const bitName = (at, bit) => (at.layout.bytes ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
+const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
+const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
 
 const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
 
 /** All output about a frame or register. */
 function resultOf(found, measure, command) {
   const angle = measured(found, measure);
+  const table = found.fields.length ? fieldTable(found) : null;
   return [
     headline(found),
     ...(found.differences.length ? [list(found.differences.map((text) => `differs from the manual: ${text}`))] : []),
     ...reportsOf(found),
-    ...(found.fields.length && angle ? [element("p", {}, angle)] : []),
-    ...(found.fields.length ? [fieldTable(found)] : []),
+    ...(table && angle ? [part("p", "angle", angle)] : []),
+    ...(table ? [...bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
     ...whyOf(found, command),
   ];
@@ -142,7 +189,7 @@ function guessesOf(groups, pick) {
   const withCrc = groups.filter((group) => group.decoded.crc);
   const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
     const { at } = group.decoded;
-    const size = at.layout.bytes ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
+    const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
     const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
     const codes = group.codes.map((code) => {
       const button = element("button", { type: "button" }, code);

@@ -31,13 +31,16 @@ function sheet() {
     div.${CLASS} table { border-collapse: collapse; }
     div.${CLASS} caption { text-align: start; font-weight: 600; padding: .3rem 0; }
     div.${CLASS} :is(td, th) {
-      padding: .35rem .6rem .35rem 0; text-align: start; vertical-align: top; border: 0 solid GrayText;
+      padding: .35rem .6rem .35rem .3rem; text-align: start; vertical-align: top;
+      border: 0 solid color-mix(in srgb, currentColor 22%, transparent);
       border-bottom-width: 1px; background: transparent; overflow-wrap: anywhere;
     }
     div.${CLASS} thead th { width: 35%; }
     div.${CLASS} thead th:nth-child(2) { width: 43%; }
     div.${CLASS} thead th:first-child { width: 22%; }
     @container (min-width: 40rem) {
+      .${CLASS}-item:nth-of-type(-n+2) { display: inline-block; width: calc(50% - .5rem); vertical-align: top; }
+      .${CLASS}-item:nth-of-type(1) { margin-inline-end: 1rem; }
       div.${CLASS} thead th:nth-child(2) { width: 60%; }
       div.${CLASS} thead th:is(:first-child, :last-child) { width: 20%; }
     }
@@ -46,8 +49,29 @@ function sheet() {
     div.${CLASS} a { color: inherit; text-decoration: underline; }
     div.${CLASS} code { background: transparent; color: inherit; }
     .${CLASS}-good, .${CLASS}-bad, .${CLASS}-warning, .${CLASS}-plain {
-      margin: 0 0 1rem; padding: .1rem .8rem; border-inline-start: .4rem solid GrayText; font-weight: 600;
+      margin: 0 0 1rem; padding: .5rem .8rem; border-inline-start: .4rem solid GrayText; font-weight: 600;
+      border-radius: 4px; font-size: 1.1em;
     }
+    div.${CLASS} :is(.${CLASS}-good, .${CLASS}-bad, .${CLASS}-warning, .${CLASS}-plain) > p { margin: 0; }
+    .${CLASS}-good { background: rgb(56 142 60 / 12%); }
+    .${CLASS}-warning { background: rgb(199 119 0 / 14%); }
+    .${CLASS}-bad { background: rgb(211 47 47 / 12%); }
+    .${CLASS}-plain { background: rgb(128 128 128 / 12%); }
+    .${CLASS}-angle { font-size: 1.35em; font-weight: 600; margin: 0 0 .8rem; }
+    .${CLASS}-drawing { display: flex; flex-wrap: wrap; gap: 2px; margin: .5rem 0 .3rem; }
+    div.${CLASS} .${CLASS}-cell {
+      margin: 0; padding: .25rem .15rem; min-width: 1.3rem; border: 1px solid transparent; text-align: center;
+      line-height: 1.25; overflow-wrap: anywhere;
+    }
+    div.${CLASS} .${CLASS}-cell-number { background: rgb(59 130 246 / 20%); }
+    div.${CLASS} .${CLASS}-cell-flag { background: rgb(234 160 0 / 25%); }
+    div.${CLASS} .${CLASS}-cell-active { background: rgb(211 47 47 / 30%); font-weight: 700; }
+    div.${CLASS} .${CLASS}-cell-crc { background: rgb(128 128 128 / 22%); }
+    div.${CLASS} .${CLASS}-cell.${CLASS}-lit { border-color: currentColor; }
+    div.${CLASS} tr.${CLASS}-lit > * { background: rgb(59 130 246 / 14%); }
+    .${CLASS}-bits { display: block; font: .85em ui-monospace, monospace; }
+    .${CLASS}-name { display: block; font-size: .75em; }
+    .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }
     .${CLASS}-good > p::before { content: "✓ "; color: #388e3c; }
     .${CLASS}-warning > p::before { content: "▲ "; color: #c77700; }
     .${CLASS}-bad > p::before { content: "✕ "; color: #d32f2f; }

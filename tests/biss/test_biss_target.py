@@ -202,6 +202,45 @@ def test_one_length_is_stated_below_the_identity(amm5: Device) -> None:
     assert [item.text for item in root.iter("Length")] == ["23"]
 
 
+#: Data bits as the manuals print them: AMM5 6.1 has 16 bits of multiturn for 65K, SMA21 6.4 p.28 the profile IDs, AM36
+#: 6.5 the defaults of registers 56h and 57h, ASC85 6.2.1 p.20 position and 0 bit.
+LENGTHS = {
+    "lika-amm5/idbiss-AMM5A21-65KSC1.xml": 37,
+    "lika-amm5/idbiss-AMM5B17-1SC1.xml": 17,
+    "lika-sma21/idbiss-SMA21-SC4-0050.xml": 24,
+    "lika-sma21/idbiss-SMA21-SC1-0001.xml": 25,
+    "lika-am36/idbiss-AM3619-4096-I7.xml": 36,
+    "lika-asc85/idbiss-ASC8525-SC1-as-printed.xml": 26,
+    "lika-asc85/idbiss-ASC8525-SC1-left-out.xml": 25,
+}
+
+
+def test_each_order_code_has_a_file_with_its_length(files: dict[str, str], library: Library) -> None:
+    roots = {name: check_format(text) for name, text in files.items() if "/idbiss-" in name}
+    # Two files for each of the twelve order codes of ASC85, whose manual leaves its zero bit open.
+    listed = [item for device in library.devices for item in device.variants if item.interface == "biss"]
+    assert len(roots) == len(listed) + sum(item.code.startswith("ASC85") for item in listed) == 50
+    for name, root in roots.items():
+        assert len(root.findall(".//Length")) == 1, name
+        assert [item.text for item in root.iter("CrcPoly")] == ["0x43"], name
+        assert "Inferred: Length counts all data bits" in files[name]
+        assert "A master cannot distinguish them" in " ".join(files[name].split())
+    for name, length in LENGTHS.items():
+        assert roots[f"biss/{name}"].findtext(".//Length") == str(length), name
+
+
+def test_a_file_for_one_encoder_says_what_can_change_its_length(files: dict[str, str]) -> None:
+    am36 = " ".join(files["biss/lika-am36/idbiss-AM3616-4096-I7.xml"].split())
+    assert "Inferred: Length is that of the factory defaults of register 56h (singleturn_bits_used.bits)" in am36
+    asc85 = " ".join(files["biss/lika-asc85/idbiss-ASC8520-SC1-left-out.xml"].split())
+    assert "The manual leaves zero_bit open" in asc85
+    assert "This file is for left_out: " in asc85
+    assert "ASC8520/SC1 with left_out: position 20 = 20 bits, with status bits 22, with CRC 28" in asc85
+    assert "ASC8521" not in asc85
+    amm5 = " ".join(files["biss/lika-amm5/idbiss-AMM5A21-65KSC1.xml"].split())
+    assert "Length is that of the factory defaults" not in amm5
+
+
 def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device) -> None:
     bare = dataclasses.replace(amm5, registers=tuple(item for item in amm5.registers if item.name != "device_id"))
     text = generate(Library((bare,)))[NAME]

@@ -190,7 +190,7 @@ def _about_interface(name: str, interface: Raw) -> Iterator[Asked]:
         yield Asked(name, "clock", (("Clock and cable",),), ("Clock",), f"{low} to {high}")
     for item, metres in zip(interface.get("cable_lengths", []), (30, 80, 150, 300), strict=False):
         assert metres < int(item["shorter_than_m"])
-        label, answer = f"shorter than {item['shorter_than_m']} m", f"below {frequency(int(item['below_hz']))}"
+        label, answer = f"{item['shorter_than_m']} m", frequency(int(item["below_hz"]))
         yield Asked(name, f"clock at {metres} m", (("Clock and cable",),), (label,), answer)
     for item in interface.get("timings", []):
         labels = tuple(item[key] for key in ("symbol", "name") if key in item)

@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").glob("start-*.md"))
+QUESTIONS = sorted((ROOT / "docs").glob("questions-*.md"))
 
 
 def files(page: str) -> dict[str, str]:
@@ -38,7 +39,7 @@ def environment(folder: Path) -> dict[str, str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [*PAGES, *QUESTIONS], ids=lambda page: page.stem)
 def test_its_commands(page: Path, tmp_path: Path) -> None:
     text, work, tools = page.read_text(encoding="utf-8"), tmp_path / "work", tmp_path / "tools"
     work.mkdir()
@@ -62,6 +63,15 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_it_has_commands(page: Path) -> None:
     assert len(list(commands(page.read_text(encoding="utf-8")))) >= 2
+
+
+@pytest.mark.parametrize("page", QUESTIONS, ids=lambda page: page.stem)
+def test_an_answer_fits_on_a_screen(page: Path) -> None:
+    """And the page of questions lists it under its title."""
+    text = page.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 40
+    title = text.splitlines()[0].removeprefix("# ")
+    assert f"- [{title}]({page.name})\n" in (ROOT / "docs" / "questions.md").read_text(encoding="utf-8")
 
 
 def test_the_warning_about_hardware_is_given_once() -> None:

@@ -52,7 +52,7 @@ def test_help_fits_a_terminal_and_has_examples(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [name for name in COMMANDS if name != "new"])
+@pytest.mark.parametrize("command", [name for name in COMMANDS if name not in ("new", "simulate")])
 def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, command: str) -> None:
     assert main(["generate"]) == 0
     if command == "diff":
@@ -94,7 +94,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 # ---------------------------------------------------------------------------------------------------------- wrong usage
 
 
-KNOWN = "generate, check, list, show, decode, master, diff, reread, facts, explain, new"
+KNOWN = "generate, check, list, show, decode, master, simulate, diff, reread, facts, explain, new"
 
 
 @pytest.mark.parametrize(

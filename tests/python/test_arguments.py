@@ -137,9 +137,20 @@ def test_what_is_no_number_is_no_word(lika: Any, biss: Any, wrong: Any) -> None:
 
 
 @pytest.mark.parametrize("wrong", [b"\x01", bytearray(1), memoryview(b"\x01")])
-def test_bytes_are_no_word(biss: Any, wrong: Any) -> None:
-    with pytest.raises(TypeError, match=rf"^{biss.code}: .* pass a number or a text of 0 and 1"):
+def test_too_few_bytes_are_no_word(lika: Any, biss: Any, wrong: Any) -> None:
+    size = (biss.frame_bits + 7) // 8
+    with pytest.raises(lika.LengthError, match=f"^expected {size} bytes, got 1$"):
         biss.decode(wrong)
+
+
+@pytest.mark.parametrize("kind", [bytes, bytearray, memoryview])
+def test_bytes_hold_a_word_with_zeros_in_front(lika: Any, kind: Any) -> None:
+    encoder = lika.lookup("AMM5A21/65KSC1")
+    # 45 bits in six bytes: the example of the manual page, 42 revolutions and 1821973 counts.
+    frame = encoder.decode(kind(bytes.fromhex("00 05 5B CD 15 E2")))
+    assert (frame.multiturn, frame.singleturn) == (42, 1821973)
+    with pytest.raises(lika.LengthError, match=r"^expected 45 bits, got 48$"):
+        encoder.decode(kind(bytes.fromhex("80 05 5B CD 15 E2")))
 
 
 def test_a_negative_word_is_told_as_such(lika: Any, biss: Any) -> None:

@@ -24,7 +24,7 @@ import pyarrow.parquet
 import pytest
 from codewheel_runtime import inputs
 from codewheel_runtime.command import main
-from codewheel_runtime.table import Fault
+from codewheel_runtime.table import ErrorKind
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from python_path import python_path
@@ -223,7 +223,7 @@ def test_parts_make_the_whole(
                 count = min(limit if limit is not None else 1000, 1000)
                 assert (told.frames, found.num_rows) == (count, count)
                 assert found["position"].to_pylist() == whole.usable_position[:count].tolist()
-                faults = [Fault[item.upper()] for item in found["fault"].to_pylist()]
+                faults = [ErrorKind[item.upper()] for item in found["fault"].to_pylist()]
                 assert faults == whole.fault[:count].tolist()
 
 
@@ -296,7 +296,7 @@ def test_what_is_not_a_file_is_not_replaced(decode: Command, tmp_path: Path, nam
 
 
 def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path) -> None:
-    assert decode(CODE, "nothing.bin").err == "python -m lika_encoders: nothing.bin: No such file or directory\n"
+    assert decode(CODE, "nothing.bin").err == "lika-encoders: nothing.bin: No such file or directory\n"
     assert decode("AMM5A99/65KSC1", "nothing.bin").code == 2
     (tmp_path / "it.bin").write_bytes(packed([GOOD]))
     (tmp_path / "it.csv").write_text("mine")
@@ -418,7 +418,7 @@ def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signa
     process.send_signal(which)
     out, err = process.communicate(timeout=60)
     assert (process.returncode, out) == (130, "")
-    assert err == "python -m lika_encoders: interrupted; no file was written\n"
+    assert err == "lika-encoders: interrupted; no file was written\n"
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"out.parquet": "mine"}
 
 
@@ -455,7 +455,7 @@ def test_standard_input_and_a_package_that_is_missing(start: Any, tmp_path: Path
     (tmp_path / "it.bin").write_bytes(packed([GOOD]))
     process = start(CODE, "it.bin", "-o", "out.parquet", cwd=tmp_path)
     _, err = process.communicate(timeout=60)
-    expected = "python -m lika_encoders: this needs pyarrow: pip install 'lika-encoders[parquet]'\n"
+    expected = "lika-encoders: this needs pyarrow: pip install 'lika-encoders[parquet]'\n"
     assert (process.returncode, err) == (1, expected)
     assert not (tmp_path / "out.parquet").exists()
 

@@ -329,7 +329,8 @@ def test_other_libraries_take_the_columns(families: dict[str, Family]) -> None:
 def test_arrow_takes_the_columns(families: dict[str, Family]) -> None:
     pytest.importorskip("pyarrow", reason="pyarrow is not installed: to_arrow is not tried")
     table = families["amm5"].module.lookup("AMM5A21/65KSC1").decode_many([0x55BCD15E2, 0x55BCD15E3])
-    assert table.to_arrow().column("fault").to_pylist() == [0, 2]
+    assert table.to_arrow().column("fault").to_pylist() == ["none", "crc"]
+    assert table.to_arrow().column("verdict").to_pylist() == ["usable", "not_usable"]
 
 
 @pytest.mark.parametrize("family", ["amm5"], indirect=True)

@@ -31,10 +31,10 @@ class Mistake(NamedTuple):
 
 
 MISTAKES: Mapping[str, Mistake] = {
-    "bytes for an encoder that sends bits": Mistake(
-        "lookup('AMM5A21/65KSC1').decode(b'abcdef')",
-        'Argument 1 to "decode" of "BissEncoder" has incompatible type "bytes"',
-        'Argument of type "Literal[b"abcdef"]" cannot be assigned to parameter "frame" of type "Word"',
+    "a list for an encoder that sends bits": Mistake(
+        "lookup('AMM5A21/65KSC1').decode([5])",
+        'Argument 1 to "decode" of "BissEncoder" has incompatible type "list[int]"',
+        'Argument of type "list[int]" cannot be assigned to parameter "frame" of type "Word"',
     ),
     "bits for an encoder that sends bytes": Mistake(
         "lookup('AMM5A23/65KJP1').decode(0x55BCD15E2)",
@@ -160,12 +160,15 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
 def examples() -> dict[str, str]:
     """The Python of each README of this repository that uses the package; every block is a program of its own."""
     found = {}
-    for path in [ROOT / "README.md", ROOT / "generated" / "python" / "README.md"]:
+    for folder in (ROOT, ROOT / "generated" / "python", ROOT / "runtime" / "python"):
+        path = folder / "README.md"
         blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
         for number, block in enumerate(blocks):
             lines = [line[4:] for line in block.splitlines() if line.startswith((">>> ", "... "))]
             text = "\n".join(lines)
-            found[f"{path.parent.name}_{number}"] = text if "import" in text else f"{_imports(blocks[0])}\n{text}"
+            found[f"{folder.parent.name}_{folder.name}_{number}"] = (
+                text if "import" in text else f"{_imports(blocks[0])}\n{text}"
+            )
     return found
 
 

@@ -75,7 +75,7 @@ timeout                         | Times               | am36/biss.html#times
 time-out                        | Times               | am36/biss.html#times
 monoflop                        | Times               | am36/biss.html#times
 zero                            | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
-home                            | Preset register     | am36/biss.html#preset-register
+home                            | 50h to 54h Preset   | am36/biss.html#50h-to-54h-preset
 offset                          | 50h to 53h Preset / Offset | sma21/biss.html#50h-to-53h-preset--offset
 AMM5A21/65KSC1 set zero         | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 AMM5A23/65KJP1 set zero         | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
@@ -85,8 +85,8 @@ AMM5A23/65KJP1 request byte     | What to send        | amm5/AMM5A23-65KJP1.html
 AMM5A21/65KSC1 save             | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 AMM5A23/65KJP1 save             | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
 reset                           | reset errors        | amm5/rs485.html#procedure-reset_errors
-checksum                        | Public BiSS CRC 6   | am36/biss.html#public-biss-crc-6
-polynomial                      | Public BiSS CRC 6   | am36/biss.html#public-biss-crc-6
+checksum                        | CRC biss_6          | am36/biss.html#crc-biss_6
+polynomial                      | CRC biss_6          | am36/biss.html#crc-biss_6
 x^6                             | CRC biss_6          | am36/biss.html#crc-biss_6
 AMM5A21/65KSC1 polynomial       | Frame               | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 error bit        | Frame               | amm5/AMM5A21-65KSC1.html#frame
@@ -106,10 +106,53 @@ glossary                        | Glossary            | docs/glossary-of-terms.h
 which encoder                   | Which encoder is it? | docs/which-encoder.html
 mutants                         | Mutants             | docs/mutants.html
 """
+#: As a technician types them: whole questions, typos, plurals, numbers, and labels with and without separators.
+TYPED = """
+how do I set zero               | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
+m12 pinout                      | M12 8-pin connector, A coding, male | am36/biss.html#m12-8-pin-connector-a-coding-male
+led red blinking                | LEDs                | amm5/biss.html#leds
+AMM5A21/65KSC1 max cable length 10 MHz | Clock and cable | amm5/AMM5A21-65KSC1.html#clock-and-cable
+AMM5A21/65KSC1 0x43             | Frame               | amm5/AMM5A21-65KSC1.html#frame
+crc poly                        | CRC biss_6          | am36/biss.html#crc-biss_6
+asc8525bg1                      | ASC8525/BG1         | asc85/ASC8525-BG1.html
+smA21jp10050                    | SMA21-JP1-0050      | sma21/SMA21-JP1-0050.html
+AMM5B23 65KJP1                  | AMM5B23/65KJP1      | amm5/AMM5A23-65KJP1.html
+AM3616/4096-I7/S55              | AM3616/4096-I7      | am36/AM3616-4096-I7.html
+SMA21-JP1-0050-M1               | SMA21-JP1-0050      | sma21/SMA21-JP1-0050.html
+AMM5A21/65KSC1 SSI pinout       | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
+conector                        | M12 8-pin connector, A coding, male | am36/biss.html#m12-8-pin-connector-a-coding-male
+wirring                         | Wiring              | am36/biss.html#wiring
+presset                         | Preset              | am36/biss.html#register-preset
+polinomial                      | CRC biss_6          | am36/biss.html#crc-biss_6
+checksums                       | CRC biss_6          | am36/biss.html#crc-biss_6
+batteries                       | Battery alarm       | amm5/rs485.html#battery-alarm
+dead battery                    | Battery alarm       | amm5/rs485.html#battery-alarm
+wire colors                     | Wiring              | am36/biss.html#wiring
+clock frequency                 | Clocks, ports and codes | docs/which-encoder.html#clocks-ports-and-codes
+how fast                        | Times               | am36/biss.html#times
+startup time                    | Times               | am36/biss.html#times
+power consumption               | Wiring              | am36/biss.html#wiring
+5v                              | T12 cable           | sma21/rs485.html#t12-cable
+rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
+2.5 Mbit                        | AMM5: RS-485        | amm5/rs485.html
+gray code                       | Order codes and quantities | am36/biss.html#order-codes-and-quantities
+counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
+factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
+crc wrong                       | CRC errors          | docs/command-line.html#crc-errors
+crc fails                       | Why a CRC fails     | docs/why-a-crc-fails.html
+nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
+AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame
+AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame
+tape                            | Length of tape and travel, and information | -and-travel-and-information
+mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
+acknowledge                     | Times               | am36/biss.html#times
+siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput
+arduino                         | In firmware and Python | docs/editions.html#in-firmware-and-python
+"""
 
 
 def rows(table: str) -> list[tuple[str, ...]]:
-    return [tuple(cell.strip() for cell in line.split("|")) for line in table.strip().splitlines()]
+    return [tuple(cell.strip() for cell in line.split("|")) for line in table.splitlines() if line]
 
 
 #: The first hit.
@@ -123,10 +166,13 @@ SHOWN = 'document.getElementById("search-results").innerText'
 def test_there_are_enough() -> None:
     assert len(rows(LABELS)) >= 20
     assert len(rows(WORDS)) >= 40
+    assert len(rows(TYPED)) >= 40
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("typed", "shown", "ends"), rows(LABELS) + rows(NAMES) + rows(WORDS), ids=lambda cell: cell)
+@pytest.mark.parametrize(
+    ("typed", "shown", "ends"), rows(LABELS) + rows(NAMES) + rows(WORDS) + rows(TYPED), ids=lambda cell: cell
+)
 def test_first_hit(site: Path, browser: Browser, typed: str, shown: str, ends: str) -> None:
     browser.open(f"{(site / 'search.html').as_uri()}?q={quote(typed)}")
     name, target = browser.run(FIRST)
@@ -145,6 +191,9 @@ def test_first_hit(site: Path, browser: Browser, typed: str, shown: str, ends: s
         ("AM3616/4096SC1", "The label is written as in edition 1.1 of the manual"),
         ("AMM5A21/65KSC1/S123", "An encoder whose order code ends in /Sxxx"),
         ("zzzz", "Nothing found"),
+        ("presset", "Showing results for preset."),
+        ("ASC8525/BG1 biss clock", "ASC8525/BG1 has SSI, not BiSS C-mode."),
+        ("pinout", "Type the label as well"),
     ],
 )
 def test_help_for_a_label(site: Path, browser: Browser, typed: str, words: str) -> None:

@@ -5,21 +5,30 @@
   const INDEX = globalThis.codewheelSearch;
   const wheel = globalThis.codewheelDecode;
 
-  /** Words that people use for the same thing. The first words of a row are those of titles. */
+  /**
+   * Words that people use for the same thing. The first words of a row are those of titles, the third words those of
+   * other titles on the page of an order code.
+   */
   const CONCEPTS = [
     ["connector wiring", "pinout pin pins wire wires connect connection connections plug socket colour color colours"],
-    ["cable", "length distance metre metres meter long"],
+    ["cable", "length distance metre metres meter long", "baud"],
     ["preset zero send", "home homing origin offset zeroing reference datum set"],
-    ["baud rate", "baudrate bitrate bps bd mbd"],
+    ["baud rate", "baudrate bitrate bps bd mbd mbit kbit"],
     ["clock", "frequency mhz khz"],
+    ["times", "time duration fast", "clock baud"],
     ["timeout times", "monoflop"],
-    ["crc", "checksum polynomial poly checksums"],
+    ["crc", "checksum polynomial poly checksums", "frame"],
     ["led leds", "blink blinks blinking flash flashes flashing lamp light lights"],
-    ["battery", "batteries"],
+    ["battery", "batteries dead flat empty depleted"],
     ["save eeprom send", "store storing nonvolatile permanent persist keep"],
-    ["alarm alarms error errors warning", "fault failure problem"],
+    ["alarm alarms error errors warning", "fault failure problem", "frame"],
     ["supply wiring", "voltage power volt volts vdc"],
     ["usable verdict", "trust valid reliable"],
+    ["fails errors match", "wrong mismatch bad invalid"],
+    ["restore defaults load", "factory default reset"],
+    ["timeout reply led", "answer answers respond responds response"],
+    ["firmware", "arduino stm32 esp32 microcontroller mcu embedded"],
+    ["python bench", "labview matlab pc"],
     ["send request", "poll query ask"],
     ["reset send", "clear restart"],
     ["direction counting", "clockwise counterclockwise cw ccw reverse invert"],
@@ -28,13 +37,18 @@
     ["resolution", "counts ppr steps"],
   ];
 
+  /** Words of a question that say nothing about its subject. */
+  const FILLERS = new Set(("a an the is are do does did can could should must i my me it its of on in at for with and or how what which "
+    + "where when why not no there this that many much need get have has says say max maximum min minimum").split(" "));
+
   const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
   /** A text in lower case, with numbers without separators and exponents as ^n. */
   function plain(text) {
     return text.toLowerCase()
       .replace(/[⁰¹²³⁴⁵⁶⁷⁸⁹]+/g, (digits) => `^${[...digits].map((digit) => superscripts.indexOf(digit)).join("")}`)
-      .replace(/\b\d{1,3}(?:[,\u00a0\u202f']\d{3})+\b/g, (number) => number.replace(/\D/g, ""));
+      .replace(/\b\d{1,3}(?:[,\u00a0\u202f']\d{3})+\b/g, (number) => number.replace(/\D/g, ""))
+      .replace(/\b(\d+(?:\.\d+)?)\s*m(?:bits?|bd|baud|bps)\b/g, (_, number) => `${Math.round(number * 1e6)} baud`);
   }
 
   /** The stem of a word: blinks and blinking are blink. */
@@ -55,8 +69,9 @@
     return found;
   }
 
-  const concepts = CONCEPTS.map(([titles, others]) => ({
-    titles: new Set(wordsOf(titles)), all: new Set(wordsOf(`${titles} ${others}`)),
+  const concepts = CONCEPTS.map(([titles, others, own = ""]) => ({
+    titles: new Set(wordsOf(titles)), own: new Set(wordsOf(`${titles} ${own}`)),
+    all: new Set(wordsOf(`${titles} ${others}`)),
   }));
   const synonymsOf = (word) => concepts.filter((one) => one.all.has(word));
 
@@ -74,7 +89,8 @@
   }
 
   const sections = INDEX.sections.map(([page, anchor, title, text, isInSight]) => ({
-    page: pages[page], anchor, title, text, isInSight, titleWords: new Set(wordsOf(title)),
+    page: pages[page], anchor, title, text, isInSight: isInSight === 1, isExample: isInSight === 2,
+    titleWords: new Set(wordsOf(title)),
   }));
 
   // ------------------------------------------------------------------------------------------------ labels
@@ -104,7 +120,8 @@
     const asked = { label: null, wrong: "", family: "", words: pieces, text: text.trim() };
     for (let size = Math.min(4, pieces.length); size > 0; size -= 1) {
       for (let at = 0; at + size <= pieces.length; at += 1) {
-        const label = codeOf(pieces.slice(at, at + size).join(""));
+        const tried = pieces.slice(at, at + size);
+        const label = codeOf(tried.join("")) ?? (codeOf(tried[0]) ? null : codeOf(tried.join("/")));
         if (label) return { ...asked, label, words: [...pieces.slice(0, at), ...pieces.slice(at + size)] };
       }
     }
@@ -113,6 +130,18 @@
     const wrong = family ? undefined : others.find(isLikeCode);
     const words = others.filter((one) => one !== wrong);
     return { ...asked, family: family?.toLowerCase() ?? "", wrong: wrong ?? "", words };
+  }
+
+  const nameOf = (text) => text.toLowerCase().replace(/[^a-z0-9]/g, "");
+  const interfaces = new Map(families().flatMap((one) => one.interfaces)
+    .flatMap((one) => [[one.name, one.title], [nameOf(one.title), one.title]]));
+
+  /** The words without the names of interfaces, which the label has decided, and the titles of other interfaces. */
+  function withoutInterfaces({ label, words }) {
+    const named = label ? words.filter((word) => interfaces.has(nameOf(word))) : [];
+    const others = named.map((word) => interfaces.get(nameOf(word))).filter((title) => title !== label.interface.title);
+    const rest = words.filter((word) => !named.includes(word));
+    return { words: rest.length ? rest : words, others: [...new Set(others)] };
   }
 
   /** The page of a listed code, or of the listed code whose numbers an unlisted one has. */
@@ -148,45 +177,84 @@
 
   // ------------------------------------------------------------------------------------------------- words
 
+  let spelled = null;
+
+  /** The letters of a word that differ from another: the number of letters to change, add, leave out or exchange. */
+  function distance(one, other) {
+    const rows = [[...Array(other.length + 1).keys()]];
+    for (let at = 1; at <= one.length; at += 1) {
+      rows.push([at]);
+      for (let to = 1; to <= other.length; to += 1) {
+        const isSame = one[at - 1] === other[to - 1];
+        const isExchanged = at > 1 && to > 1 && one[at - 1] === other[to - 2] && one[at - 2] === other[to - 1];
+        rows[at].push(Math.min(rows[at - 1][to] + 1, rows[at][to - 1] + 1, rows[at - 1][to - 1] + (isSame ? 0 : 1),
+          isExchanged ? rows[at - 2][to - 2] + 1 : Infinity));
+      }
+    }
+    return rows[one.length][other.length];
+  }
+
+  /** A word as it is, or the nearest word of titles and synonyms if no page has one that begins like it. */
+  function corrected(word) {
+    const typed = plain(word);
+    if (!/^[a-z]{5,}$/.test(typed)) return word;
+    const known = (one) => one.startsWith(stem(typed));
+    if (concepts.some(({ all }) => [...all].some(known))) return word;
+    if (INDEX.texts.some((_, place) => [...countsOf(place).keys()].some(known))) return word;
+    spelled ??= new Set([...CONCEPTS.flat(), ...sections.map((one) => one.title)]
+      .flatMap((text) => plain(text).match(/[a-z]{4,}/g) ?? []));
+    const near = [...spelled].map((one) => [distance(typed, one), one]).sort((one, other) => one[0] - other[0]);
+    return near.length && near[0][0] <= (typed.length < 8 ? 1 : 2) ? near[0][1] : word;
+  }
+
   const hasOne = (words, others) => [...others].some((one) => words.has(one));
 
   /** How well a section answers the words; 0 if it lacks one of them, unless some are enough. */
-  function scoreOf(section, words, someAreEnough) {
+  function scoreOf(section, words, someAreEnough, isOwn) {
     const counts = countsOf(section.text);
     let sum = 0;
+    let isTitle = words.length > 1;
     for (const { word, synonyms } of words) {
       const score = Math.max(
         section.titleWords.has(word) ? 14 : 0,
-        synonyms.some(({ titles }) => hasOne(section.titleWords, titles)) ? 9 : 0,
+        synonyms.some(({ titles, own }) => hasOne(section.titleWords, isOwn ? own : titles)) ? 9 : 0,
         counts.has(word) ? 3 + Math.min(2, Math.log2(counts.get(word))) : 0,
         synonyms.some(({ all }) => hasOne(counts, all)) ? 2 : 0,
         word.length > 2 && [...section.titleWords].some((title) => title.startsWith(word)) ? 5 : 0,
-        word.length > 3 && [...counts.keys()].some((one) => one.startsWith(word)) ? 1 : 0,
+        (word.length > 3 || /^\d/.test(word)) && [...counts.keys()].some((one) => one.startsWith(word)) ? 1 : 0,
       );
       if (!score && !someAreEnough) return 0;
       sum += score;
+      isTitle &&= score >= 9;
     }
     // A short title is about little else.
-    return sum && sum + 3 / section.titleWords.size;
+    return sum && (isTitle ? 1.3 : 1) * sum + 3 / section.titleWords.size;
   }
 
-  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.6, masters: 0.4, project: 0.2 };
+  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.35, masters: 0.4, project: 0.2 };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
   function found(words, page, typed) {
     if (!words.length) return [];
     const searched = sections.filter((one) => one.page.kind !== "code" || one.page === page);
-    const phrase = words.length > 1 ? plain(typed) : "";
-    const wholeOf = (section) => plain(`${section.title} ${INDEX.texts[section.text]}`);
-    const bonus = (section) => (phrase && wholeOf(section).includes(phrase) ? 1.3 : 1);
+    const phrase = typed.includes(" ") ? plain(typed) : "";
+    const bonus = (section) => {
+      if (!phrase) return 1;
+      if (plain(section.title).startsWith(phrase)) return 2;
+      return plain(`${section.title} ${INDEX.texts[section.text]}`).includes(phrase) ? 1.3 : 1;
+    };
     const rank = (someAreEnough) => searched
-      .map((section) => ({ section, score: scoreOf(section, words, someAreEnough) * WEIGHTS[section.page.kind] }))
-      // The upper part of the page of an order code answers most questions at once.
-      .map((one) => (one.section.isInSight && one.section.page === page ? { ...one, score: 2 * one.score } : one))
+      .map((section) => {
+        // The upper part of the page of an order code answers most questions at once.
+        const isUpper = section.isInSight && section.page === page;
+        const weight = section.isExample ? WEIGHTS.aside : WEIGHTS[section.page.kind];
+        const score = scoreOf(section, words, someAreEnough, isUpper) * weight;
+        return { section, score: isUpper ? 2 * score : score };
+      })
       .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
       .filter((one) => one.score > 0).sort((one, other) => other.score - one.score);
     const all = rank(false);
-    if (!all.length) return rank(true);
+    if (!all.some((one) => one.section.page.kind !== "project")) return rank(true);
     const isOwn = (one) => one.section.page === page;
     return page && !all.some(isOwn) ? [...rank(true).filter(isOwn), ...all] : all;
   }
@@ -283,7 +351,10 @@
   function results(text, from) {
     const asked = read(text);
     const context = contextOf(asked, from);
-    const typed = asked.words.join(" ");
+    const { words: plainWords, others } = withoutInterfaces(asked);
+    const subject = plainWords.filter((word) => !FILLERS.has(word.toLowerCase()));
+    const fixed = (subject.length ? subject : plainWords).map(corrected);
+    const typed = fixed.join(" ");
     const words = [...new Set(wordsOf(typed))].map((word) => ({ word, synonyms: synonymsOf(word) }));
     const made = [];
     if (asked.wrong) {
@@ -293,13 +364,21 @@
       if (!isBeginning) made.push(element("p", { class: "help", role: "note" }, `${help}.`));
       made.push(...group("Order codes", like.slice(0, 12).map((code) => hit(pages[INDEX.codes[code]], "", code, ""))));
     }
+    if (fixed.some((word) => !plainWords.includes(word))) {
+      made.push(element("p", { class: "help", role: "note" }, "Showing results for ", element("b", {}, typed), "."));
+    }
+    for (const title of others) {
+      const text = `${asked.label.code} has ${asked.label.interface.title}, not ${title}.`;
+      made.push(element("p", { class: "help", role: "note" }, text));
+    }
     if (asked.label && !words.length && context.page) {
       made.push(...group(context.page.title, labelHits(asked.label, context.page)));
     }
-    const names = typed ? namesFor(typed, context) : [];
+    const whole = plainWords.map(corrected).join(" ");
+    const names = whole ? namesFor(whole, context) : [];
     const nameHits = names.slice(0, 6).map((one) => hit(one.page, one.anchor, one.name,
       `${one.family.toUpperCase()} ${one.what}`));
-    const hits = found(words, context.page, typed);
+    const hits = found(words, context.page, whole);
     const isOf = {
       code: ({ page }) => page === context.page,
       over: ({ page }) => page.family === context.family && page.over === context.over && page.over !== "",
@@ -328,9 +407,12 @@
     const isGeneral = (section) => !isOf.encoders(section);
     const rest = [[context.family ? "Other encoders" : "Encoders", isOf.encoders, best(isOf.encoders)],
       ["General", isGeneral, best(isGeneral)]];
-    if (!context.family && rest[1][2] > 1.4 * rest[0][2]) rest.reverse();
+    if (!context.family && rest[1][2] > (words.length > 1 ? 1.25 : 1.5) * rest[0][2]) rest.reverse();
     for (const [name, test] of rest) made.push(...group(name, take(test, 10)));
     if (!isOwn && !context.family) made.push(...group("Names and addresses", nameHits));
+    const isAboutNone = words.length && made.length && !context.page && !asked.wrong;
+    const hint = "Type the label as well, and the first hit is about your encoder: ";
+    if (isAboutNone) made.unshift(element("p", { class: "quiet" }, hint, element("code", {}, `AMM5A21/65KSC1 ${typed}`)));
     return made;
   }
 

@@ -60,7 +60,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from codewheel_runtime.codec import Data
+    from codewheel_runtime.any_biss import biss_layout
+    from codewheel_runtime.capture import Captures
+    from codewheel_runtime.link import Link, LinkError, Ports
     from codewheel_runtime.stream import Files
+    from codewheel_runtime.table import ErrorKind, Table
 
     from . import _codes, am36, amm5, asc85, biss, sma21
 
@@ -68,6 +72,9 @@ if TYPE_CHECKING:
     FAMILIES: Final[tuple[Family, ...]] = ()
     decode_file = Files("lika_encoders").decode_file
     decode_partition = Files("lika_encoders").decode_partition
+    decode_capture = Captures("lika_encoders").decode_capture
+    read_capture = Captures("lika_encoders").read_capture
+    open_encoder = Ports(Package(__name__, {}).lookup).open_encoder
 
 __all__ = [
     "BitField",
@@ -75,6 +82,7 @@ __all__ = [
     "ConstantError",
     "CrcError",
     "Encoder",
+    "ErrorKind",
     "FAMILIES",
     "Family",
     "FamilyError",
@@ -96,6 +104,7 @@ __all__ = [
     "Send",
     "Step",
     "StepError",
+    "Table",
     "Verdict",
     "Verify",
     "VerifyError",
@@ -106,10 +115,16 @@ __all__ = [
     "asc85",
     "biss",
     "sma21",
+    "biss_layout",
+    "decode_capture",
     "decode_file",
     "decode_partition",
     "identify",
+    "Link",
+    "LinkError",
     "lookup",
+    "open_encoder",
+    "read_capture",
     "run",
     "why",
 ]
@@ -131,6 +146,15 @@ _PACKAGE: Final = Package(
 #: Modules of all families, with special models and other editions.
 _FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
 
+#: Names that are imported from a module of the runtime on first use.
+_LATE: Final = {
+    "ErrorKind": "table",
+    "Link": "link",
+    "LinkError": "link",
+    "Table": "table",
+    "biss_layout": "any_biss",
+}
+
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> object:
@@ -138,6 +162,12 @@ if not TYPE_CHECKING:
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
         if name in ("decode_file", "decode_partition"):
             return getattr(import_module("codewheel_runtime.stream").Files(__name__), name)
+        if name == "open_encoder":
+            return import_module("codewheel_runtime.link").Ports(_PACKAGE.lookup).open_encoder
+        if name in ("decode_capture", "read_capture"):
+            return getattr(import_module("codewheel_runtime.capture").Captures(__name__), name)
+        if name in _LATE:
+            return getattr(import_module(f"codewheel_runtime.{_LATE[name]}"), name)
         if name in __all__:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

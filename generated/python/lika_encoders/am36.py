@@ -42,7 +42,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from math import tau
 from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
@@ -61,10 +60,10 @@ from codewheel_runtime.codec import (
     from_gray,
     made,
     too_long,
-    unwrap,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames import (
     BitsOf,
@@ -80,7 +79,6 @@ from codewheel_runtime.frames import (
     reported,
     returned,
 )
-from codewheel_runtime.order_codes import checked
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes
@@ -182,7 +180,7 @@ _BISS: Final = Interface.BISS
 _Same = TypeVar("_Same", bound="Variant")
 
 
-class Variant(Encoder):
+class Variant(Rotary, Wrapping):
     """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
@@ -284,42 +282,6 @@ class Variant(Encoder):
             return 1 << self.singleturn_bits
         return 1 << self.used_singleturn_bits
 
-    def turns(self, position: int) -> float:
-        """Convert ``position`` from counts to revolutions."""
-        if self.interface is _SSI:
-            return index(position) / (1 << self.singleturn_bits)
-        return index(position) / (1 << self.used_singleturn_bits)
-
-    def degrees(self, position: int) -> float:
-        """Convert ``position`` from counts to degrees within one revolution."""
-        if self.interface is _SSI:
-            return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
-        return index(position) % (1 << self.used_singleturn_bits) * 360 / (1 << self.used_singleturn_bits)
-
-    def radians(self, position: int) -> float:
-        """Convert ``position`` from counts to radians within one revolution."""
-        if self.interface is _SSI:
-            return index(position) % (1 << self.singleturn_bits) * tau / (1 << self.singleturn_bits)
-        return index(position) % (1 << self.used_singleturn_bits) * tau / (1 << self.used_singleturn_bits)
-
-    def from_turns(self, turns: float) -> int:
-        """Return the count nearest to ``turns`` revolutions."""
-        if self.interface is _SSI:
-            return round(turns * (1 << self.singleturn_bits))
-        return round(turns * (1 << self.used_singleturn_bits))
-
-    def from_degrees(self, degrees: float) -> int:
-        """Return the count nearest to ``degrees``."""
-        if self.interface is _SSI:
-            return round(degrees * (1 << self.singleturn_bits) / 360)
-        return round(degrees * (1 << self.used_singleturn_bits) / 360)
-
-    def from_radians(self, radians: float) -> int:
-        """Return the count nearest to ``radians``."""
-        if self.interface is _SSI:
-            return round(radians * (1 << self.singleturn_bits) / tau)
-        return round(radians * (1 << self.used_singleturn_bits) / tau)
-
     @property
     def modulus(self) -> int:
         """Number of counts after which ``position`` wraps around."""
@@ -327,38 +289,12 @@ class Variant(Encoder):
             return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
         return (1 << self.used_singleturn_bits) * self.used_revolutions
 
-    def unwrap(self, previous: int, position: int) -> int:
-        """Return the count nearest to ``previous`` that corresponds to ``position``.
-
-        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than
-        half of ``modulus``.
-
-        Args:
-            previous: Result of the previous call. On the first call, pass the first ``position``.
-            position: Value of ``position`` in a frame.
-
-        Returns:
-            The count.
-
-        Raises:
-            RangeError: ``position`` is not below ``modulus``.
-        """
-        return unwrap(previous, position, self.modulus)
-
     @property
     def frame_bits(self) -> int:
         """Number of bits in a frame, including the CRC if it has one."""
         if self.interface is _SSI:
             return self.singleturn_bits + self.multiturn_bits
         return self.used_singleturn_bits + self.used_multiturn_bits + 8
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
@@ -526,24 +462,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
-    if text in VARIANTS:
-        return VARIANTS[text]
-    from .facts.am36 import ORDER_CODE
-
-    parts = {code: variant.parts for code, variant in VARIANTS.items()}
-    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
-    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
-    if not (found.unlisted or found.tail or found.special or found.written_as_in):
-        return variant
-    return variant._replaced(
-        code=found.code,
-        parts=found.parts,
-        unlisted=found.unlisted,
-        tail=found.tail,
-        special_code=found.special,
-        written_as_in=found.written_as_in,
-    )
+    return looked_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -631,7 +550,7 @@ class _SsiWord(NamedTuple):
     singleturn: int
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
 
     Attributes:
@@ -738,7 +657,7 @@ class _SingleCycleData(NamedTuple):
     unused: int = 0
 
 
-class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
     most significant first [6.3 p.21, 6.3.1 p.21].
 

@@ -52,7 +52,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
-from math import tau
 from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
@@ -75,10 +74,10 @@ from codewheel_runtime.codec import (
     decided,
     made,
     too_long,
-    unwrap,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
 from codewheel_runtime.frames import (
     BitsOf,
@@ -99,7 +98,6 @@ from codewheel_runtime.frames import (
     returned,
     shape_of,
 )
-from codewheel_runtime.order_codes import checked
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, writes
@@ -206,7 +204,7 @@ _RS485: Final = Interface.RS485
 # Encoders
 
 
-class Variant(Encoder):
+class Variant(Rotary, Wrapping):
     """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
@@ -250,52 +248,10 @@ class Variant(Encoder):
         """Number of counts per revolution."""
         return 1 << self.singleturn_bits
 
-    def turns(self, position: int) -> float:
-        """Convert ``position`` from counts to revolutions."""
-        return index(position) / (1 << self.singleturn_bits)
-
-    def degrees(self, position: int) -> float:
-        """Convert ``position`` from counts to degrees within one revolution."""
-        return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
-
-    def radians(self, position: int) -> float:
-        """Convert ``position`` from counts to radians within one revolution."""
-        return index(position) % (1 << self.singleturn_bits) * tau / (1 << self.singleturn_bits)
-
-    def from_turns(self, turns: float) -> int:
-        """Return the count nearest to ``turns`` revolutions."""
-        return round(turns * (1 << self.singleturn_bits))
-
-    def from_degrees(self, degrees: float) -> int:
-        """Return the count nearest to ``degrees``."""
-        return round(degrees * (1 << self.singleturn_bits) / 360)
-
-    def from_radians(self, radians: float) -> int:
-        """Return the count nearest to ``radians``."""
-        return round(radians * (1 << self.singleturn_bits) / tau)
-
     @property
     def modulus(self) -> int:
         """Number of counts after which ``position`` wraps around."""
         return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
-
-    def unwrap(self, previous: int, position: int) -> int:
-        """Return the count nearest to ``previous`` that corresponds to ``position``.
-
-        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than
-        half of ``modulus``.
-
-        Args:
-            previous: Result of the previous call. On the first call, pass the first ``position``.
-            position: Value of ``position`` in a frame.
-
-        Returns:
-            The count.
-
-        Raises:
-            RangeError: ``position`` is not below ``modulus``.
-        """
-        return unwrap(previous, position, self.modulus)
 
     @property
     def frame_bits(self) -> int:
@@ -309,14 +265,6 @@ class Variant(Encoder):
         if self.interface is _BISS:
             return self.singleturn_bits + self.multiturn_bits + 8
         raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
 
 class SsiEncoder(Variant):
@@ -567,24 +515,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
-    if text in VARIANTS:
-        return VARIANTS[text]
-    from .facts.amm5 import ORDER_CODE
-
-    parts = {code: variant.parts for code, variant in VARIANTS.items()}
-    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
-    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
-    if not (found.unlisted or found.tail or found.special or found.written_as_in):
-        return variant
-    return variant._replaced(
-        code=found.code,
-        parts=found.parts,
-        unlisted=found.unlisted,
-        tail=found.tail,
-        special_code=found.special,
-        written_as_in=found.written_as_in,
-    )
+    return looked_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -710,7 +641,7 @@ class _SsiWord(NamedTuple):
     singleturn: int
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2
     p.28].
 
@@ -813,7 +744,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
     significant first [6.2.1 p.32].
 
@@ -1613,7 +1544,7 @@ class _CompleteReply(NamedTuple):
     unused: int = 0
 
 
-class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply):
+class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:

@@ -39,8 +39,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
-from math import tau
-from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
@@ -59,10 +57,10 @@ from codewheel_runtime.codec import (
     from_gray,
     made,
     too_long,
-    unwrap,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames import (
     BitsOf,
@@ -80,7 +78,6 @@ from codewheel_runtime.frames import (
     returned,
     shape_of,
 )
-from codewheel_runtime.order_codes import checked
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Poll, Read, Step, writes
@@ -180,7 +177,7 @@ _BISS: Final = Interface.BISS
 # Encoders
 
 
-class Variant(Encoder):
+class Variant(Rotary, Wrapping):
     """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
@@ -210,52 +207,10 @@ class Variant(Encoder):
         """Number of counts per revolution."""
         return 1 << self.position_bits
 
-    def turns(self, position: int) -> float:
-        """Convert ``position`` from counts to revolutions."""
-        return index(position) / (1 << self.position_bits)
-
-    def degrees(self, position: int) -> float:
-        """Convert ``position`` from counts to degrees within one revolution."""
-        return index(position) % (1 << self.position_bits) * 360 / (1 << self.position_bits)
-
-    def radians(self, position: int) -> float:
-        """Convert ``position`` from counts to radians within one revolution."""
-        return index(position) % (1 << self.position_bits) * tau / (1 << self.position_bits)
-
-    def from_turns(self, turns: float) -> int:
-        """Return the count nearest to ``turns`` revolutions."""
-        return round(turns * (1 << self.position_bits))
-
-    def from_degrees(self, degrees: float) -> int:
-        """Return the count nearest to ``degrees``."""
-        return round(degrees * (1 << self.position_bits) / 360)
-
-    def from_radians(self, radians: float) -> int:
-        """Return the count nearest to ``radians``."""
-        return round(radians * (1 << self.position_bits) / tau)
-
     @property
     def modulus(self) -> int:
         """Number of counts after which ``position`` wraps around."""
         return 1 << self.position_bits
-
-    def unwrap(self, previous: int, position: int) -> int:
-        """Return the count nearest to ``previous`` that corresponds to ``position``.
-
-        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than
-        half of ``modulus``.
-
-        Args:
-            previous: Result of the previous call. On the first call, pass the first ``position``.
-            position: Value of ``position`` in a frame.
-
-        Returns:
-            The count.
-
-        Raises:
-            RangeError: ``position`` is not below ``modulus``.
-        """
-        return unwrap(previous, position, self.modulus)
 
     @property
     def frame_bits(self) -> int:
@@ -267,14 +222,6 @@ class Variant(Encoder):
         if self.interface is _SSI:
             return self.position_bits
         raise ValueError(f"no frame bits over {self.interface.title}: the length depends on an answer")
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
 
 class SsiEncoder(Variant):
@@ -453,24 +400,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
-    if text in VARIANTS:
-        return VARIANTS[text]
-    from .facts.asc85 import ORDER_CODE
-
-    parts = {code: variant.parts for code, variant in VARIANTS.items()}
-    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
-    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
-    if not (found.unlisted or found.tail or found.special or found.written_as_in):
-        return variant
-    return variant._replaced(
-        code=found.code,
-        parts=found.parts,
-        unlisted=found.unlisted,
-        tail=found.tail,
-        special_code=found.special,
-        written_as_in=found.written_as_in,
-    )
+    return looked_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -549,7 +479,7 @@ class _SsiWord(NamedTuple):
     position: int
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
 
     Attributes:
@@ -631,7 +561,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, InBits, _SingleCycleData):
+class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
     first [6.2.1 p.20].
 

@@ -48,7 +48,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
@@ -70,10 +69,10 @@ from codewheel_runtime.codec import (
     made,
     signed,
     too_long,
-    unwrap,
     wrong_encoder,
 )
-from codewheel_runtime.encoder import Encoder, fact
+from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.measures import Linear, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
 from codewheel_runtime.frames import (
     BitsOf,
@@ -92,7 +91,6 @@ from codewheel_runtime.frames import (
     reported,
     returned,
 )
-from codewheel_runtime.order_codes import checked
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, writes
@@ -209,7 +207,7 @@ _RS485: Final = Interface.RS485
 _Same = TypeVar("_Same", bound="Variant")
 
 
-class Variant(Encoder):
+class Variant(Linear, Wrapping):
     """Encoder as described by its order code. Each interface has a subclass.
 
     Attributes:
@@ -300,21 +298,10 @@ class Variant(Encoder):
         """
         return self._replaced(**held_parameters(_HELD, held, self))
 
-    def micrometres(self, position: int) -> int:
-        """Convert ``position`` from counts to micrometres."""
-        return index(position) * self.resolution_um
-
-    def millimetres(self, position: int) -> float:
-        """Convert ``position`` from counts to millimetres."""
-        return index(position) * self.resolution_um / 1000
-
-    def metres(self, position: int) -> float:
-        """Convert ``position`` from counts to metres."""
-        return index(position) * self.resolution_um / 1_000_000
-
-    def from_millimetres(self, millimetres: float) -> int:
-        """Return the count nearest to ``millimetres``."""
-        return round(millimetres * 1000 / self.resolution_um)
+    @property
+    def step_um(self) -> int:
+        """Length of one count in micrometres."""
+        return self.resolution_um
 
     @property
     def modulus(self) -> int:
@@ -330,24 +317,6 @@ class Variant(Encoder):
             return (1 << self.scd_value_bits) - 1
         return self.modulus - 1
 
-    def unwrap(self, previous: int, position: int) -> int:
-        """Return the count nearest to ``previous`` that corresponds to ``position``.
-
-        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than
-        half of ``modulus``.
-
-        Args:
-            previous: Result of the previous call. On the first call, pass the first ``position``.
-            position: Value of ``position`` in a frame.
-
-        Returns:
-            The count.
-
-        Raises:
-            RangeError: ``position`` is above ``highest``.
-        """
-        return unwrap(previous, position, self.modulus, self.highest)
-
     @property
     def frame_bits(self) -> int:
         """Number of bits in a frame, including the CRC if it has one.
@@ -360,14 +329,6 @@ class Variant(Encoder):
         if self.interface is _BISS:
             return self.position_bits + self.scd_padding_bits + 8
         raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
-
-    def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each interface documents the arguments."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
-
-    def try_decode(self, frame: Any) -> Frame | FrameError:
-        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
-        raise NotImplementedError(f"the frames of {self.code} are not documented")
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
@@ -607,24 +568,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
-    if text in VARIANTS:
-        return VARIANTS[text]
-    from .facts.sma21 import ORDER_CODE
-
-    parts = {code: variant.parts for code, variant in VARIANTS.items()}
-    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
-    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
-    if not (found.unlisted or found.tail or found.special or found.written_as_in):
-        return variant
-    return variant._replaced(
-        code=found.code,
-        parts=found.parts,
-        unlisted=found.unlisted,
-        tail=found.tail,
-        special_code=found.special,
-        written_as_in=found.written_as_in,
-    )
+    return looked_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -751,7 +695,7 @@ class _SsiWord(NamedTuple):
     error: bool = False
 
 
-class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord):
+class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
 
     Attributes:
@@ -840,7 +784,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData):
+class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
     significant first [6.2 p.25].
 
@@ -1030,7 +974,7 @@ class _PositionReply(NamedTuple):
     unused: int = 0
 
 
-class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply):
+class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
@@ -1197,7 +1141,7 @@ class _WidePositionReply(NamedTuple):
     unused: int = 0
 
 
-class WidePositionReply(Sent, FixedBytes, _WidePositionReply):
+class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
@@ -1336,7 +1280,7 @@ class _IdentificationReply(NamedTuple):
     unused: int = 0
 
 
-class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply):
+class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, Positioned):
     """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import textwrap
 import unicodedata
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, TypedDict
 
 from markupsafe import Markup, escape
@@ -18,7 +18,7 @@ from markupsafe import Markup, escape
 from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
-from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never
+from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never, choices
 from ...order_codes.labels import Match
 from ...order_codes.parameters import needed_parameters, run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
@@ -100,13 +100,16 @@ class Identifier(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``biss/idbissXXXX.xml`` for manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
 
+    Also return ``biss/<maker>-<device>/idbiss-<order code>.xml`` for each order code that a master can identify.
+
     With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers instead of
     expressions.
     """
     files = {}
     for maker, devices in library.by_manufacturer():
         if maker.biss_id is not None:
-            files[f"biss/idbiss{maker.biss_id:04X}.xml"] = _identifier(maker, maker.biss_id, devices, library)
+            files[f"biss/idbiss{maker.biss_id:04X}.xml"] = _of_manufacturer(maker, maker.biss_id, devices, library)
+            files |= dict(file for device in devices for file in _of_encoders(maker.biss_id, device, library))
         files |= {f"biss/{maker.name}-{device.name}.xml": to_xml(device_dump(device)) for device in devices}
         if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
             files |= dict(file for device in devices for file in _by_code(f"biss/{maker.name}-{device.name}", device))
@@ -161,17 +164,52 @@ def ascii_text(text: object) -> Markup:
     return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
-def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], library: Library) -> str:
+def _of_manufacturer(maker: Manufacturer, biss_id: int, devices: Sequence[Device], library: Library) -> str:
     # A master cannot distinguish a special model or another edition from its family.
     own = [device for device in devices if device.over(Biss) is not None and not device.base]
     listed = [(device, device_bits(device)) for device in own]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
-    left_out = [device.title for device, ids in listed if not ids]
+    missing = [device.title for device, ids in listed if not ids]
+    left_out = f"Not listed, because the spec has no device ID: {', '.join(missing)}" if missing else ""
+    about = f"{maker.title}: encoders with a BiSS C interface."
+    return _identifier(maker, biss_id, [about], nodes, library, left_out)
+
+
+def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, str]]:
+    """Yield a file for each order code, or for each answer where the manual leaves the length open."""
+    ids, found, maker = device_bits(device), single_cycle_data(device), device.manufacturer
+    if not ids or found is None:
+        return
+    layout, _ = found
+    open_questions = device.alternatives_of(layout)
+    encoders = [(variant, answers) for variant in biss_variants(device) for answers, _ in choices(open_questions)]
+    names = names_of_codes("-".join((variant.code, *(item.name for item in answers))) for variant, answers in encoders)
+    for name, (variant, answers) in zip(names, encoders, strict=True):
+        decided = dict(zip((item.name for item in open_questions), answers, strict=True))
+        narrowed = tuple(
+            replace(item, answers=(decided[item.name],)) if item.name in decided else item
+            for item in device.alternatives
+        )
+        node = _device(replace(device, variants=(variant,), alternatives=narrowed), ids, one_encoder=True)
+        about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
+        about += [
+            f"The manual leaves {item.name} open ({item.meaning}). This file is for {decided[item.name].name}: "
+            f"{decided[item.name].meaning}. There is a file for each answer."
+            for item in open_questions
+        ]
+        text = _identifier(maker, biss_id, about, [node] if node is not None else [], library)
+        yield f"biss/{maker.name}-{device.name}/idbiss-{name}.xml", text
+
+
+def _identifier(
+    maker: Manufacturer, biss_id: int, about: Sequence[str], nodes: Sequence[Node], library: Library, left_out: str = ""
+) -> str:
+    """Return the file with these encoders of a manufacturer. ``about`` is the beginning of the first comment."""
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
-        "notes": [_about(maker), *(f"Trademarks: {text}" for text in maker.trademarks)],
+        "notes": ["\n".join([*about, _ABOUT]), *(f"Trademarks: {text}" for text in maker.trademarks)],
         "root": root,
-        "left_out": f"Not listed, because the spec has no device ID: {', '.join(left_out)}" if left_out else "",
+        "left_out": left_out,
     }
     return TEMPLATES.render("idbiss.xml.jinja", values, library.own_templates)
 
@@ -188,18 +226,19 @@ _MANUFACTURER_NOTE = (
 )
 
 
-def _about(maker: Manufacturer) -> str:
-    return (
-        f"{maker.title}: encoders with a BiSS C interface.\n"
-        "Structure inferred from the public opening of profilebiss.xml. Not validated against idbiss.dtd, which is not "
-        "public, and not yet tested with a master. Only elements and attributes from that opening are used. Each "
-        "further interpretation is marked as inferred.\n"
-        "Everything without a publicly known place in the format is in the full description of each device, next to "
-        "this file."
-    )
+_ABOUT = (
+    "Structure inferred from the public opening of profilebiss.xml. Not validated against idbiss.dtd, which is not "
+    "public, and not yet tested with a master. Only elements and attributes from that opening are used. Each "
+    "further interpretation is marked as inferred.\n"
+    "Everything without a publicly known place in the format is in the full description of each device, biss/*.xml."
+)
+_ONE_ENCODER_NOTE = (
+    "For one order code. The encoder identifies itself only by the IDs below, which it can share with other order "
+    "codes of its family. A master cannot distinguish them, so give it a single file of a family."
+)
 
 
-def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
+def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
     found = single_cycle_data(device)
     if found is None:
         return None
@@ -208,9 +247,16 @@ def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
     manual = device.manual
     notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
     polynomial = f"0x{crc.poly_with_top_bit:02X}"
-    inner = () if run_time_widths(device, layout) else _by_length(device, layout, ids, lengths)
+    changing = not one_encoder and bool(run_time_widths(device, layout))
+    inner = () if changing else _by_length(device, layout, ids, lengths)
     return Node(
-        ids, f", {device.title}", 1, notes, (_to_tell(device, layout, crc, lengths, ids),), polynomial, devices=inner
+        ids,
+        f", {device.title}",
+        1,
+        notes,
+        (_to_tell(device, layout, crc, lengths, ids, one_encoder),),
+        polynomial,
+        devices=inner,
     )
 
 
@@ -225,10 +271,19 @@ def _by_length(
         Node(
             ids,
             notes=notes,
-            notes_of_data=(_LENGTH_NOTE,),
+            notes_of_data=(_LENGTH_NOTE + _at_factory_defaults(device, layout),),
             length=lengths[0].data_bits,
             data_label=_data_label(device, layout),
         ),
+    )
+
+
+def _at_factory_defaults(device: Device, layout: Layout) -> str:
+    held = [field_at(device, path) for path in run_time_widths(device, layout)]
+    return (
+        f"\nInferred: Length is that of the factory defaults of {' and '.join(held)}. It changes with them."
+        if held
+        else ""
     )
 
 
@@ -262,9 +317,17 @@ _PROFILE_NOTE = (
 )
 
 
-def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLength], ids: Sequence[IdBits]) -> str:
+def _to_tell(
+    device: Device,
+    layout: Layout,
+    crc: Crc,
+    lengths: Sequence[DataLength],
+    ids: Sequence[IdBits],
+    one_encoder: bool,
+) -> str:
     """Return the other master settings as the lines of a comment."""
-    lines = [_about_length(device, layout, lengths), *_lengths_by_profile(device, lengths)]
+    about = "Further settings of the master:" if one_encoder else _about_length(device, layout, lengths)
+    lines = [about, *_lengths_by_profile(device, lengths)]
     for item in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
         lines.append(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -37,7 +37,7 @@ from ...say.box import as_words
 from ...say.interface import settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
-from ...say.place import addresses, bits
+from ...say.place import addresses, bits, frame_bytes
 from ...say.report import deciding
 from ...say.text import said
 from ...say.timing import bounds
@@ -172,22 +172,18 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     plus = ", with the start bit and the CDS bit" if before else ""
     shown = min(max(1_000_000, clock.min_hz), clock.max_hz)
     facts = [f"Clock: {hertz(clock.min_hz)} to {hertz(clock.max_hz)} ({cited(clock.source)})."]
-    facts += [f"{bits} bits at {hertz(shown)}: {_duration(bits + before, shown)}{plus}." for bits in lengths]
+    if lengths:
+        durations = _either(_duration(bits + before, shown) for bits in lengths)
+        facts.append(f"{_either(map(str, lengths))} bits at {hertz(shown)}: {durations}{plus}.")
     facts += _pauses(interface)
     table = cable_table(device, interface)
-    rows = [
-        (
-            row.cable,
-            ("below " if row.is_below else "") + hertz(min(row.hz, clock.max_hz)),
-            "more than " * row.is_below
-            + " or ".join(_duration(bits + before, min(row.hz, clock.max_hz)) for bits in lengths),
-        )
-        for row in table.rows
-        if row.hz >= clock.min_hz
-    ]
+    fitting = [(row.metres, min(row.hz, clock.max_hz)) for row in table.rows if row.hz >= clock.min_hz]
+    rows = tuple((f"{m} m", hertz(hz), _either(_duration(bits + before, hz) for bits in lengths)) for m, hz in fitting)
     if rows:
-        facts.append(f"The clocks for each cable length are from {text(table.origin)}.")
-    return Speed("Clock and cable", tuple(facts), ("Cable", "Clock", "Frame"), tuple(rows))
+        facts.append(f"Clock for each cable length: from {text(table.origin)}.")
+    is_below = any(row.is_below for row in table.rows)
+    head = ("Cable below", "Clock below", "Frame above") if is_below else ("Cable up to", "Clock up to", "Frame")
+    return Speed("Clock and cable", tuple(facts), head, rows)
 
 
 def _pauses(interface: Ssi | Biss) -> Iterator[str]:
@@ -222,6 +218,10 @@ def _lengths(device: Device, layout: Layout) -> list[int]:
     return sorted({layout.bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
 
 
+def _either(items: Iterable[str]) -> str:
+    return " or ".join(items)
+
+
 def _duration(bits: int, hz: int) -> str:
     """Return the duration of some bits, in microseconds with one decimal if it is long."""
     exact = bits * 1_000_000_000 / hz
@@ -247,14 +247,28 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line."""
     checked = family.crc_of(layout)
     yield "CRC", crc_line(checked) if checked is not None else "none"
-    by_level: dict[str, list[str]] = {}
-    for item in layout.fields:
-        if isinstance(meaning_of(item), Active):
-            by_level.setdefault(deciding(item), []).append(code(item.name))
-    yield from ((f"Active at {level}", ", ".join(names)) for level, names in by_level.items())
+    by_level: dict[str, list[tuple[str, str]]] = {}
+    placed = layout.place(variant.parameters)
+    for item in placed.fields:
+        of_byte = frame_bytes(layout, placed.bits, item.high, item.low) if layout.in_bytes else ""
+        at = (code(item.name), of_byte or bits(item.high, item.low))
+        if isinstance(meaning_of(item.field), Active):
+            by_level.setdefault(f"Active at {deciding(item.field)}", []).append(at)
+        elif not of_byte and item.field.printed_name and deciding(item.field) in {"0", "1"}:
+            by_level.setdefault("Not used by this encoder", []).append(at)
+    yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
         yield "Position", verdict_line(judgement, variant)
+
+
+def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
+    """Yield flags with their places. A byte is named only where it changes."""
+    last = ""
+    for name, place in flags:
+        byte, _, bit = place.rpartition(", ")
+        yield f"{name} ({bit if byte == last else place})"
+        last = byte
 
 
 def crc_line(crc: Crc) -> str:
@@ -295,10 +309,10 @@ def verdict_line(judgement: Judgement, variant: Variant) -> str:
 
 
 _VERDICT = {
-    Verdict.USABLE: "usable",
-    Verdict.USABLE_WITH_WARNING: "usable with a warning",
-    Verdict.NOT_USABLE: "**not usable**",
-    Verdict.UNKNOWN: "unknown",
+    Verdict.USABLE: "✓ usable",
+    Verdict.USABLE_WITH_WARNING: "▲ usable with a warning",
+    Verdict.NOT_USABLE: "✕ **not usable**",
+    Verdict.UNKNOWN: "? unknown",
 }
 
 
@@ -326,7 +340,7 @@ class Sending:
     other_value: str
 
 
-def sending(device: Device, interface: Interface, variant: Variant) -> Sending:
+def sending(family: Device, device: Device, interface: Interface, variant: Variant) -> Sending:
     requests, commands = tuple(_requests(device, interface)), tuple(_commands(device, variant))
     preset = next((item for item in _preset_registers(device) if zero_of(device, item, variant) is not None), None)
     facts = []
@@ -347,7 +361,8 @@ def sending(device: Device, interface: Interface, variant: Variant) -> Sending:
     inputs = [link(text(title(item)), f"#input-{item.name}") for item in device.inputs]
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
-    return Sending(tuple(facts), requests, commands, _other_value(device, preset, variant) if preset else "")
+    other = _other_value(family.register(preset.name), variant) if preset is not None else ""
+    return Sending(tuple(facts), requests, commands, other)
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
@@ -356,7 +371,7 @@ def _preset_registers(device: Device) -> Iterator[Register]:
         yield from (device.register(one.of) for one in item.arguments if one.name == "position")
 
 
-def _other_value(device: Device, register: Register, variant: Variant) -> str:
+def _other_value(register: Register, variant: Variant) -> str:
     """Return how to write another position, with an example."""
     low, width = register.layout.place(variant.parameters).place_of(register.limits_of)
     if not width:
@@ -367,7 +382,7 @@ def _other_value(device: Device, register: Register, variant: Variant) -> str:
     data = register.bytes_of(example << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
-        f"{addresses(register)}. For 1,000: {code(data)}."
+        f"{link(addresses(register), f'#register-{register.name}')}. For 1,000: {code(data)}."
     )
 
 

@@ -154,7 +154,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "supply": bench_answers.supply(here, alike.variants),
         "speed": bench_answers.speed(here, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
-        "sending": bench_answers.sending(here, interface, alike.variants[0]),
+        "sending": bench_answers.sending(alike.family, here, interface, alike.variants[0]),
         "led_rows": list(short_tables.led_rows(here)),
         "interfaces": [_with_short_rows(here, item) for item in found["interfaces"]],
         "registers": [

@@ -12,7 +12,7 @@ from pathlib import Path
 from runpy import run_path
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer
+from ...model import Device, Manufacturer, Rs485
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
@@ -44,6 +44,7 @@ class Package(TypedDict):
     families: Annotated[list[str], "the names of all modules of families"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
+    rs485: Annotated[bool, "whether one of the encoders has RS-485"]
     runtime: Annotated[str, "the version of the runtime that the package needs, as major and minor number"]
     neighbours: Annotated[list[str], "the folders of the other manufacturers' packages in the same tree"]
     public: Annotated[list[str], "the names of all public modules"]
@@ -99,6 +100,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library,
             (module.name, item.special) for module in modules for item in module.device.overlays if item.special
         ],
         "biss": biss,
+        "rs485": any(device.over(Rs485) for device in devices),
         "runtime": runtime_version(),
         "neighbours": others,
         "public": sorted([*(module.name for module in modules), *biss]),

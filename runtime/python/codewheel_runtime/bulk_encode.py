@@ -67,7 +67,8 @@ def _given(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     by_join = {name for join, names in joined.items() if join in columns for name in names}
     optional = {name for name, item in needed.items() if item.kind.endswith("flag") or not item.width} | {"unused"}
     missing = sorted(needed.keys() - columns.keys() - by_join - optional)
-    unknown = sorted({*columns} - needed.keys() - joined.keys() - {"unused", "fault", "verdict"})
+    others: Mapping[str, Any] = getattr(columns, "others", {})
+    unknown = sorted({*columns} - others.keys() - needed.keys() - joined.keys() - {"unused", "fault", "verdict"})
     if missing or unknown:
         raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
     wanted = [name for name in (*needed, *joined, "unused", "fault") if name in columns]

@@ -1,28 +1,32 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Command line of a package: ``python -m PACKAGE decode ORDER-CODE frames.bin -o out.parquet``."""
+"""Command line of a package: decodes frames, files and captures, draws plots, and shows an encoder live."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
+import re
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
 from enum import Enum
+from functools import partial
 from importlib import import_module
 from time import monotonic
 from types import FrameType
-from typing import TYPE_CHECKING, Final, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, cast, get_args, get_type_hints
 
 from .encoder import Encoder
-from .order_codes import OrderCodeError
-from .reports import Interface
+from .errors import FrameError
+from .reports import Interface, Verdict
 
 if TYPE_CHECKING:
     from .stream import Summary
 
-DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+DONE, FAILED, USAGE, NOT_USABLE, INTERRUPTED = 0, 1, 2, 3, 130
 #: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
 DEFAULT_MAX_ERRORS: Final = 10.0
 _EPILOG: Final = """\
@@ -44,16 +48,41 @@ meaning. An empty or truncated cell becomes a row with a length error.
 
 exit codes:
   0    success
-  1    a file cannot be read or written, FILE does not contain such frames, or
-       more frames have an error than --max-errors allows
+  1    a file cannot be read or written, FILE does not contain such frames, more
+       frames have an error than --max-errors allows, or the frame has an error
   2    wrong usage, or an unknown order code
+  3    the frame is valid, but its position is not usable
   130  interrupted
 With too many errors (--max-errors) the output is still written. With any
 other nonzero exit code, no output is written and an existing file is unchanged.
 """
 
 
-class _Failed(Exception):
+_BENCH: Final = """\
+captures: sigrok sessions (.sr) and CSV, Saleae CSV and binary files (the clock
+and the data line, in this order), VCD, NumPy files, and tables of 0 and 1. They
+are recognized by their contents.
+
+channels: SSI and BiSS need a clock (MA, --clock) and a data line (SLO, --data).
+RS-485 needs one line (--data). A channel is chosen by its name or by its number
+from 1. Usual names are found without an option.
+
+--biss describes an encoder without a package, in the order of transmission:
+  --biss position=32,error,warning,crc=6:0x43
+  --biss multiturn=12,singleturn=24,error,warning,crc=6:0x43
+error and warning are active at level 0. zero=2 are bits that are always 0, and
+unused=2 bits without meaning.
+
+exit codes:
+  0    success
+  1    a file cannot be read or written, or is not a capture, it contains no
+       frame, or more cycles have an error or no frame than --max-errors allows
+  2    wrong usage, or an unknown order code
+  130  interrupted
+"""
+
+
+class Failed(Exception):
     """The command ends with this message and this exit code."""
 
     def __init__(self, message: object, code: int = FAILED) -> None:
@@ -76,8 +105,8 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        _decode(package, chosen)
-    except _Failed as failure:
+        code: int = chosen.run(package, chosen) or DONE
+    except Failed as failure:
         return _told(package, failure, failure.code)
     except KeyboardInterrupt:
         return _told(package, "interrupted; no file was written", INTERRUPTED)
@@ -85,11 +114,11 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
         # The reader has closed the pipe. Without this, Python would report the error again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
-    return DONE
+    return code
 
 
 def _told(package: str, message: object, code: int) -> int:
-    print(f"python -m {package}: {message}", file=sys.stderr)
+    print(f"{distribution(package)}: {message}", file=sys.stderr)
     return code
 
 
@@ -97,31 +126,105 @@ def _parser(package: str) -> argparse.ArgumentParser:
     def shaped(prog: str) -> argparse.RawDescriptionHelpFormatter:
         return argparse.RawDescriptionHelpFormatter(prog, width=80)
 
-    top = argparse.ArgumentParser(prog=f"python -m {package}", formatter_class=shaped, allow_abbrev=False)
-    top.description = "Decode frames of absolute encoders, given the order code on the label."
+    top = argparse.ArgumentParser(prog=distribution(package), formatter_class=shaped, allow_abbrev=False)
+    top.description = "Decode frames and captures of absolute encoders, given the order code on the label."
     top.add_argument(
-        "--version", action="version", version=f"{_distribution(package)} {import_module(package).__version__}"
+        "--version", action="version", version=f"{distribution(package)} {import_module(package).__version__}"
     )
     commands = top.add_subparsers(metavar="COMMAND", required=True)
-    parser = commands.add_parser(
+
+    def command(name: str, run: Callable[..., int | None], summary: str, more: str, epilog: str) -> Any:
+        parser = commands.add_parser(
+            name, help=summary, description=more, epilog=epilog, formatter_class=shaped, allow_abbrev=False
+        )
+        parser.set_defaults(run=run)
+        return parser
+
+    parser = command(
         "decode",
-        help="decode a file of frames into a file of columns",
-        description="Decode a file of frames into a file of columns, in bounded memory.",
-        epilog=_EPILOG,
-        formatter_class=shaped,
-        allow_abbrev=False,
+        _decode,
+        "decode a frame, or a file of frames into a file of columns",
+        "Decode a frame, or a file of frames into a file of columns, in bounded memory.",
+        _EPILOG,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
-    parser.add_argument("file", metavar="FILE", help="file of frames, or - for standard input")
+    parser.add_argument(
+        "file",
+        metavar="FILE",
+        nargs="+",
+        help="file of frames, - for standard input, or a frame: hex bytes or a number",
+    )
     _add_output(parser)
     _add_input(parser)
     _add_encoder(parser)
+    parser = command(
+        "monitor",
+        partial(_bench, "monitor"),
+        "show an encoder live, over RS-485",
+        "Read an encoder over RS-485, and show its position, speed and state live.",
+        "",
+    )
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument("port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, COM3 or socket://HOST:PORT")
+    parser.add_argument("--count", type=_count, metavar="COUNT", help="stop after this many readings")
+    parser.add_argument("--interval", type=_seconds, default=0.0, metavar="SECONDS", help="time between two readings")
+    _add_encoder(parser)
+    for name, summary in (
+        ("capture", "decode a capture of a logic analyser into a file of columns"),
+        ("plot", "plot position and speed over time, of a capture or of frames with a time"),
+    ):
+        run = partial(_bench, name)
+        parser = command(name, run, summary, f"{summary[0].upper()}{summary[1:]}.", _BENCH)
+        parser.add_argument(
+            "files",
+            metavar="[ORDER-CODE] FILE",
+            nargs="+",
+            help="the code on the label, unless --biss is given; capture",
+        )
+        _add_capture(parser)
+        _add_output(parser, plot=name == "plot")
+        _add_encoder(parser)
     return top
 
 
-def _add_output(parser: argparse.ArgumentParser) -> None:
+def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
+    """Run a command that needs NumPy."""
+    found: int | None = getattr(import_bench(package), name)(package, chosen)
+    return found
+
+
+def import_bench(package: str) -> Any:
+    """Return the module of the commands for the bench, which needs NumPy."""
+    try:
+        return import_module(f"{__package__}.bench")
+    except ImportError as error:
+        raise missing(package, error) from None
+
+
+def _add_capture(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument_group("capture").add_argument
+    add("--biss", metavar="FIELDS", help="layout of BiSS frames of an encoder without a package")
+    add("--clock", default="", metavar="CHANNEL", help="channel of the clock, MA")
+    add("--data", default="", metavar="CHANNEL", help="channel of the data line, SLO, or of the serial line")
+    add("--rate", type=_rate, metavar="RATE", help="sample rate such as 24MHz, if FILE does not contain it")
+    add(
+        "--rest",
+        type=_seconds,
+        metavar="SECONDS",
+        help="shortest rest of the clock between cycles (default: 1.4 periods)",
+    )
+    add("--baud", type=_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
+
+
+def _add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:
     add = parser.add_argument_group("output").add_argument
+    if plot:
+        add("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
+        add("--force", action="store_true", help="replace an existing file")
+        return
     add("-o", "--output", default="-", metavar="FILE", help="output file (default: CSV on standard output)")
+    add("--json", action="store_true", help="print a frame, or the summary, as JSON")
+    add("--si", action="store_true", help="capture: also write the position and the speed in SI units")
     add("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
     add("--columns", type=_names, default=(), metavar="NAME,...", help="columns to write, also of FILE (default: all)")
     add("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
@@ -204,18 +307,47 @@ def _answer(text: str) -> tuple[str, Enum | str]:
     return name.strip(), answer.strip()
 
 
+def _seconds(text: str) -> float:
+    if not 0 <= (number := float(text)) < 1e6:
+        raise ValueError
+    return number
+
+
+def _rate(text: str) -> float:
+    found = _RATE.fullmatch(text.strip())
+    if found is None or not float(found[1]):
+        raise ValueError
+    return float(found[1]) * 1000.0 ** " kMG".index(found[2] or " ")
+
+
+_RATE: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd)?")
+
 # argparse prints these names in its messages.
-for _kind, _name in ((_count, "count"), (_percent, "percent"), (_register, "ADDRESS=BYTE"), (_answer, "NAME=ANSWER")):
+for _kind, _name in (
+    (_count, "count"),
+    (_percent, "percent"),
+    (_seconds, "time in seconds"),
+    (_rate, "rate, such as 24MHz"),
+    (_register, "ADDRESS=BYTE"),
+    (_answer, "NAME=ANSWER"),
+):
     _kind.__name__ = _name
 
 
-def _distribution(package: str) -> str:
+def distribution(package: str) -> str:
     """Return the name by which a package is installed."""
     return package.replace("_", "-")
 
 
-def _encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder that the arguments select. Raises ValueError if there is none."""
+def encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
+    """Return the encoder that the arguments select."""
+    try:
+        return _selected(package, chosen)
+    except ValueError as error:
+        raise Failed(error, USAGE) from None
+
+
+def _selected(package: str, chosen: argparse.Namespace) -> Encoder:
     encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         wanted = Interface(chosen.interface).title
@@ -228,63 +360,145 @@ def _encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
     return encoder
 
 
-def _decode(package: str, chosen: argparse.Namespace) -> None:
+def _decode(package: str, chosen: argparse.Namespace) -> int | None:
+    encoder = encoder_of(package, chosen)
+    if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
+        frame = _frame(" ".join(chosen.file), encoder)
+        if frame is not None:
+            return _show(encoder, frame, chosen)
+    if len(chosen.file) > 1:
+        raise Failed(f"expected one file or one frame, got {' '.join(chosen.file)[:60]!r}", USAGE)
+    chosen.file = chosen.file[0]
+    _decode_file(package, encoder, chosen)
+    return DONE
+
+
+def _frame(text: str, encoder: Encoder) -> int | bytes | str | None:
+    """Return the frame that the arguments contain, or None if they are the name of a file."""
+    packed = re.sub("[ _,:]", "", text)
+    if encoder.interface is Interface.RS485:
+        packed = packed.removeprefix("0x")
+        return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
+    if re.fullmatch("0b[01]+", packed):
+        return packed
+    return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
+
+
+def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
+    """Print one frame. This needs no other packages."""
+    found = _with_answers(encoder, frame, dict(chosen.choose))
+    values: dict[str, Any] = found.to_dict()
+    if chosen.json:
+        print(json.dumps(values, ensure_ascii=False))
+    elif isinstance(found, FrameError):
+        raise Failed(f"{found}. {found.hint}" if found.hint else found)
+    else:
+        width = max(map(len, values))
+        for name, value in values.items():
+            print(f"{name:<{width}}  {_plain(value)}")
+        for report in found.reports:
+            print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
+    if isinstance(found, FrameError):
+        return FAILED
+    return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
+
+
+def _plain(value: Any) -> str:
+    """Return a value as it is printed."""
+    if value is None:
+        return "-"
+    if isinstance(value, list):
+        return " ".join(map(str, cast("list[object]", value))) or "none"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
+    """Return the frame or its error. Answers to open questions are given by their names."""
+    given: dict[str, Any] = {}
+    hints = get_type_hints(encoder.try_decode)
+    for name, answer in answers.items():
+        kinds = [kind for kind in get_args(hints.get(name)) if kind is not type(None)]
+        members = [item for kind in kinds for item in kind if item.name.lower() == answer.lower()]
+        if len(members) != 1:
+            raise Failed(f"--choose {name}={answer} does not apply to the frames of {encoder.code}", USAGE)
+        given[name] = members[0]
+    decode: Any = encoder.try_decode
     try:
-        encoder = _encoder_of(package, chosen)
-    except (OrderCodeError, ValueError) as error:
-        raise _Failed(error, USAGE) from None
+        return decode(frame, **given)
+    except (TypeError, NotImplementedError) as error:
+        raise Failed(error, USAGE) from None
+
+
+def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> None:
     try:
-        from .stream import Files, InputError, UsageError
+        from .stream import Files
     except ImportError as error:
-        raise _missing(package, error) from None
+        raise missing(package, error) from None
+    with working(package, chosen.file) as progress:
+        summary = Files(package).decode_file(
+            encoder,
+            chosen.file,
+            chosen.output,
+            layout=chosen.layout,
+            to=chosen.write,
+            kind=chosen.read,
+            words=chosen.words,
+            column=chosen.column,
+            digits=chosen.digits,
+            cut=chosen.cut,
+            columns=chosen.columns,
+            limit=chosen.limit,
+            raw=chosen.raw,
+            force=chosen.force,
+            answers=dict(chosen.choose),
+            progress=progress,
+        )
+    _report(summary, chosen)
+
+
+@contextmanager
+def working(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
+    """Show progress on a terminal, and convert the errors of long work to one line."""
+    from .inputs import InputError, UsageError
+
     progress = Progress(sys.stderr)
     try:
         with _Stoppable():
-            summary = Files(package).decode_file(
-                encoder,
-                chosen.file,
-                chosen.output,
-                layout=chosen.layout,
-                to=chosen.write,
-                kind=chosen.read,
-                words=chosen.words,
-                column=chosen.column,
-                digits=chosen.digits,
-                cut=chosen.cut,
-                columns=chosen.columns,
-                limit=chosen.limit,
-                raw=chosen.raw,
-                force=chosen.force,
-                answers=dict(chosen.choose),
-                progress=progress.show if sys.stderr.isatty() else None,
-            )
+            yield progress.show if sys.stderr.isatty() else None
+    except UsageError as error:
+        raise Failed(error, USAGE) from None
     except BrokenPipeError:
         raise
-    except UsageError as error:
-        raise _Failed(error, USAGE) from None
-    except ImportError as error:
-        raise _missing(package, error) from None
     except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        raise _Failed(f"{where}{error.strerror or error}") from None
+        raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
+    except ImportError as error:
+        raise missing(package, error) from None
     except MemoryError:
-        raise _Failed("not enough memory") from None
+        raise Failed("not enough memory") from None
     except InputError as error:
-        raise _Failed(error) from None
+        raise Failed(error) from None
     finally:
         progress.clear()
-    _report(summary, chosen.output, chosen.max_errors)
 
 
-def _report(summary: Summary, output: str, max_errors: float) -> None:
+def _report(summary: Summary, chosen: argparse.Namespace) -> None:
     """Print the summary, to standard error if the table goes to standard output."""
-    print(summary, file=sys.stderr if output == "-" else sys.stdout)
-    if 100 * summary.error_rate > max_errors:
-        raise _Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {max_errors:g}")
+    out = sys.stderr if chosen.output == "-" else sys.stdout
+    print(json.dumps(summary.to_dict()) if chosen.json else summary, file=out)
+    if 100 * summary.error_rate > chosen.max_errors:
+        raise Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}")
 
 
-def _missing(package: str, error: ImportError) -> _Failed:
-    return _Failed(f"this needs {error.name or error}: pip install '{_distribution(package)}[parquet]'")
+#: Extras of the package by the name of a module that is missing.
+_EXTRAS: Final = {"matplotlib": "plot", "serial": "serial"}
+
+
+def missing(package: str, error: ImportError) -> Failed:
+    """Return the error for a Python package that is not installed."""
+    if not isinstance(error, ModuleNotFoundError):
+        return Failed(error)
+    extra = _EXTRAS.get((error.name or "").partition(".")[0], "parquet")
+    return Failed(f"this needs {error.name or error}: pip install '{distribution(package)}[{extra}]'")
 
 
 class _Stoppable:

@@ -30,6 +30,15 @@ class FrameError(ValueError):
         """Record the frame and the encoder."""
         self.frame, self.encoder, self.order_code = frame, encoder, encoder.code
 
+    def to_dict(self) -> dict[str, str]:
+        """Return the error as plain values for JSON.
+
+        Returns:
+            ``fault``, such as ``crc``, the ``message``, the ``hint`` and the ``order_code``.
+        """
+        kind = type(self).__name__.removesuffix("Error").lower()
+        return {"fault": kind, "message": str(self), "hint": self.hint, "order_code": self.order_code}
+
     @property
     def hint(self) -> str:
         """Common mistake that would explain the frame, as a sentence. Empty if there is none.

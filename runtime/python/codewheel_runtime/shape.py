@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from .codec import BitField
 from .reports import Verdict
-from .table import Fault
+from .table import ErrorKind
 
 
 class Column(NamedTuple):
@@ -41,7 +41,7 @@ class Check(NamedTuple):
 
     low: int
     width: int
-    fault: Fault
+    fault: ErrorKind
     values: tuple[int, ...] = ()
     limit: int | None = None
     parity_of: tuple[tuple[int, int], ...] = ()

@@ -6,14 +6,14 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
 from .reports import Verdict
-from .table import Fault, Table
+from .table import ErrorKind, Table
 
 TargetKind = Literal["parquet", "arrow", "csv"]
 _SUFFIXES: Final[dict[str, TargetKind]] = {
@@ -25,7 +25,7 @@ _SUFFIXES: Final[dict[str, TargetKind]] = {
 
 #: Words that replace the numbers of a column, because readers of a file may not have this package.
 _WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    "fault": tuple(item.name.lower() for item in Fault),
+    "fault": tuple(item.name.lower() for item in ErrorKind),
     "verdict": tuple(item.value for item in Verdict),
 }
 
@@ -52,9 +52,16 @@ def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict
         if name in _WORDS:
             found[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
         else:
-            is_text = column.dtype.kind == "S"
-            found[name] = pa.array(_texts(column), pa.string()) if is_text else pa.array(column, mask=hidden)
+            found[name] = _arrow_array(pa, column, hidden)
     return found
+
+
+def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
+    """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
+    kind = getattr(column, "dtype", None)
+    if getattr(kind, "kind", "") == "S":
+        return pa.array(_texts(column), pa.string())
+    return pa.array(column, mask=hidden, from_pandas=True) if hasattr(kind, "kind") else pa.array(column)
 
 
 def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
@@ -68,7 +75,8 @@ def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dic
         elif hidden is not None:
             found[name] = pd.arrays.IntegerArray(column, hidden)
         else:
-            found[name] = _texts(column) if column.dtype.kind == "S" else column
+            is_text = getattr(getattr(column, "dtype", None), "kind", "") == "S"
+            found[name] = _texts(column) if is_text else column
     return found
 
 
@@ -119,9 +127,19 @@ class Texts:
         self.kind: Any = None
         self.lost = 0
 
-    def array(self, cells: Sequence[str]) -> Any:
+    def array(self, cells: Any) -> Any:
         """Return the cells as an array. Empty cells become null, and so do cells that should be numbers but are not."""
-        texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
+        if isinstance(cells, self._pa.Array):
+            if self.kind is not None and self.kind != self._pa.string():
+                try:
+                    return cells.cast(self.kind)
+                except self._pa.ArrowInvalid:
+                    pass  # Some cells are empty or have no number.
+            compute: Any = import_module("pyarrow.compute")
+            texts = compute.utf8_trim_whitespace(cells)
+            texts = compute.if_else(compute.equal(texts, ""), None, texts)
+        else:
+            texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
             self.kind = self._kind_of(texts)
         try:
@@ -175,7 +193,11 @@ class ArrowSink:
         """Append the frames of a table, and the other columns of the same rows."""
         found = arrow_columns(table, self._plan.decoded, self._plan.raw)
         for name in self._plan.kept:
-            found[name] = self._texts[name].array(others[name]) if name in self._texts else others[name]
+            column = others[name]
+            is_array = hasattr(column, "dtype")
+            if name in self._texts:
+                column = self._texts[name].array(column)
+            found[name] = self._pa.array(column, from_pandas=True) if is_array else column
         columns = {name: found[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.
@@ -250,13 +272,16 @@ class CsvSink:
             return [words[item] for item in column.tolist()]
         if column.dtype.kind == "b":
             return ["true" if item else "false" for item in column.tolist()]
+        if column.dtype.kind == "f":
+            return ["" if item != item else item for item in column.tolist()]
         return _texts(column) if column.dtype.kind == "S" else cast("list[Any]", column.tolist())
 
 
 def _plain(column: Any) -> list[Any]:
     """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
-    is_arrow = hasattr(column, "to_pylist")
-    cells: list[Any] = [_plain_cell(item) for item in column.to_pylist()] if is_arrow else column
+    if hasattr(column, "to_pylist"):
+        return [_plain_cell(item) for item in column.to_pylist()]
+    cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
     return cells
 
 

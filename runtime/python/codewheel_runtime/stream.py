@@ -18,9 +18,9 @@ from .encoder import Encoder
 from .inputs import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind, column_of
 from .reports import Verdict
 from .shape import Shape
-from .sinks import SINKS, Plan, TargetKind, arrow_columns, pandas_columns, target_kind
+from .sinks import SINKS, Plan, Sink, TargetKind, arrow_columns, pandas_columns, target_kind
 from .sources import opened
-from .table import Fault, Table
+from .table import ErrorKind, Table
 from .text import Cells
 
 __all__ = [
@@ -48,7 +48,7 @@ class Summary(NamedTuple):
     """
 
     frames: int
-    faults: Mapping[Fault, int]
+    faults: Mapping[ErrorKind, int]
     verdicts: Mapping[Verdict, int]
     lost: int = 0
 
@@ -57,12 +57,18 @@ class Summary(NamedTuple):
         """Fraction of the frames with an error, from 0 to 1."""
         return sum(self.faults.values()) / self.frames if self.frames else 0.0
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain values for JSON."""
+        faults = {kind.name.lower(): count for kind, count in self.faults.items()}
+        verdicts = {kind.value: count for kind, count in self.verdicts.items()}
+        return {"frames": self.frames, "faults": faults, "verdicts": verdicts, "lost_cells": self.lost}
+
     def __str__(self) -> str:
         valid = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
         parts = [counted(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
         for kind, count in self.faults.items():
-            parts.append(f"{count} with a {'CRC' if kind is Fault.CRC else kind.name.lower()} error")
+            parts.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
         if self.lost:
             parts.append(f"{counted(self.lost, 'cell')} of other columns left empty")
         return ", ".join(parts)
@@ -123,7 +129,7 @@ def layout_of(encoder: Encoder, name: str = "") -> Layout:
     return chosen[0]
 
 
-def _shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
+def shape_for(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
     """Return the shape of frames. Raises UsageError if an answer is missing or not needed."""
     asked = layout_of(encoder, layout)
     for name in answers:
@@ -207,34 +213,23 @@ class Files(NamedTuple):
             OSError: A file cannot be read or written.
         """
         encoder = self._encoder(encoder)
-        shape = _shape(encoder, layout, answers)
+        shape = shape_for(encoder, layout, answers)
         to = to or target_kind(os.fspath(target))
         if os.fspath(target) == "-" and to != "csv":
             raise UsageError("only CSV can be written to standard output")
         empty = decode_many([], shape, encoder)
         stored = Stored(kind, words, column, digits, cut, columns)
-        counts = _Counts()
 
         def share(frames: Any) -> float:
             return float(decode_many(frames, shape, encoder).ok.mean())
 
         with (
             opened(os.fspath(source), stored, shape, share) as read,
-            _written(os.fspath(target), source, force) as file,
+            written(os.fspath(target), [source], force) as file,
         ):
-            plan = _plan(empty, read, columns, os.fspath(source), raw)
+            plan = plan_of(empty, read, columns, os.fspath(source), raw)
             with SINKS[to](file, plan) as sink:
-                for part in read.parts:
-                    rows = slice(None if limit is None else limit - counts.frames)
-                    table = decode_many(part.frames[rows], shape, encoder)
-                    counts.add(table)
-                    if len(table.fault):
-                        sink.write(table, {name: column[rows] for name, column in part.others.items()})
-                    if progress is not None:
-                        progress(part.done, read.total, counts.frames)
-                    if limit is not None and counts.frames >= limit:
-                        break
-        return counts.summary(sink.lost)
+                return decoded(read, shape, encoder, sink, limit, progress)
 
     def decode_partition(
         self,
@@ -247,7 +242,7 @@ class Files(NamedTuple):
         raw: bool = False,
         answers: Mapping[str, Enum | str] = _NO_ANSWERS,
     ) -> _Part:
-        """Decode the frames of an Arrow table or record batch, or of a pandas DataFrame.
+        """Decode the frames of a table of Arrow, pandas, polars, DuckDB, or another library with Arrow's C stream.
 
         The fields, ``verdict`` and ``fault`` replace the column of frames. Other columns, all rows and the index of a
         DataFrame are unchanged. A position is null if the frame has an error or its position is not usable. A missing
@@ -265,7 +260,8 @@ class Files(NamedTuple):
             answers: Answers to the questions that the manual leaves open, by name.
 
         Returns:
-            A partition of the same type.
+            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a DataFrame of pandas. For other
+            types, a ``pyarrow.Table``, which they accept.
 
         Raises:
             InputError: The column does not contain such frames.
@@ -273,13 +269,16 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
         """
         encoder = self._encoder(encoder)
-        shape = _shape(encoder, layout, answers)
+        shape = shape_for(encoder, layout, answers)
         kind = (type(part).__module__.partition(".")[0], type(part).__name__)
         if kind in (("pyarrow", "Table"), ("pyarrow", "RecordBatch")):
             return cast(_Part, _of_arrow(part, encoder, shape, column, digits, raw))
         if kind == ("pandas", "DataFrame"):
             return cast(_Part, _of_pandas(part, encoder, shape, column, digits, raw))
-        raise TypeError(f"expected an Arrow table or record batch or a pandas DataFrame, got {type(part).__name__}")
+        if hasattr(part, "__arrow_c_stream__") or hasattr(part, "__arrow_c_array__"):
+            found = import_module("pyarrow").table(part)
+            return cast(_Part, _of_arrow(found, encoder, shape, column, digits, raw))
+        raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {type(part).__name__}")
 
     def _encoder(self, encoder: Encoder | str) -> Encoder:
         if isinstance(encoder, Encoder):
@@ -288,12 +287,37 @@ class Files(NamedTuple):
         return found
 
 
+def decoded(
+    read: Source,
+    shape: Shape,
+    encoder: Encoder | None,
+    sink: Sink,
+    limit: int | None = None,
+    progress: Callable[[int, int | None, int], None] | None = None,
+    derived: Callable[[Table, Mapping[str, Any]], Table] | None = None,
+) -> Summary:
+    """Decode the frames of a source into a file, and return the counts. ``derived`` adds columns to each table."""
+    counts = _Counts()
+    for part in read.parts:
+        rows = slice(None if limit is None else limit - counts.frames)
+        table = decode_many(part.frames[rows], shape, encoder)
+        counts.add(table)
+        if len(table.fault):
+            others = {name: column[rows] for name, column in part.others.items()}
+            sink.write(table if derived is None else derived(table, others), others)
+        if progress is not None:
+            progress(part.done, read.total, counts.frames)
+        if limit is not None and counts.frames >= limit:
+            break
+    return counts.summary(sink.lost)
+
+
 class _Counts:
     """Running counts of frames."""
 
     def __init__(self) -> None:
         self.frames = 0
-        self._faults: dict[Fault, int] = {}
+        self._faults: dict[ErrorKind, int] = {}
         self._verdicts: dict[int, int] = {}
 
     def add(self, table: Table) -> None:
@@ -315,18 +339,18 @@ class _Counts:
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
-def _plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
     wrong = [name for name in columns if name not in [*read.names, *empty]]
     if wrong:
         there = ", ".join([*read.names, *empty])
         raise UsageError(f"no column '{wrong[0][:40]}'; the columns are {there}")
-    _apart(read.kept, empty, source)
-    return Plan(tuple(dict.fromkeys(columns)) or (*read.kept, *empty), read.kept, empty, raw)
+    _apart(read.kept, [name for name in empty if name not in empty.others], source)
+    return Plan(tuple(dict.fromkeys(columns or (*read.kept, *empty))), read.kept, empty, raw)
 
 
 @contextmanager
-def _written(target: str, source: str | os.PathLike[str], force: bool) -> Generator[Any, None, None]:
+def written(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
     """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error."""
     if target == "-":
         yield None
@@ -335,7 +359,7 @@ def _written(target: str, source: str | os.PathLike[str], force: bool) -> Genera
     if os.path.lexists(place):
         if not os.path.isfile(place):
             raise UsageError(f"{target} is not a regular file, so it cannot be replaced")
-        if os.fspath(source) != "-" and os.path.samefile(place, source):
+        if any(os.fspath(source) != "-" and os.path.samefile(place, source) for source in sources):
             raise UsageError(f"{target} is also the source; write to another file")
         if not force:
             raise UsageError(f"{target} already exists; use force to replace it")

@@ -7,22 +7,26 @@ from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from importlib import import_module
 from math import tau
-from typing import Any, Final, Literal
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
 from .codec import unwrap
 from .encoder import Encoder
 from .errors import RangeError
-from .reports import Verdict
+from .reports import Movement, Verdict
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
+#: Units for speeds: a unit per second, or revolutions per minute.
+SpeedUnit = Unit | Literal["rpm"]
 
 #: Size of one turn in each angular unit, and size of each unit of length in micrometres.
 _OF_A_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
 _OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
+_UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
 
 
-class Fault(IntEnum):
+class ErrorKind(IntEnum):
     """Frame errors, in the order in which ``decode`` checks for them."""
 
     NONE = 0
@@ -32,7 +36,24 @@ class Fault(IntEnum):
     RANGE = 4
 
 
-class Table(Mapping[str, Any]):
+#: Number of rows that are converted to Python objects at once.
+_ROWS: Final = 1 << 14
+#: No other columns.
+_NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+
+
+if TYPE_CHECKING:
+    _Columns = Mapping[str, Any]
+else:
+
+    class _Columns:
+        """Methods of a mapping. A real one would lead polars to the raw columns instead of the stream of Arrow."""
+
+        __contains__, get, items = Mapping.__contains__, Mapping.get, Mapping.items
+        keys, values = Mapping.keys, Mapping.values
+
+
+class Table(_Columns):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
@@ -40,6 +61,9 @@ class Table(Mapping[str, Any]):
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.
+
+    A table can also have other columns, such as ``time``. ``table[10:20]`` is a table of some frames, and ``table[7]``
+    a dictionary with the values of one.
     """
 
     def __init__(
@@ -52,15 +76,16 @@ class Table(Mapping[str, Any]):
         parts: Mapping[str, tuple[str, int, int]],
         tells: tuple[tuple[str, str, int], ...] = (),
         measured: frozenset[str] = frozenset(),
+        others: Mapping[str, Any] = _NOTHING,
     ) -> None:
-        self.encoder, self._tells, self._measured = encoder, tells, measured
+        self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, others
         self._columns = columns
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
-        self._names = [*parts, *columns, *(["verdict"] if verdict is not None else []), "fault"]
+        self._names = [*others, *parts, *columns, *(["verdict"] if verdict is not None else []), "fault"]
 
     @property
     def fault(self) -> Any:
-        """Error of each frame, as the number of a :class:`Fault`. Valid frames have 0."""
+        """Error of each frame, as the number of a :class:`ErrorKind`. Valid frames have 0."""
         return self._fault
 
     @property
@@ -116,7 +141,88 @@ class Table(Mapping[str, Any]):
             made[report] = active & self.ok
         return made
 
-    def __getitem__(self, name: str) -> Any:
+    @property
+    def others(self) -> Mapping[str, Any]:
+        """Columns that were not decoded from frames, by name."""
+        return self._others
+
+    @property
+    def count(self) -> int:
+        """Number of frames."""
+        return len(self._fault)
+
+    def with_columns(self, **columns: Any) -> Table:
+        """Return a table that also has other columns, which come first.
+
+        Args:
+            columns: Columns by name, each with a value for every frame. ``time`` is in seconds.
+
+        Returns:
+            The table.
+
+        Raises:
+            ValueError: A column has another length, or the name of a decoded column.
+        """
+        for name, column in columns.items():
+            if name in self._names and name not in self._others:
+                raise ValueError(f"the frames already have a column '{name}'")
+            if len(column) != self.count:
+                raise ValueError(f"expected {self.count} values in '{name}', one per frame, got {len(column)}")
+        return self._with(self._columns, self._fault, self._verdict, {**self._others, **columns})
+
+    def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, others: Mapping[str, Any]) -> Table:
+        return Table(
+            self.encoder, columns, fault, verdict, self._position, self._parts, self._tells, self._measured, others
+        )
+
+    @overload
+    def __getitem__(self, name: str) -> Any: ...
+
+    @overload
+    def __getitem__(self, name: int) -> dict[str, Any]: ...
+
+    @overload
+    def __getitem__(self, name: slice) -> Table: ...
+
+    def __getitem__(self, name: str | int | slice) -> Any:
+        """Return a column by its name, a frame by its index, or a table of several frames by a slice."""
+        if isinstance(name, slice):
+            verdict = None if self._verdict is None else self._verdict[name]
+            columns, others = (
+                {each: column[name] for each, column in of.items()} for of in (self._columns, self._others)
+            )
+            return self._with(columns, self._fault[name], verdict, others)
+        if isinstance(name, str):
+            return self._column(name)
+        place = range(self.count)[name]
+        return next(self[place : place + 1].rows())
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield the values of each frame by the names of the columns.
+
+        ``fault`` is an :class:`ErrorKind` and ``verdict`` a :class:`Verdict`. A position that is not usable is None.
+        """
+        order = [*Verdict]
+        for start in range(0, self.count, _ROWS):
+            rows = slice(start, start + _ROWS)
+            columns: list[list[Any]] = []
+            for name in self:
+                hidden, column = self.hidden(name), self._column(name)[rows]
+                cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
+                if name == "fault":
+                    cells = [ErrorKind(cell) for cell in cells]
+                elif name == "verdict":
+                    cells = [order[cell] for cell in cells]
+                elif hidden is not None:
+                    cells = [None if gone else cell for cell, gone in zip(cells, hidden[rows].tolist(), strict=True)]
+                columns.append([cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells])
+            names = [*self]
+            for row in zip(*columns, strict=True):
+                yield dict(zip(names, row, strict=True))
+
+    def _column(self, name: str) -> Any:
+        if name in self._others:
+            return self._others[name]
         if name == "fault":
             return self._fault
         if name == "verdict" and self._verdict is not None:
@@ -137,9 +243,9 @@ class Table(Mapping[str, Any]):
         of = f" of {self.encoder.code}" if self.encoder is not None else ""
         return f"<{len(self._fault)} frames{of}, {wrong} with an error: {', '.join(self)}>"
 
-    def faults(self) -> dict[Fault, int]:
+    def faults(self) -> dict[ErrorKind, int]:
         """Return the number of valid frames and the number of frames with each error."""
-        kinds = ((kind, int((self._fault == kind).sum())) for kind in Fault)
+        kinds = ((kind, int((self._fault == kind).sum())) for kind in ErrorKind)
         return {kind: count for kind, count in kinds if count}
 
     def unwrapped(self, previous: int | None = None) -> Any:
@@ -198,35 +304,71 @@ class Table(Mapping[str, Any]):
         np: Any = import_module("numpy")
         return np.where(self.usable, made, np.nan) if counts is None else made
 
-    def velocity(self, seconds: Any, unit: Unit = "counts") -> Any:
+    def velocity(self, seconds: Any = None, unit: SpeedUnit = "counts") -> Any:
         """Return the speed of the encoder, measured from the previous usable position.
 
         Args:
-            seconds: Time between two frames, or an array with the time of each frame.
-            unit: Unit of length or angle.
+            seconds: Time between two frames, or an array with the time of each frame. The default is the column
+                ``time``.
+            unit: Unit of length or angle per second, or ``rpm`` for revolutions per minute.
 
         Returns:
-            An array of speeds in units per second. It is NaN for frames without a usable position, and for the first
-            frame that has one.
+            An array of speeds. It is NaN for frames without a usable position, and for the first frame that has one.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
         """
+        return self._speed(seconds, unit, None)
+
+    def _speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
+        """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
         np: Any = import_module("numpy")
-        counts, good = self.unwrapped(), np.flatnonzero(self.usable)
-        times = np.arange(len(counts)) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
-        if len(times) != len(counts):
-            raise ValueError(f"expected {len(counts)} times, one per frame, got {len(times)}")
-        one, parts = self._unit(unit)
-        found = np.full(len(counts), np.nan)
-        found[good[1:]] = np.diff(counts[good]) * one / parts / np.diff(times[good])
+        if seconds is None:
+            if "time" not in self._others:
+                raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
+            seconds = self._others["time"]
+        good = np.flatnonzero(self.usable)
+        times = np.arange(self.count) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
+        if len(times) != self.count:
+            raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
+        counts, times = self.unwrapped(previous and previous[0])[good], times[good]
+        one, parts = self._unit("turns" if unit == "rpm" else unit)
+        if previous is not None:
+            counts, times = np.insert(counts, 0, previous[0]), np.insert(times, 0, previous[1])
+        found = np.full(self.count, np.nan)
+        speeds = np.diff(counts) * (60 * one if unit == "rpm" else one) / parts / np.diff(times)
+        found[good if previous is not None else good[1:]] = speeds
         return found
 
-    def _unit(self, unit: Unit) -> tuple[float, int]:
+    def in_si(self, previous: tuple[int, float] | None = None) -> Table:
+        """Return a table that also has the position and the speed in SI units.
+
+        The columns are ``radians`` and ``radians_per_second``, or ``metres`` and ``metres_per_second``. They are NaN if
+        there is no usable position, and null in Arrow. The table needs a column ``time`` in seconds.
+
+        Args:
+            previous: Unwrapped position and time of the last usable frame before these, for the first speed.
+
+        Returns:
+            The table. It also has the other columns of this one.
+
+        Raises:
+            AttributeError, RangeError, ValueError: See ``velocity``.
+        """
+        encoder: Any = self.encoder
+        family = getattr(encoder, "family", None)
+        unit: Unit = "metres" if family is not None and family.movement is Movement.LINEAR else "radians"
+        columns = {unit: self.in_units(unit), f"{unit}_per_second": self._speed(None, unit, previous)}
+        return self.with_columns(**columns)
+
+    def _unit(self, unit: str) -> tuple[float, int]:
         """Return the size of one count in a unit, as numerator and denominator."""
         if unit == "counts":
             return 1, 1
         encoder: Any = self.encoder
+        if unit not in _OF_A_TURN and unit not in _OF_A_LENGTH:
+            speed = "; it is a unit of speed" if unit == "rpm" else ""
+            raise ValueError(f"'{unit[:40]}' is not a unit of positions{speed}: use {', '.join(_UNITS)}")
         if unit in _OF_A_TURN:
             per_turn: int = encoder.from_turns(1)
             return _OF_A_TURN[unit], per_turn
@@ -243,21 +385,33 @@ class Table(Mapping[str, Any]):
     def to_arrow(self, *, raw: bool = False) -> Any:
         """Return an Arrow table with the same columns. Needs pyarrow.
 
+        ``fault`` and ``verdict`` are words. A value that is NaN is null.
+
         Args:
             raw: Keep positions that are not usable. Otherwise they are null.
+
+        Returns:
+            A ``pyarrow.Table``.
         """
-        pa: Any = import_module("pyarrow")
-        return pa.table({name: pa.array(self[name], mask=None if raw else self.hidden(name)) for name in self})
+        from .sinks import arrow_columns
+
+        return import_module("pyarrow").table(arrow_columns(self, self, raw))
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        """Return the columns as a stream of Arrow, for polars, DuckDB and others. Needs pyarrow."""
+        return self.to_arrow().__arrow_c_stream__(requested_schema)
 
     def to_pandas(self, *, raw: bool = False) -> Any:
         """Return a pandas DataFrame with the same columns. Needs pandas.
 
+        ``fault`` and ``verdict`` are categories of words.
+
         Args:
             raw: Keep positions that are not usable. Otherwise they are ``<NA>``, in a column of ``Int64``.
+
+        Returns:
+            A ``pandas.DataFrame``.
         """
-        pd: Any = import_module("pandas")
-        found: dict[str, Any] = {}
-        for name in self:
-            hidden = None if raw else self.hidden(name)
-            found[name] = self[name] if hidden is None else pd.arrays.IntegerArray(self[name], hidden)
-        return pd.DataFrame(found)
+        from .sinks import pandas_columns
+
+        return import_module("pandas").DataFrame(pandas_columns(self, self, raw))

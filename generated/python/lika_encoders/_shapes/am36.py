@@ -91,12 +91,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             width=6,
             differs=of_bits(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6),
             xorout=63,
-            steps=(
-                Fold(24, 0xFFFFFF, 4),
-                Fold(12, 0xFFF, 2),
-                Fold(6, 0x3F, 1),
-                Fold(6, 0x3F, 1),
-            ),
+            steps=(Fold(24, 0xFFFFFF, 4), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         gray=(8, variant.used_multiturn_bits + variant.used_singleturn_bits) if variant.biss_gray else None,
         position="position",

@@ -11,7 +11,7 @@ from typing import Final
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.reports import Verdict
 from codewheel_runtime.shape import Check, Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits, of_bytes
-from codewheel_runtime.table import Fault
+from codewheel_runtime.table import ErrorKind
 from ..amm5 import (
     BissEncoder,
     CompleteReply,
@@ -94,13 +94,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             width=6,
             differs=of_bits(crc_biss_6, variant.singleturn_bits + variant.multiturn_bits + 2, 6),
             xorout=63,
-            steps=(
-                Fold(24, 0xFFFFFF, 4),
-                Fold(6, 0x3F, 1),
-                Fold(12, 0xFFF, 2),
-                Fold(6, 0x3F, 1),
-                Fold(6, 0x3F, 1),
-            ),
+            steps=(Fold(24, 0xFFFFFF, 4), Fold(6, 0x3F, 1), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         position="position",
         otherwise=Verdict.USABLE,
@@ -118,12 +112,12 @@ def shape_of_data_request() -> Shape:
             Column("data_id", low=3, width=4, kind="choice", values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(0, 1, 2, 3, 7, 8, 12)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         fields=(
             BitField("sync", 0, 3),
@@ -146,10 +140,10 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
             Column("data", low=16, width=8),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=Fault.CONSTANT, values=(0,)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(6,)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
         fields=(
             BitField("sync", 0, 3),
@@ -160,13 +154,7 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x6 << 3),
     )
 
@@ -182,10 +170,10 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
             Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=Fault.CONSTANT, values=(0,)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(13,)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
         fields=(
             BitField("sync", 0, 3),
@@ -195,13 +183,7 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
             BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
             BitField("crc", 16, 8),
         ),
-        crc=CrcOf(
-            low=16,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 3, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=16, width=8, differs=of_bytes(crc_rs485_8, 3, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 
@@ -224,18 +206,18 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=14, width=2, value=0, place=6),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(0, 7, 8, 12)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(0, 7, 8, 12)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
@@ -261,13 +243,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
             BitField("crc", 40, 8),
         ),
-        crc=CrcOf(
-            low=40,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 6, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=40, width=8, differs=of_bytes(crc_rs485_8, 6, 1, "little"), xorout=0, is_xor=True),
         fixed=0x2 << 0,
         otherwise=Verdict.USABLE,
     )
@@ -290,15 +266,15 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=14, width=2, value=0, place=6),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.multiturn_bits + 16,
                 width=24 - variant.multiturn_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(1,)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(1,)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
@@ -324,13 +300,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             BitField("multiturn_padding", variant.multiturn_bits + 16, 24 - variant.multiturn_bits),
             BitField("crc", 40, 8),
         ),
-        crc=CrcOf(
-            low=40,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 6, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=40, width=8, differs=of_bytes(crc_rs485_8, 6, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x1 << 3) | (0x1 << 7),
         otherwise=Verdict.USABLE,
     )
@@ -353,9 +323,9 @@ def shape_of_encoder_id_reply() -> Shape:
             Unused(low=14, width=2, value=0, place=6),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(2,)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(2,)),
         ),
         tells=(
             Tells("status_st_error", flag="status_st_error"),
@@ -374,13 +344,7 @@ def shape_of_encoder_id_reply() -> Shape:
             BitField("encoder_id", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x2 << 3) | (0x1 << 7),
     )
 
@@ -414,21 +378,21 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=75, width=2, value=0, place=11),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
             Check(
                 low=variant.multiturn_bits + 48,
                 width=24 - variant.multiturn_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(3,)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(3,)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
@@ -481,13 +445,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             BitField("battery_alarm", 79, 1),
             BitField("crc", 80, 8),
         ),
-        crc=CrcOf(
-            low=80,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 11, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=80, width=8, differs=of_bytes(crc_rs485_8, 11, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x3 << 3),
         position="position",
         otherwise=Verdict.USABLE,
@@ -507,9 +465,9 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
             Column("data", low=16, width=8),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(6,)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
         tells=(
             Tells("eeprom_write_reply_mem_busy", flag="mem_busy"),
@@ -523,13 +481,7 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x6 << 3),
     )
 
@@ -547,9 +499,9 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             Column("data", low=16, width=8),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(13,)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
         tells=(
             Tells("eeprom_read_reply_mem_busy", flag="mem_busy"),
@@ -563,13 +515,7 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         ),
-        crc=CrcOf(
-            low=24,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 4, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 

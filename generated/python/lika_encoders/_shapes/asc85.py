@@ -13,7 +13,7 @@ from typing import Final
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.reports import Verdict
 from codewheel_runtime.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
-from codewheel_runtime.table import Fault
+from codewheel_runtime.table import ErrorKind
 from ..asc85 import (
     BissEncoder,
     DeviceId,
@@ -60,7 +60,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
         checks=(
-            Check(low=8, width=zero_bit.zero_bits, fault=Fault.CONSTANT, values=(0,)),
+            Check(low=8, width=zero_bit.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
@@ -82,12 +82,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             width=6,
             differs=of_bits(crc_biss_6, zero_bit.zero_bits + variant.position_bits + 2, 6),
             xorout=63,
-            steps=(
-                Fold(12, 0xFFF, 2),
-                Fold(12, 0xFFF, 2),
-                Fold(6, 0x3F, 1),
-                Fold(6, 0x3F, 1),
-            ),
+            steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         position="position",
         otherwise=Verdict.USABLE,

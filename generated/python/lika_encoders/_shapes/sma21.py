@@ -11,7 +11,7 @@ from typing import Final
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.reports import Verdict
 from codewheel_runtime.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
-from codewheel_runtime.table import Fault
+from codewheel_runtime.table import ErrorKind
 from ..sma21 import (
     AbsoluteResolution,
     BissEncoder,
@@ -80,7 +80,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Check(
                 low=variant.scd_value_bits + 8,
                 width=variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
         ),
@@ -108,12 +108,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             width=6,
             differs=of_bits(crc_biss_6, variant.position_bits + variant.scd_padding_bits + 2, 6),
             xorout=63,
-            steps=(
-                Fold(12, 0xFFF, 2),
-                Fold(12, 0xFFF, 2),
-                Fold(6, 0x3F, 1),
-                Fold(6, 0x3F, 1),
-            ),
+            steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         gray=(8, variant.scd_value_bits) if variant.biss_gray else None,
         position="position",
@@ -132,12 +127,12 @@ def shape_of_data_request() -> Shape:
             Column("data_id", low=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(4, 5, 10, 11, 15)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 5, 10, 11, 15)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         fields=(
             BitField("sync", 0, 3),
@@ -174,18 +169,18 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=14, width=2, value=0, place=6),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(4, 11, 15)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 11, 15)),
         ),
         parities=(
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_error"),
@@ -235,13 +230,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             BitField("temperature_alarm", 47, 1),
             BitField("crc", 48, 8),
         ),
-        crc=CrcOf(
-            low=48,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 7, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=48, width=8, differs=of_bytes(crc_rs485_8, 7, 1, "little"), xorout=0, is_xor=True),
         fixed=0x2 << 0,
         position="position",
         otherwise=Verdict.USABLE,
@@ -265,9 +254,9 @@ def shape_of_wide_position_reply() -> Shape:
             Unused(low=14, width=2, value=0, place=6),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(5,)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(5,)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_error"),
@@ -292,13 +281,7 @@ def shape_of_wide_position_reply() -> Shape:
             BitField("position", 16, 48),
             BitField("crc", 64, 8),
         ),
-        crc=CrcOf(
-            low=64,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 9, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=64, width=8, differs=of_bytes(crc_rs485_8, 9, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0x5 << 3),
         position="position",
         otherwise=Verdict.USABLE,
@@ -330,17 +313,17 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=14, width=2, value=0, place=6),
         ),
         checks=(
-            Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=((3, 4),)),
+            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
+            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 low=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
-                fault=Fault.CONSTANT,
+                fault=ErrorKind.CONSTANT,
                 values=(0,),
             ),
-            Check(low=40, width=8, fault=Fault.CONSTANT, values=(81,)),
-            Check(low=48, width=8, fault=Fault.CONSTANT, values=(0,)),
-            Check(low=3, width=4, fault=Fault.RANGE, values=(10,)),
+            Check(low=40, width=8, fault=ErrorKind.CONSTANT, values=(81,)),
+            Check(low=48, width=8, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(10,)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="status_error"),
@@ -392,13 +375,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             BitField("temperature_alarm", 63, 1),
             BitField("crc", 64, 8),
         ),
-        crc=CrcOf(
-            low=64,
-            width=8,
-            differs=of_bytes(crc_rs485_8, 9, 1, "little"),
-            xorout=0,
-            is_xor=True,
-        ),
+        crc=CrcOf(low=64, width=8, differs=of_bytes(crc_rs485_8, 9, 1, "little"), xorout=0, is_xor=True),
         fixed=(0x2 << 0) | (0xa << 3) | (0x51 << 40),
         position="position",
         otherwise=Verdict.USABLE,

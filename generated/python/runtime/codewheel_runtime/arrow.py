@@ -78,6 +78,14 @@ class _NoFrame(ValueError):
         self.row = row
 
 
+def of_column(column: Any, shape: Shape) -> Any:
+    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
+    pa: Any = import_module("pyarrow")
+    if not isinstance(column, (pa.Array, pa.ChunkedArray)):
+        column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
+    return of_arrow(column, shape)
+
+
 def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_first: bool = True) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
@@ -90,6 +98,10 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_fi
     kind = array.type
     if kinds.is_dictionary(kind):
         array, kind = array.dictionary_decode(), kind.value_type
+    if (view := str(kind)) in ("string_view", "binary_view"):
+        # As polars gives text and bytes. Old versions of pyarrow have no function to test for it.
+        array = array.cast(pa.large_string() if view == "string_view" else pa.large_binary())
+        kind = array.type
     if kinds.is_null(kind):
         return [None] * len(array)
     if kinds.is_integer(kind):

@@ -25,7 +25,7 @@ from .shape import (
     unused_groups,
     width_of,
 )
-from .table import Fault, Table
+from .table import ErrorKind, Table
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
@@ -89,6 +89,8 @@ class Chunk:
 
 def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
+    if _is_arrow(frames):
+        frames = import_module(f"{__package__}.arrow").of_column(frames, shape)
     source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
@@ -98,12 +100,17 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
         part = slice(start, start + CHUNK)
         _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
     if len(wrong):
-        fault[wrong] = Fault.LENGTH
+        fault[wrong] = ErrorKind.LENGTH
     worth = out.pop("verdict", None)
     if worth is not None and len(wrong):
         worth[wrong] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
     return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape))
+
+
+def _is_arrow(frames: object) -> bool:
+    """Return whether frames are a column of Arrow, polars, or another library with Arrow's C interface."""
+    return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 
 def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
@@ -140,6 +147,9 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
 def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
     """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
+        data = cast(Any, frames)
+        if len(data) % 8:
+            raise ValueError(f"expected eight bytes per frame, got {len(data)} bytes")
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
     if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
         if frames.dtype.kind == "f" and frames.ndim == 1:
@@ -227,12 +237,12 @@ def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
 def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
     chunk = Chunk(limbs, shape.bits)
-    found = [(Fault.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    found = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
         chunk.ungray(*shape.gray)
     found += [(item.fault, np.logical_not(_holds(chunk, item))) for item in shape.checks]
     if not shape.length and shape.bits < 64:
-        found.append((Fault.LENGTH, source >> np.uint64(shape.bits) != 0))
+        found.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
     for kind, where in sorted(found, key=lambda item: -item[0]):
         fault *= np.logical_not(where)

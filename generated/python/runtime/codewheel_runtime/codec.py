@@ -17,8 +17,9 @@ from .reports import Interface
 #: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
-#: A frame that is a string of bits: a number, the first bit sent most significant, or a text of 0 and 1.
-Word = SupportsIndex | str
+#: A frame that is a string of bits: a number, the first bit sent most significant, a text of 0 and 1, or bytes that
+#: contain the number, most significant first.
+Word = SupportsIndex | str | bytes | bytearray | memoryview
 
 #: Many frames of bytes: an array of uint8 with one row per frame, all bytes in sequence, or a list of frames.
 Rows: TypeAlias = Any
@@ -167,7 +168,11 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
             raise LengthError(bits, len(text), "bits")
         frame, bits = int(text or "0", 2), len(text)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
-        raise TypeError("this encoder's frames are strings of bits: pass a number or a text of 0 and 1, not bytes")
+        # As in files: as few bytes as possible, padded with zeros in front.
+        data, size = as_bytes(frame), (length + 7) // 8
+        if len(data) != size:
+            raise LengthError(size, len(data))
+        frame = int.from_bytes(data, "big")
     if bits is not None and bits != length:
         raise LengthError(length, bits, "bits")
     return whole_number("the frame", frame)

@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
-from typing import Any, ClassVar, NoReturn, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
+from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
+
+if TYPE_CHECKING:
+    from .errors import FrameError
+    from .table import Table
 
 _Same = TypeVar("_Same", bound="Encoder")
 
@@ -23,29 +29,50 @@ class Frame(Protocol):
         """Return the frame as it is sent."""
         ...
 
-
-@runtime_checkable
-class PositionFrame(Frame, Protocol):
-    """Frame with a position. Can be checked with ``isinstance``."""
-
-    @property
-    def position(self) -> int:
-        """Raw position in counts. Check ``verdict`` before you use it."""
+    def to_dict(self) -> dict[str, Any]:
+        """Return the frame as plain values for JSON."""
         ...
 
-    @property
-    def verdict(self) -> Verdict:
-        """Verdict on the position."""
-        ...
 
-    @property
-    def usable_position(self) -> int | None:
-        """Position in counts, or None if it is not usable."""
-        ...
+if TYPE_CHECKING:
+
+    @runtime_checkable
+    class PositionFrame(Frame, Protocol):
+        """Frame with a position. All such frames have this base class, so ``isinstance`` is quick."""
+
+        @property
+        def position(self) -> int:
+            """Raw position in counts. Check ``verdict`` before you use the position."""
+            ...
+
+        @property
+        def verdict(self) -> Verdict:
+            """Verdict on the position."""
+            ...
+
+        @property
+        def usable_position(self) -> int | None:
+            """Position in counts, or None if it is not usable."""
+            ...
+
+    class Positioned:
+        """Base class of all frames with a position."""
+
+        __slots__ = ()
+
+else:
+
+    class PositionFrame:
+        """Frame with a position. All such frames have this base class, so ``isinstance`` is quick."""
+
+        __slots__ = ()
+
+    # Type checkers compare members, and would reject this base next to a NamedTuple.
+    Positioned = PositionFrame
 
 
 class Encoder:
-    """Encoder of any family, as described by its order code. Immutable.
+    """Encoder of any family, as its order code describes it. Immutable.
 
     Attributes:
         family: Family of the encoder.
@@ -98,12 +125,74 @@ class Encoder:
 
     @property
     def special(self) -> bool:
-        """True if the label ends in ``/Sxxx``."""
+        """True if the label has a ``/Sxxx`` suffix."""
         return bool(self.special_code)
 
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one.
+
+        Raises:
+            ValueError: The frames are made of bytes, or the manual does not give their length.
+        """
+        raise ValueError(f"no frame bits over {self.interface.title}: the frames are made of bytes or not documented")
+
     def decode(self, frame: Any) -> Frame:
-        """Decode a frame that the encoder sent. The class for each family and interface describes its frames."""
+        """Decode a frame that the encoder sent. The class for each family and interface describes its frames.
+
+        Args:
+            frame: Bytes, or a number or a text of 0 and 1 if the frame is a string of bits.
+
+        Returns:
+            The frame. It is a :class:`PositionFrame` if it has a position.
+
+        Raises:
+            FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
+            TypeError: ``frame`` does not have the type of this encoder's frames, or an answer is missing.
+        """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
+
+    def try_decode(self, frame: Any) -> Frame | FrameError:
+        """Decode a frame like ``decode``, but return a frame error instead of raising it.
+
+        Args:
+            frame: See ``decode``.
+
+        Returns:
+            The frame, or the error.
+
+        Raises:
+            TypeError: See ``decode``.
+        """
+        raise NotImplementedError(f"the frames of {self.code} are not documented")
+
+    def decode_many(self, *frames: Any, **answers: Any) -> Table:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as numbers or rows of bytes. Their class follows if the encoder sends several kinds.
+            answers: Answers to the questions that the manual leaves open.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        raise NotImplementedError(f"the frames of {self.code} are not documented")
+
+    def unwrap(self, previous: int, position: int, /) -> int:
+        """Return the count nearest to ``previous`` that corresponds to ``position``.
+
+        Args:
+            previous: Result of the previous call. On the first call, pass the first position.
+            position: Position in a frame, in counts.
+
+        Returns:
+            The count, which continues when the position wraps around.
+
+        Raises:
+            RangeError: The position is above the highest one that this encoder sends.
+            ValueError: The manual does not say where the position wraps around.
+        """
+        raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
     def _key(self) -> tuple[object, ...]:
         """Return the key by which encoders are compared. Two labels may denote the same encoder."""
@@ -149,3 +238,34 @@ def fact(module: str, name: str) -> object:
     if facts is None or name not in vars(facts):
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
     return getattr(facts, name)
+
+
+def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
+    """Return the encoder of a family that belongs to a label. ``lookup`` of the module documents the arguments.
+
+    Args:
+        label: The text on the label.
+        variants: The encoders of the family, by their listed order codes.
+        module: Name of the family's module.
+
+    Raises:
+        OrderCodeError: There is no such order code.
+        TypeError: ``label`` is not a string.
+    """
+    text = checked(label)
+    if text in variants:
+        return variants[text]
+    codes = {code: variant.parts for code, variant in variants.items()}
+    family = next(iter(variants.values())).family
+    found = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
+    variant = next(item for item in variants.values() if item.parts == found.listed)
+    if not (found.unlisted or found.tail or found.special or found.written_as_in):
+        return variant
+    return variant._replaced(
+        code=found.code,
+        parts=found.parts,
+        unlisted=found.unlisted,
+        tail=found.tail,
+        special_code=found.special,
+        written_as_in=found.written_as_in,
+    )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from enum import Enum
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar, cast, get_type_hints
@@ -61,6 +62,30 @@ class Coded:
 
     def __hash__(self) -> int:
         return hash((self.__class__, _TUPLE.__hash__(self)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values for JSON.
+
+        Returns:
+            The fields by name. A choice is its name in lower case. The encoder is its ``order_code``. A frame with a
+            position also has ``position``, ``usable_position`` and ``verdict``, and one from an encoder ``reports``.
+        """
+        kind: Any = type(self)
+        found: dict[str, Any] = {}
+        for name in kind._fields:
+            value = getattr(self, name)
+            if isinstance(value, Encoder):
+                found["order_code"] = value.code
+            else:
+                found[name] = value.name.lower() if isinstance(value, Enum) else value
+        for name in ("position", "usable_position"):
+            if hasattr(kind, name):
+                found[name] = getattr(self, name)
+        if isinstance(self, Sent):
+            verdict = getattr(self, "verdict", None)
+            found |= {} if verdict is None else {"verdict": verdict.value}
+            found["reports"] = [report.name for report in self.reports]
+        return found
 
     def _given(self) -> tuple[Any, ...]:
         """Return the encoder and the answers: the first fields."""
@@ -348,6 +373,12 @@ def shape_of(kind: type, *given: object) -> Shape:
                 raise wrong_encoder(value, wanted.__base__ or Encoder, wanted.interface)
             decided(cast(Any, wanted), cast(Any, value))
     return make(*given)
+
+
+def any_shape(kind: type, encoder: Encoder) -> Shape:
+    """Return the description of a class for an encoder, with some answer to each question that is open."""
+    make, needed = _described(kind)
+    return make(*(encoder if issubclass(item, Encoder) else next(iter(cast(Any, item))) for item in needed))
 
 
 @cache

@@ -6,11 +6,12 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Generator, Iterable, Iterator
-from itertools import islice
-from typing import BinaryIO, Final, TypeVar
+from collections.abc import Callable, Generator, Iterable, Iterator
+from itertools import chain, islice
+from typing import BinaryIO, Final
 
 from . import inputs
+from .fast_csv import Block, Joined, is_plain, reader, whole_lines
 from .inputs import (
     FIRST,
     DigitKind,
@@ -27,7 +28,6 @@ from .inputs import (
 )
 from .shape import Shape
 
-_Item = TypeVar("_Item")
 #: Limit for the length of a line. A longer one means that the file is not CSV.
 _LONGEST: Final = 1 << 20
 
@@ -104,26 +104,34 @@ class Cells:
 
 def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
     """Return the frames and the other columns of a CSV file."""
-    # The caller closes the file.
-    text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
-    try:
-        lines = _Lines(text, name)
-        rows = _rows(lines)
-        first = next(rows, None)
-        if first is None:
-            text.detach()
-            return Source(_nothing(), size)
-        place, is_header = _place(first, name, stored, shape)
-        names = [cell.strip() if is_header else "" for cell in first]
-        names = [cell or f"column_{at}" for at, cell in enumerate(names, 1)]
-        others = [(at, cell) for at, cell in enumerate(names) if at != place]
-        kept = kept_columns((cell for _, cell in others), stored, lambda _: [], name)
-        columns = [(at, cell) for at, cell in others if cell in kept]
-        table = _Table(text, lines, rows if is_header else _chained(first, rows), place, columns)
-        return Source(_parts(table, name, stored, shape, share), size, tuple(cell for _, cell in others), kept)
-    except BaseException:
-        text.detach()
-        raise
+    blocks = whole_lines(b"", file)
+    head = next(blocks, b"")
+    lines = _Lines(_text_of([head]), name)
+    between, rows = _rows(lines)
+    first = next(rows, None)
+    if first is None:
+        return Source(_nothing(), size)
+    place, is_header = _place(first, name, stored, shape)
+    names = [cell.strip() if is_header else "" for cell in first]
+    names = [cell or f"column_{at}" for at, cell in enumerate(names, 1)]
+    others = [(at, cell) for at, cell in enumerate(names) if at != place]
+    kept = kept_columns((cell for _, cell in others), stored, lambda _: [], name)
+    columns = [(at, cell) for at, cell in others if cell in kept]
+    skipped = lines.number if is_header else lines.number - 1
+    start = 0
+    for _ in range(skipped):
+        start = head.find(b"\n", start) + 1 or len(head)
+    if b"\r" in head[:start].replace(b"\r\n", b""):
+        # Old line ends, which only the reader of rows counts.
+        skipped, start = 0, 0
+    parsed = _Table(lines, between, place, columns, is_header and not start)
+    reading = reader(names, place, columns, between, shape, stored.digits) if start or not is_header else None
+    parts = _parts(parsed, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    return Source(parts, size, tuple(cell for _, cell in others), kept)
+
+
+def _text_of(blocks: Iterable[bytes]) -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BufferedReader(Joined(blocks)), "utf-8-sig", "replace", newline="")
 
 
 def _nothing() -> Generator[Part, None, None]:
@@ -131,20 +139,25 @@ def _nothing() -> Generator[Part, None, None]:
 
 
 class _Table:
-    """Rows of a CSV file, the index of the column of frames, and the indices and names of other columns to keep."""
+    """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep."""
 
     def __init__(
-        self,
-        text: io.TextIOWrapper,
-        lines: _Lines,
-        rows: Iterator[list[str]],
-        place: int,
-        columns: list[tuple[int, str]],
+        self, lines: _Lines, between: str, place: int, columns: list[tuple[int, str]], skips_header: bool
     ) -> None:
-        self.text, self.lines, self.rows, self.place, self.columns = text, lines, rows, place, columns
+        self.lines, self.between, self.place, self.columns = lines, between, place, columns
+        self._skips_header = skips_header
         # Cells take memory, so more columns mean fewer rows at once.
         self.count = max(inputs.ROWS // (1 + len(columns)), 1)
         self._before = ""
+        self._rows: Iterator[list[str]] = iter(())
+
+    def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
+        """Read these blocks. ``lines`` and ``done`` count the lines and bytes before them."""
+        self.lines = _Lines(_text_of(blocks), self.lines.name, lines, done)
+        self._rows = _rows(self.lines, self.between)[1]
+        if self._skips_header:
+            next(self._rows, None)
+            self._skips_header = False
 
     def take(self) -> tuple[list[str], list[int], dict[str, list[str]]]:
         """Return the cells of some frames, their lines, and the cells of other columns in the same rows."""
@@ -154,7 +167,7 @@ class _Table:
         others: dict[str, list[str]] = {name: [] for _, name in self.columns}
         kept = [(at, others[name].append) for at, name in self.columns]
         lines, place = self.lines, self.place
-        for row in islice(self.rows, self.count):
+        for row in islice(self._rows, self.count):
             cells.append(row[place] if len(row) > place else "")
             numbers.append(lines.number)
             for at, append in kept:
@@ -162,24 +175,51 @@ class _Table:
         if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
             # The last line is not terminated and is shorter than the previous one, so digits may be missing.
             cells[-1] = ""
-        self._before = cells[-1] if cells else ""
+        self._before = cells[-1] if cells else self._before
         return cells, numbers, others
 
+    def skip(self, last: str) -> None:
+        """Remember the last cell of a block that was read otherwise."""
+        self._before = last
 
-def _parts(table: _Table, name: str, stored: Stored, shape: Shape, share: Share) -> Generator[Part, None, None]:
+
+_Where = tuple[str, Stored, Shape, Share]
+
+
+def _parts(
+    table: _Table,
+    read: Callable[[bytes], Block | None] | None,
+    blocks: Iterator[bytes],
+    lines: int,
+    done: int,
+    where: _Where,
+) -> Generator[Part, None, None]:
+    """Yield the frames of blocks. ``lines`` and ``done`` count the lines and bytes before the first one."""
+    name, stored, shape, share = where
     cells, is_first = Cells(shape, stored.digits), True
-    try:
-        while True:
-            texts, numbers, others = table.take()
-            if not texts:
-                return
+    for block in blocks:
+        is_whole = block.endswith(b"\n")
+        found = read(block) if read is not None and is_whole and is_plain(block) else None
+        if found is not None:
+            lines, done = lines + found.lines, done + len(block)
+            cells.seen += len(found.frames)
+            if is_first and len(found.frames):
+                _check_first(cells, found.first, name, stored, shape, share)
+                is_first = False
+            table.skip(found.last)
+            yield Part(found.frames, done, found.others)
+            continue
+        # After a quote, a row can continue in the next block.
+        is_alone = read is not None and is_plain(block)
+        table.open([block] if is_alone else chain([block], blocks), lines, done)
+        while (taken := table.take())[0]:
+            texts, numbers, others = taken
             frames = [cells.read(*item) for item in zip(texts, numbers, strict=False)]
             if is_first:
                 _check_first(cells, texts[:FIRST], name, stored, shape, share)
                 is_first = False
             yield Part(frames, table.lines.read, others)
-    finally:
-        table.text.detach()
+        lines, done = lines + block.count(b"\n"), done + len(block)
 
 
 def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shape: Shape, share: Share) -> None:
@@ -201,8 +241,8 @@ def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes
 class _Lines:
     """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated."""
 
-    def __init__(self, file: io.TextIOWrapper, name: str) -> None:
-        self._file, self._name, self.number, self.read, self.is_cut = file, name, 0, 0, False
+    def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
+        self._file, self.name, self.number, self.read, self.is_cut = file, name, number, read, False
 
     def __iter__(self) -> Iterator[str]:
         while line := self._file.readline(_LONGEST):
@@ -214,31 +254,28 @@ class _Lines:
             yield line
 
     def wrong(self, message: str) -> InputError:
-        return InputError(self._name, f"line {self.number}", message)
+        return InputError(self.name, f"line {self.number}", message)
 
 
-def _rows(lines: _Lines) -> Iterator[list[str]]:
-    """Yield the rows of a CSV file, without empty ones and # comments. The first line determines the delimiter."""
+def _rows(lines: _Lines, between: str = "") -> tuple[str, Iterator[list[str]]]:
+    """Return the delimiter and the rows of a CSV file. By default, the first line determines the delimiter."""
     found = iter(lines)
     first = next(found, "")
     while first and (not first.strip() or first.lstrip().startswith("#")):
         first = next(found, "")
-    if not first:
-        return
-    between = max(",;\t", key=first.count)
-    reader = csv.reader(_chained(first, found), delimiter=between)
+    between = between or max(",;\t", key=first.count)
+    return between, _checked(lines, chain([first], found), between) if first else iter(())
+
+
+def _checked(lines: _Lines, texts: Iterable[str], between: str) -> Iterator[list[str]]:
+    """Yield rows, without empty ones and # comments."""
     try:
-        for row in reader:
+        for row in csv.reader(texts, delimiter=between):
             start = row[0].lstrip() if row else ""
             if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
                 yield row
     except csv.Error as error:
         raise lines.wrong(str(error)) from None
-
-
-def _chained(first: _Item, others: Iterable[_Item]) -> Iterator[_Item]:
-    yield first
-    yield from others
 
 
 def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:

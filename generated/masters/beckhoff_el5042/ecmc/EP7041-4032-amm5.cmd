@@ -1,0 +1,227 @@
+#- EP7041-4032 with the order codes of AMM5A and AMM5B absolute kit encoders. For ecmc, commands for the slave
+#-   ECMC_EC_SLAVE_NUM.
+#- From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
+#- From the documents of the master: ep7041_objects: EP7041-4032 configuration objects.
+#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.
+#- Before writing Supply Voltage, F008 (Code word) must be 0x72657375. [supply]
+#- Supply Voltage takes effect only in the INIT state. [supply]
+#- Write Disable Status Bits and CRC Polynomial after Mode. * [ssi: Mode sets both, ep7041_biss: steps 2 and 3,
+#-   ep7041_ssi: steps 2 and 3]
+#- Each block is for the first channel. A file that codewheel prints for one order code has all channels.
+#- Copy the lines below your order code and remove the first #- of each line.
+
+#- === AMM5A17/1BG1, AMM5B17/1BG1
+#- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,0,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,4,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,0,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,17,1)"
+
+#- === AMM5A17/65KBG1, AMM5B17/65KBG1
+#- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,0,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,4,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,16,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,17,1)"
+
+#- === AMM5A21/1BG1, AMM5B21/1BG1
+#- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,0,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,4,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,0,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,21,1)"
+
+#- === AMM5A21/65KBG1, AMM5B21/65KBG1
+#- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,0,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,4,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,16,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,21,1)"
+
+#- === AMM5A23/1BG1, AMM5B23/1BG1
+#- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,0,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,4,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,0,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,23,1)"
+
+#- === AMM5A23/65KBG1, AMM5B23/65KBG1
+#- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,0,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,4,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,16,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,23,1)"
+
+#- === AMM5A17/1SC1, AMM5B17/1SC1
+#- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
+#- #- CRC Invert
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x3,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,67,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,0,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,0,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,17,1)"
+
+#- === AMM5A17/65KSC1, AMM5B17/65KSC1
+#- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
+#- #- CRC Invert
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x3,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,67,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,0,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,16,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,17,1)"
+
+#- === AMM5A21/1SC1, AMM5B21/1SC1
+#- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
+#- #- CRC Invert
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x3,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,67,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,0,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,0,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,21,1)"
+
+#- === AMM5A21/65KSC1, AMM5B21/65KSC1
+#- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
+#- #- CRC Invert
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x3,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,67,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,0,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,16,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,21,1)"
+
+#- === AMM5A23/1SC1, AMM5B23/1SC1
+#- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
+#- #- CRC Invert
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x3,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,67,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,0,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,0,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,23,1)"
+
+#- === AMM5A23/65KSC1, AMM5B23/65KSC1
+#- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
+#- #- Disable Status Bits
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
+#- #- CRC Invert
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x3,1,1)"
+#- #- CRC Polynomial
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x11,67,4)"
+#- #- Clock Frequency, EL5042 and EP7041-4032
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x13,0,1)"
+#- #- Coding
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x14,0,1)"
+#- #- Multiturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x15,16,1)"
+#- #- Singleturn [Bit]
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x16,23,1)"

@@ -1,0 +1,284 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Link to an encoder over RS-485: a session on a serial port, or on a line of your own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from time import monotonic
+from typing import Any, Protocol, TypeVar
+
+from .encoder import Encoder, Frame, PositionFrame
+from .errors import InterfaceError
+from .reports import Interface
+from .session import (
+    BusyError,
+    DisturbedError,
+    LinkError,
+    NoReplyError,
+    NotUsableError,
+    PortError,
+    Session,
+    Work,
+    WrongEncoderError,
+    rs485_facts,
+)
+from .steps import Step
+
+__all__ = [
+    "BusyError",
+    "DisturbedError",
+    "Link",
+    "LinkError",
+    "NoReplyError",
+    "NotUsableError",
+    "PortError",
+    "Ports",
+    "SerialTransport",
+    "Transport",
+    "WrongEncoderError",
+    "open_encoder",
+]
+
+_Result = TypeVar("_Result")
+
+
+class Transport(Protocol):
+    """Line to an encoder. Write your own class with these two methods to use a link with other hardware."""
+
+    def write(self, data: bytes, /) -> object:
+        """Send bytes."""
+        ...
+
+    def read(self, timeout_s: float, /) -> bytes:
+        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        ...
+
+
+class Link:
+    """Link to an encoder. Close it, or use it in a ``with`` statement.
+
+    It also serves as the line of ``codewheel_runtime.run``.
+
+    Args:
+        encoder: The encoder, with RS-485.
+        transport: Line to the encoder.
+        timeout_s: Time in seconds in which a reply must be complete.
+        retries: Number of further attempts after a failure.
+
+    Raises:
+        InterfaceError: The encoder has another interface.
+    """
+
+    def __init__(self, encoder: Encoder, transport: Transport, *, timeout_s: float = 0.05, retries: int = 3) -> None:
+        self.encoder, self.transport = encoder, transport
+        self.session = Session(encoder, timeout_s=timeout_s, retries=retries)
+
+    def position(self) -> int:
+        """Return the position in counts.
+
+        Raises:
+            NotUsableError: The encoder reports that its position is not usable.
+            LinkError: There is no valid reply. The subclass indicates the reason.
+        """
+        return self._do(self.session.position())
+
+    def read(self) -> PositionFrame:
+        """Return a frame with the position. Check its ``verdict`` before you use the position.
+
+        Raises:
+            LinkError: There is no valid reply. The subclass indicates the reason.
+        """
+        return self._do(self.session.read())
+
+    def exchange(self, request: Any) -> Frame:
+        """Send a request, and return the reply to it.
+
+        Args:
+            request: A request of the encoder's module, a member of its ``DataId``, or bytes.
+
+        Returns:
+            The reply.
+
+        Raises:
+            LinkError: There is no valid reply, or no such request. The subclass indicates the reason.
+        """
+        return self._do(self.session.exchange(request))
+
+    def run(self, steps: Sequence[Step]) -> None:
+        """Carry out a procedure, such as a reset. Requests in succession start again after a failure.
+
+        Args:
+            steps: Steps, as returned by a function for a procedure.
+
+        Raises:
+            StepError: A step failed. Its ``__cause__`` is the reason.
+        """
+        self._do(self.session.run(steps))
+
+    def drain(self) -> None:
+        """Discard all bytes that were received but not read."""
+        while self.transport.read(0.0):
+            pass
+
+    def send(self, request: bytes, /) -> None:
+        """Send one request."""
+        self.transport.write(request)
+
+    def receive(self, length: int, /) -> bytes:
+        """Return ``length`` bytes, or fewer after a time-out."""
+        data, end = b"", monotonic() + self.session.timeout_s
+        while len(data) < length and (more := self.transport.read(max(0.0, end - monotonic()))):
+            data += more
+        return data
+
+    def close(self) -> None:
+        """Close the transport, if it can be closed."""
+        close = getattr(self.transport, "close", None)
+        if close is not None:
+            close()
+
+    def __enter__(self) -> Link:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _do(self, work: Work[_Result]) -> _Result:
+        try:
+            ask = next(work)
+            while True:
+                if ask.send:
+                    self.transport.write(ask.send)
+                ask = work.send(self.transport.read(ask.wait_s))
+        except StopIteration as done:
+            result: _Result = done.value
+            return result
+        except OSError as error:
+            raise PortError(f"the line to {self.encoder.code} failed: {error.strerror or error}") from error
+        finally:
+            work.close()
+
+
+class SerialTransport:
+    """Serial port, or another line that pyserial can open, such as ``socket://host:port``.
+
+    Args:
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+        baud: Baud rate.
+        rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
+
+    Raises:
+        PortError: pyserial is not installed, or the port cannot be opened.
+    """
+
+    def __init__(self, port: str, baud: int, *, rs485: bool = False) -> None:
+        try:
+            serial: Any = import_module("serial")
+        except ImportError:
+            raise PortError("a serial port needs pyserial: pip install pyserial") from None
+        try:
+            self._port = serial.serial_for_url(port, baudrate=baud, timeout=0, write_timeout=1)
+            if rs485:
+                self._port.rs485_mode = import_module("serial.rs485").RS485Settings()
+        except (serial.SerialException, OSError, ValueError) as error:
+            raise PortError(_cannot_open(port, error)) from None
+
+    def write(self, data: bytes, /) -> None:
+        """Send bytes."""
+        self._port.write(data)
+
+    def read(self, timeout_s: float, /) -> bytes:
+        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        try:
+            handle = self._port.fileno()
+        except (OSError, AttributeError):  # Windows has no file number that can be waited for.
+            self._port.timeout = timeout_s
+            first: bytes = self._port.read(1)
+            return first + bytes(self._port.read(self._port.in_waiting)) if first else b""
+        from select import select
+
+        return bytes(self._port.read(4096)) if select([handle], [], [], timeout_s)[0] else b""
+
+    def close(self) -> None:
+        """Close the port."""
+        self._port.close()
+
+
+def open_encoder(
+    port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries: int = 3, rs485: bool = False
+) -> Link:
+    """Open a serial port with the settings of an encoder.
+
+    Args:
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+        encoder: The encoder, with RS-485.
+        timeout_s: Time in seconds in which a reply must be complete.
+        retries: Number of further attempts after a failure.
+        rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
+
+    Returns:
+        The link, for a ``with`` statement.
+
+    Raises:
+        InterfaceError: The encoder has another interface.
+        PortError: The port cannot be opened, or pyserial is not installed.
+    """
+    if encoder.interface is not Interface.RS485:
+        raise InterfaceError(
+            encoder.code, encoder.interface, Interface.RS485, ", because a serial port cannot send its clock"
+        )
+    return Link(
+        encoder,
+        SerialTransport(port, rs485_facts(encoder).port.baud, rs485=rs485),
+        timeout_s=timeout_s,
+        retries=retries,
+    )
+
+
+class Ports:
+    """Functions of a manufacturer's package that open ports.
+
+    Args:
+        lookup: Function that returns the encoder that belongs to a label.
+    """
+
+    def __init__(self, lookup: Callable[[str], Encoder]) -> None:
+        self._lookup = lookup
+
+    def open_encoder(
+        self, port: str, label: str | Encoder, *, timeout_s: float = 0.05, retries: int = 3, rs485: bool = False
+    ) -> Link:
+        """Open the serial port to an encoder with RS-485.
+
+        Not yet tested on hardware.
+
+        Args:
+            port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+            label: Order code on the label, or the encoder.
+            timeout_s: Time in seconds in which a reply must be complete.
+            retries: Number of further attempts after a failure.
+            rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
+
+        Returns:
+            The link, for a ``with`` statement.
+
+        Raises:
+            OrderCodeError: There is no such order code.
+            InterfaceError: The encoder has another interface.
+            PortError: The port cannot be opened, or pyserial is not installed.
+        """
+        encoder = self._lookup(label) if isinstance(label, str) else label
+        return open_encoder(port, encoder, timeout_s=timeout_s, retries=retries, rs485=rs485)
+
+
+def _cannot_open(port: str, error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    reason = os.strerror(number) if number else str(error)
+    try:
+        found: Any = import_module("serial.tools.list_ports").comports()
+        ports = ", ".join(item.device for item in found)
+    except (ImportError, OSError):
+        ports = ""
+    return f"cannot open {port}: {reason}; ports here: {ports or 'none'}"

@@ -1,0 +1,59 @@
+"""``codewheel simulate``: a virtual encoder on a pseudo-terminal or over TCP."""
+
+from __future__ import annotations
+
+import argparse
+from textwrap import fill
+
+from ..virtual import FAULTS, VirtualEncoder, motion
+from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
+from .arguments import held_bytes
+from .terminal import Stop
+
+_HOW = (
+    "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
+    "pseudo-terminals, open the printed URL with pyserial. For SSI and BiSS, send 0 or 1 for each level of the clock, "
+    "C for 0 and 1, and T for a time-out. Each is answered by the level of the data line, 0 or 1. End it with Ctrl+C."
+)
+
+
+def more_help() -> str:
+    """Return how to use the port, and the faults."""
+    faults = (f"  {name:<10}{effect}" for name, effect in FAULTS.items())
+    return "\n".join([fill(_HOW, 79), "", "faults:", *faults])
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Serve a virtual encoder until the user ends it.
+
+    Raises:
+        Stop: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
+    """
+    try:
+        answers = dict(pair.partition("=")[::2] for pair in chosen.choose)
+        encoder = VirtualEncoder(
+            chosen.order_code,
+            choose=answers,
+            faults=chosen.fault,
+            seed=chosen.seed,
+            edition=chosen.edition or "",
+            specs=chosen.specs,
+        )
+        encoder.position = motion(chosen.position, encoder.counts)
+        encoder.set_flag(*chosen.flag)
+        for address, byte in held_bytes(chosen.register).items():
+            encoder.memory.hold(address, byte)
+    except ValueError as error:
+        raise Stop(str(error), 2) from None
+    try:
+        port = listen_tcp(chosen.tcp or 0) if chosen.tcp is not None or not has_terminals() else terminal()
+    except (OSError, OverflowError) as error:
+        raise Stop(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
+    print(port.name, flush=True)
+    try:
+        serve(encoder, line_of(encoder), port)
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        port.close()
+    return 0

@@ -1,0 +1,1 @@
+"""Target for OPC UA type plates."""

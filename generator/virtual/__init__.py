@@ -1,0 +1,12 @@
+"""Virtual encoders: they answer like the encoder of an order code, over RS-485, BiSS and SSI, with faults on demand.
+
+They use the model and the reference codec alone, so they also judge generated code.
+"""
+
+from .biss import BissLine as BissLine
+from .encoder import VirtualEncoder as VirtualEncoder
+from .faults import FAULTS as FAULTS
+from .faults import Faults as Faults
+from .motion import motion as motion
+from .rs485 import Rs485Line as Rs485Line
+from .ssi import SsiLine as SsiLine

@@ -1,0 +1,167 @@
+"""BiSS face of a virtual encoder: single cycles, register access, and the data line clock by clock.
+
+Source of the protocol: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 3 to 14.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+from ..model import Crc
+from ..reference.crc import compute_bits
+from .encoder import VirtualEncoder
+from .levels import ByLevels
+
+#: Number of zeros after which a control frame can start, and that abort one.
+ZEROS = 14
+#: CRC of control data: x^4 + x + 1, inverted.
+_CRC = Crc("control", 4, 0x3, 0, False, False, 0xF, "", ())
+#: Faults of RS-485 that a clocked line cannot have.
+_NONE = ("doubled", "echo", "junk")
+
+
+class BissLine(ByLevels):
+    """BiSS line with one encoder, which has the ID 0.
+
+    Args:
+        encoder: The encoder.
+        acknowledge: Number of zeros before the start bit.
+
+    Raises:
+        ValueError: The encoder has another interface.
+    """
+
+    def __init__(self, encoder: VirtualEncoder, acknowledge: int = 3) -> None:
+        if encoder.variant.interface != "biss":
+            raise ValueError(f"{encoder.variant.code} has no BiSS")
+        super().__init__()
+        self.encoder, self.acknowledge = encoder, acknowledge
+        self._access: Generator[int, int, int] | None = None
+        self._zeros = 0
+        self._ma, self._edges, self._cdm = 1, 0, 0
+        self._bits: list[int] = []
+
+    @property
+    def bits(self) -> int:
+        """Number of bits of the single cycle data, CRC included."""
+        return self.encoder.place(self.encoder.layouts("encoder")[0]).bits
+
+    def frame(self) -> int:
+        """Return the single cycle data of this moment, the first bit sent being the most significant."""
+        return self.exchange(0)[1]
+
+    def exchange(self, cdm: int) -> tuple[int, int]:
+        """Carry out one cycle.
+
+        Args:
+            cdm: CDM bit of the previous cycle.
+
+        Returns:
+            The CDS bit of this cycle, and its single cycle data.
+        """
+        data = self.cycle(cdm)
+        start = self.acknowledge + 1
+        return data[start], int("".join(map(str, data[start + 1 : start + 1 + self.bits])), 2)
+
+    def cycle(self, cdm: int) -> list[int]:
+        """Return the bits of one cycle from the second rising edge of MA on: acknowledge, start, CDS, data, stop."""
+        encoder, faults = self.encoder, self.encoder.faults
+        fault = faults.draw()
+        cds = self._control(cdm)
+        word = encoder.frame(encoder.layouts("encoder")[0])
+        data = [word >> place & 1 for place in range(self.bits - 1, -1, -1)]
+        late = [0] * (faults.random.randint(1, 8) if fault == "late" else 0)
+        bits = [*[0] * self.acknowledge, *late, 1, cds, *data, 0]
+        place = faults.random.randrange(self.acknowledge, len(bits))
+        if fault in _NONE:
+            raise ValueError(f"the fault '{fault}' is only for RS-485")
+        if fault == "flip":
+            bits[place] ^= 1
+        elif fault in ("short", "brownout"):
+            bits[place:] = [1] * (len(bits) - place)
+        elif fault == "low":
+            bits = [0] * len(bits)
+        elif fault in ("high", "lost") or encoder.is_off():
+            bits = [1] * len(bits)
+        if fault in ("restart", "brownout"):
+            encoder.restart()
+            self._access = None
+        elif fault == "busy":
+            encoder.be_busy(0.02)
+        return bits
+
+    def clock(self, ma: int) -> int:
+        """Set the level of MA, and return the level of SLO after that."""
+        if ma and not self._ma:
+            self._edges += 1
+            if self._edges == 1:
+                self._bits = self.cycle(self._cdm)
+        self._ma = ma
+        if self._edges < 2:
+            return 1
+        return self._bits[self._edges - 2] if self._edges - 2 < len(self._bits) else 0
+
+    def timeout(self) -> int:
+        """Let the time-out pass. The inverse of the level of MA is the CDM bit. SLO is then high."""
+        self._cdm, self._edges = 1 - self._ma, 0
+        return 1
+
+    def _control(self, cdm: int) -> int:
+        """Take the CDM bit of the previous cycle, and return the CDS bit of this one."""
+        ready = self._zeros >= ZEROS
+        self._zeros = 0 if cdm else self._zeros + 1
+        if self._zeros >= ZEROS:
+            self._access = None
+        elif self._access is not None:
+            try:
+                return self._access.send(cdm)
+            except StopIteration as ended:
+                self._access = None
+                return int(ended.value)
+        elif cdm and ready:
+            self._access = self._registers()
+            return next(self._access)
+        return 0
+
+    def _registers(self) -> Generator[int, int, int]:
+        """Answer one control frame: yields and finally returns a CDS bit, and is sent the next CDM bit for each."""
+        memory = self.encoder.memory
+        cdm, head = (yield 1), 0
+        for _ in range(15):
+            head = head << 1 | cdm
+            cdm = yield 0
+        address = head >> 4 & 0x7F
+        if head >> 11 != 0b1000 or head & 0xF != compute_bits(_CRC, head >> 4, 11):
+            return 0
+        read, write = cdm, (yield cdm)
+        if read == write:
+            return write
+        allowed = memory.writable if write else memory.readable
+        if not allowed(address):
+            return 1 - write
+        cdm = yield write
+        while cdm:
+            while self.encoder.is_busy():
+                cdm = yield 0
+                if not cdm:
+                    return 0
+            if write:
+                cdm, data = (yield 1), 0
+                for left in range(11, -1, -1):
+                    data = data << 1 | cdm
+                    if not left and data & 0xF != compute_bits(_CRC, data >> 4, 8):
+                        return cdm
+                    if not left:
+                        memory.write(address, data >> 4)
+                    cdm = yield cdm
+            else:
+                byte = memory.read(address) or 0
+                data = byte << 4 | compute_bits(_CRC, byte, 8)
+                cdm = yield 1
+                for left in range(11, -1, -1):
+                    cdm = yield data >> left & 1
+            if cdm or address & 0x3F == 0x3F or not allowed(address + 1):
+                return 1
+            address += 1
+            cdm = yield 0
+        return 0

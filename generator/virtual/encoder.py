@@ -1,0 +1,299 @@
+"""Encoder that exists only in the computer: its position, flags, supply and registers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, cached_property
+from pathlib import Path
+from time import monotonic
+
+from ..language.problems import Report
+from ..loading.editions import chosen
+from ..loading.library import Family, in_edition, load_families, sound_families
+from ..model import Biss, Choice, Device, Field, Flag, Layout, PlacedLayout, Variant
+from ..order_codes.labels import Match, UnknownOrderCode, find
+from ..order_codes.run_time import decided
+from ..reference import codec
+from .faults import Faults
+from .memory import Memory
+from .motion import Position
+
+#: Seconds without supply after a restart, and until an encoder that reports this is ready.
+OFF_S = 0.02
+READY_S = 0.01
+
+
+class VirtualEncoder:
+    """Encoder of an order code.
+
+    A position becomes a frame on the line objects ``Rs485Line``, ``BissLine`` and ``SsiLine``.
+
+    Args:
+        order_code: Order code, as on the label.
+        position: Position in counts, or a function of the time in seconds that returns it.
+        choose: Answers to questions that the manual leaves open, by name.
+        registers: Bytes of registers at the start, by name.
+        faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
+        seed: Start of the random sequence of the faults.
+        clock: Function that returns the time in seconds. By default, real time since now.
+        edition: Revision of the manual. By default, that of the spec.
+        specs: Specs to use. By default, those shipped with codewheel.
+
+    Attributes:
+        device: The family.
+        flags: Names of the active flags and alarms. Change it with ``set_flag`` and ``clear_flag``.
+        memory: The registers.
+        faults: The faults, and how often each was injected.
+
+    Raises:
+        ValueError: There is no such order code, edition, register, answer or fault, or an answer is missing.
+    """
+
+    def __init__(
+        self,
+        order_code: str,
+        position: Position = 0,
+        *,
+        choose: Mapping[str, str] | None = None,
+        registers: Mapping[str, bytes] | None = None,
+        faults: Iterable[str] = (),
+        seed: int = 0,
+        clock: Callable[[], float] | None = None,
+        edition: str = "",
+        specs: Iterable[Path] = (),
+    ) -> None:
+        self.device, match = _found(order_code, tuple(specs), edition)
+        self.answers = dict(choose or {})
+        self._check_answers(match.variant)
+        self.variant = decided(self.device, match.variant, self.answers)
+        self._placed: tuple[Variant, dict[str, PlacedLayout]] = (self.variant, {})
+        self.position = position
+        self.faults = Faults(faults, seed)
+        self.flags: set[str] = set()
+        self._offset = 0
+        self._off_until = self._busy_until = 0.0
+        self._instant: float | None = None
+        started = monotonic()
+        self.clock = clock or (lambda: monotonic() - started)
+        self.memory = Memory(self, registers or {})
+
+    @property
+    def counts(self) -> int:
+        """Number of positions."""
+        of = self.device.measurement_of(self.variant.interface)
+        parameters = self.variant.parameters
+        if of is not None and of.counts_per_turn is not None and of.turns is not None:
+            return of.counts_per_turn.value(parameters) * of.turns.value(parameters)
+        if of is not None and of.modulus is not None:
+            return of.modulus.value(parameters)
+        return 1 << sum(width for _, width in self._parts())
+
+    def position_names(self) -> frozenset[str]:
+        """Return the names of the fields that form the position or a part of it."""
+        return self.device.position_names(self.variant.interface)
+
+    def position_now(self) -> int:
+        """Return the position that the encoder sends at this moment."""
+        return 0 if self.is_busy() and self._not_ready else (self.raw_position() + self._offset) % self.counts
+
+    def parts_now(self) -> dict[str, int]:
+        """Return the position of this moment as its fields."""
+        position, values = self.position_now(), dict[str, int]()
+        for name, width in reversed(self._parts()):
+            values[name] = position & ((1 << width) - 1)
+            position >>= width
+        return values
+
+    def raw_position(self) -> int:
+        """Return the position at this moment without presets and resets."""
+        return int(self.position(self._now()) if callable(self.position) else self.position)
+
+    def set_position(self, value: int) -> None:
+        """Report ``value`` at the present position of the shaft, as a preset or reset does."""
+        self._offset = value - self.raw_position()
+
+    def add_offset(self, value: int) -> None:
+        """Report the position of the shaft plus ``value``."""
+        self._offset = value
+
+    def set_flag(self, *names: str) -> None:
+        """Activate alarms or flags.
+
+        Raises:
+            ValueError: There is no such alarm or flag.
+        """
+        known = self._flags
+        for name in names:
+            if name not in known:
+                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {', '.join(sorted(known))}")
+        self.flags.update(names)
+
+    def clear_flag(self, *names: str) -> None:
+        """Deactivate alarms or flags."""
+        self.flags.difference_update(names)
+
+    def reset(self, procedure: str) -> None:
+        """Act on a reset: clear its alarms, and set to 0 the parts of the position that its name contains."""
+        self.flags -= {item.name for item in self.device.alarms if procedure in item.cleared_by}
+        low = 0
+        value = (self.raw_position() + self._offset) % self.counts
+        for name, width in reversed(self._parts()):
+            if name in procedure:
+                value &= ~(((1 << width) - 1) << low)
+            low += width
+        self.set_position(value)
+
+    def restart(self) -> None:
+        """Switch the supply off and on again. Registers that were not saved are lost."""
+        self._off_until = self.clock() + OFF_S
+        self.memory.restart()
+        self.be_busy(OFF_S + READY_S)
+
+    def be_busy(self, seconds: float) -> None:
+        """Be busy for a time."""
+        self._busy_until = max(self._busy_until, self.clock() + seconds)
+
+    def is_off(self) -> bool:
+        """Return whether the encoder has no supply."""
+        return self.clock() < self._off_until
+
+    def is_busy(self) -> bool:
+        """Return whether the encoder is busy, after power-on or during a reset."""
+        return self._now() < self._busy_until
+
+    @property
+    def reports_busy(self) -> bool:
+        """True if a flag in frames shows that the encoder is busy."""
+        return bool(self._not_ready)
+
+    @cached_property
+    def _in_registers(self) -> frozenset[str]:
+        return frozenset(item.name for item in self.device.alarms if item.register)
+
+    def frame(self, layout: Layout, given: Mapping[str, int | str | bool] | None = None) -> int:
+        """Return a frame of this moment as one number. ``given`` are fields that the request determines."""
+        self._instant = self.clock()
+        try:
+            return codec.encode(self.device, self.place(layout), self._values(layout, given or {}))
+        finally:
+            self._instant = None
+
+    def place(self, layout: Layout) -> PlacedLayout:
+        """Return a layout as it is for this encoder with its present registers."""
+        if self._placed[0] is not self.variant:
+            self._placed = (self.variant, {})
+        if layout.name not in self._placed[1]:
+            self._placed[1][layout.name] = layout.place(self.variant.parameters)
+        return self._placed[1][layout.name]
+
+    def layouts(self, sender: str) -> tuple[Layout, ...]:
+        """Return the frames that the encoder or the master sends on this interface."""
+        return tuple(item for item in self.device.interface(self.variant.interface).layouts if item.sender == sender)
+
+    def needs_answer(self, layout: Layout) -> bool:
+        """Return whether a question about this layout is open."""
+        return any(item.name not in self.answers for item in self.device.alternatives_of(layout))
+
+    def is_active(self, field: Field) -> bool:
+        """Return whether a flag is active."""
+        assert isinstance(field.kind, Flag)
+        if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
+            return True
+        if self.is_busy() and self._not_ready & {field.name, *field.kind.sums_up}:
+            return True
+        # Over BiSS, an error in a register also sets the error flag of the frame.
+        return (
+            bool(self.flags) and field.name == next(iter(Biss.flags)) and not self.flags.isdisjoint(self._in_registers)
+        )
+
+    def _now(self) -> float:
+        """Return the time. It stands still while a frame is made, so that its fields belong together."""
+        return self.clock() if self._instant is None else self._instant
+
+    def _values(self, layout: Layout, given: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
+        values: dict[str, int | str | bool] = {}
+        parts = self.parts_now()
+        for item in self.place(layout).fields:
+            field = item.field
+            if not field.carries_data:
+                continue
+            told = field.documented(self.variant.parameters)
+            if item.name in given:
+                values[item.name] = given[item.name]
+            elif item.name in parts:
+                values[item.name] = parts[item.name] & item.mask
+            elif isinstance(field.kind, Flag):
+                values[item.name] = self.is_active(field)
+            elif told is not None:
+                values[item.name] = told
+            else:
+                values[item.name] = field.kind.values[0].value if isinstance(field.kind, Choice) else 0
+        return values
+
+    def _parts(self) -> tuple[tuple[str, int], ...]:
+        """Return the fields that form the position with their widths, most significant first."""
+        of = self.device.measurement_of(self.variant.interface)
+        name = of.of if of is not None else "position"
+        for layout in self.layouts("encoder"):
+            placed = self.place(layout)
+            parts = [placed.field(part) for part in layout.names_in(name)]
+            if layout.names_in(name) != (name,) or parts[0] is not None:
+                return tuple((item.name, item.width) for item in parts if item is not None)
+        return ()
+
+    @cached_property
+    def _not_ready(self) -> set[str]:
+        """Alarms that do not latch: active while the encoder is not ready."""
+        return {item.name for item in self.device.alarms if item.latch is False and item.name in self._flags}
+
+    @cached_property
+    def _flags(self) -> frozenset[str]:
+        layouts = [
+            *self.layouts("encoder"),
+            *(item.layout for item in self.device.registers if item.interface == self.variant.interface),
+        ]
+        return frozenset(item.name for layout in layouts for item in layout.fields if isinstance(item.kind, Flag))
+
+    def _check_answers(self, variant: Variant) -> None:
+        known = {item.name: [answer.name for answer in item.answers] for item in self.device.alternatives}
+        for name, answer in self.answers.items():
+            if answer not in known.get(name, ()):
+                options = " or ".join(f"{key}={text}" for key, texts in known.items() for text in texts)
+                raise ValueError(f"'{name}={answer}' answers no question of {variant.code}; write {options or 'none'}")
+        positions = [
+            item
+            for item in self.device.interface(variant.interface).layouts
+            if self.device.tells_position(variant.interface, item)
+        ]
+        for item in (item for layout in positions for item in self.device.alternatives_of(layout)):
+            if item.name not in self.answers:
+                options = " or ".join(f"{item.name}={answer.name}" for answer in item.answers)
+                raise ValueError(f"{item.meaning}: choose {options}")
+
+
+@cache
+def _families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
+    families, report = load_families(specs)
+    sound = tuple(sound_families(families, report))
+    if not sound:
+        raise ValueError("\n".join(problem.format() for problem in report.problems) or "there are no specs")
+    return sound
+
+
+def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
+    reason = ""
+    special = [item for item in _families(specs) if any(o.special and o.special in text for o in item.device.overlays)]
+    for family in (*special, *(item for item in _families(specs) if not item.device.base)):
+        try:
+            match = find(family.device, text)
+        except UnknownOrderCode as error:
+            reason = str(error) if error.close or not reason else reason
+            continue
+        if not edition:
+            return family.device, match
+        report = Report()
+        made = in_edition(family, chosen(family.device, edition), report)
+        if made is None or report:
+            raise ValueError("\n".join(problem.format() for problem in report.problems))
+        return made.device, find(made.device, text)
+    raise ValueError(reason)

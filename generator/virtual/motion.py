@@ -1,0 +1,39 @@
+"""Positions as functions of time, and their notation on the command line."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+
+#: Position in counts as a function of the time in seconds. A number stands still.
+Position = int | Callable[[float], float]
+
+_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+
+
+def motion(text: str, counts: int) -> Position:
+    """Parse a position.
+
+    Args:
+        text: A number of counts, ``sine:0.5Hz`` (to and fro through all positions), or ``ramp:1000`` (counts per
+            second).
+        counts: Number of positions of the encoder.
+
+    Returns:
+        The position.
+
+    Raises:
+        ValueError: The text has another form.
+    """
+    try:
+        return int(text, 0)
+    except ValueError:
+        pass
+    found = re.fullmatch(rf"(sine|ramp):({_NUMBER})(Hz)?", text)
+    value = float(found[2]) if found is not None else math.inf
+    if found is None or not math.isfinite(value) or (found[3] and found[1] == "ramp"):
+        raise ValueError(f"'{text}' is not a position; write 1000003, sine:0.5Hz or ramp:1000 (counts per second)")
+    if found[1] == "ramp":
+        return lambda now: value * now
+    return lambda now: (counts - 1) / 2 * (1 + math.sin(2 * math.pi * value * now))

@@ -1,0 +1,145 @@
+"""RS-485 face of a virtual encoder: bytes of requests in, bytes of replies out, each at its time."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from ..model import DataId, Flag, Layout, Rs485, SendStep, WaitStep, number_to_bytes
+from ..reference import codec
+from .encoder import VirtualEncoder
+
+#: Seconds after which the rest of an incomplete request is discarded.
+GAP_S = 0.005
+#: Seconds that a fault of the line lasts, that a busy encoder stays busy, and that the EEPROM needs for a byte.
+OUTAGE_S = BUSY_S = 0.02
+EEPROM_S = 0.003
+#: Tolerance in seconds of the interval between the requests of a reset.
+_EARLY_S = 1e-9
+
+
+class Rs485Line:
+    """RS-485 line with one encoder.
+
+    Args:
+        encoder: The encoder.
+
+    Raises:
+        ValueError: The encoder has another interface.
+    """
+
+    def __init__(self, encoder: VirtualEncoder) -> None:
+        interface = encoder.device.interface(encoder.variant.interface)
+        if not isinstance(interface, Rs485):
+            raise ValueError(f"{encoder.variant.code} has the interface {interface.short}, not RS-485")
+        self.encoder, self.interface = encoder, interface
+        self._requests = {item.control: item for item in interface.data_ids}
+        self._received = b""
+        self._since = self._outage_until = 0.0
+        self._outage = ""
+        self._out: deque[tuple[float, bytes]] = deque(maxlen=1000)
+        self._resets: tuple[int, int, float] = (-1, 0, 0.0)
+        self._eeprom: dict[int, int] = {}
+        self._memory_busy_until = 0.0
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes that the master sends at this moment."""
+        now = self.encoder.clock()
+        if now - self._since > GAP_S:
+            self._received = b""
+        self._since = now
+        self._received += data
+        while self._received:
+            asked = self._requests.get(self._received[0])
+            layout = self._layout("master", asked) if asked is not None else None
+            if asked is None or layout is None or self.encoder.needs_answer(layout):
+                self._received = self._received[1:]
+                continue
+            length = self.encoder.place(layout).bits // 8
+            if len(self._received) < length:
+                return
+            request, self._received = self._received[:length], self._received[length:]
+            decoded = codec.decode_placed(self.encoder.device, self.encoder.place(layout), request)
+            if not decoded.problems and not self.encoder.is_off():
+                self._answer(asked, request, decoded.values)
+
+    def due(self) -> float | None:
+        """Return the time in seconds at which the next bytes arrive at the master, or None if there are none."""
+        return self._out[0][0] if self._out else None
+
+    def send(self) -> bytes:
+        """Return the bytes that arrive at the master by this moment, each once."""
+        now, data = self.encoder.clock(), b""
+        while self._out and self._out[0][0] <= now:
+            data += self._out.popleft()[1]
+        return data
+
+    def _layout(self, sender: str, asked: DataId) -> Layout | None:
+        layouts = self.encoder.layouts(sender)
+        return next((item for item in layouts if not item.selector or asked.id in item.selects), None)
+
+    def _answer(self, asked: DataId, request: bytes, values: dict[str, int | str | bool]) -> None:
+        encoder, faults = self.encoder, self.encoder.faults
+        now = encoder.clock()
+        fault = faults.draw()
+        if fault == "busy":
+            encoder.be_busy(BUSY_S)
+            self._memory_busy_until = max(self._memory_busy_until, now + BUSY_S)
+        if fault in ("low", "high"):
+            self._outage, self._outage_until = fault, now + OUTAGE_S
+        reply = self._reply(asked, values)
+        if fault == "restart":
+            encoder.restart()
+            return
+        silent = encoder.is_busy() and not encoder.reports_busy
+        if reply and not silent:
+            data = faults.damaged(fault, reply, request)
+            if now < self._outage_until:
+                data = bytes(len(reply)) if self._outage == "low" else b""
+            delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
+            # The line keeps the order of replies.
+            self._out.append((max([now + delay, *(at for at, _ in list(self._out)[-1:])]), data))
+        if fault == "brownout":
+            encoder.restart()
+
+    def _reply(self, asked: DataId, values: dict[str, int | str | bool]) -> bytes:
+        """Carry out a request and return the reply to it, or nothing."""
+        layout = self._layout("encoder", asked)
+        if layout is None or self.encoder.needs_answer(layout):
+            return b""
+        given = {name: value for name, value in values.items() if name != codec.UNUSED}
+        if asked.purpose in ("read", "write"):
+            given |= self._memory(asked, layout, given)
+        number = self.encoder.frame(layout, given)
+        placed = self.encoder.place(layout)
+        self._count(asked)
+        return number_to_bytes(layout, number, placed.bits)
+
+    def _memory(self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]) -> dict[str, int | bool]:
+        """Carry out an access to the EEPROM, and return its busy flag and data for the reply."""
+        now = self.encoder.clock()
+        flag = next(item.name for item in layout.fields if isinstance(item.kind, Flag))
+        if now < self._memory_busy_until:
+            return {flag: True, "data": 0}
+        address = int(given["address"])
+        if asked.purpose == "write":
+            self._eeprom[address] = int(given["data"])
+            self._memory_busy_until = now + EEPROM_S
+        return {flag: False, "data": self._eeprom.get(address, 0xFF)}
+
+    def _count(self, asked: DataId) -> None:
+        """Count the requests of a reset, and carry it out after the last one."""
+        now = self.encoder.clock()
+        for procedure in self.encoder.device.procedures:
+            for step in procedure.steps:
+                if isinstance(step, SendStep) and step.request == bytes([asked.control]):
+                    control, count, last = self._resets
+                    soon = now - last < step.microseconds / 1e6 - _EARLY_S
+                    count = 1 if control != asked.control or soon else count + 1
+                    self._resets = (asked.control, count % step.times, now)
+                    if count >= step.times:
+                        self.encoder.reset(asked.name)
+                        waits = [item.microseconds for item in procedure.steps if isinstance(item, WaitStep)]
+                        if self.encoder.reports_busy:
+                            self.encoder.be_busy(max(waits, default=0) / 1e6)
+                    return
+        self._resets = (-1, 0, 0.0)

@@ -1,0 +1,142 @@
+"""Serve the line of a virtual encoder on a pseudo-terminal or over TCP."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from select import select
+from threading import Event, Thread
+from typing import NamedTuple, Protocol
+
+from .biss import BissLine
+from .encoder import VirtualEncoder
+from .rs485 import Rs485Line
+from .ssi import SsiLine
+
+#: Longest wait in seconds before the server looks whether it should stop.
+_TICK_S = 0.2
+
+
+class Line(Protocol):
+    """Line as bytes."""
+
+    def receive(self, data: bytes) -> None: ...
+    def send(self) -> bytes: ...
+    def due(self) -> float | None: ...
+
+
+class _Port(NamedTuple):
+    """End of a connection: the number to wait for, and functions to read and write. ``name`` is what users open."""
+
+    name: str
+    handle: Callable[[], int]
+    read: Callable[[], bytes]
+    write: Callable[[bytes], object]
+    close: Callable[[], object]
+
+
+def line_of(encoder: VirtualEncoder) -> Line:
+    """Return the line of an encoder, for its interface."""
+    lines: dict[str, Callable[[VirtualEncoder], Line]] = {"rs485": Rs485Line, "biss": BissLine, "ssi": SsiLine}
+    return lines[encoder.variant.interface](encoder)
+
+
+def has_terminals() -> bool:
+    """Return whether the system has pseudo-terminals."""
+    return hasattr(os, "openpty")
+
+
+def terminal() -> _Port:
+    """Open a pseudo-terminal. Its name is that of the device to open."""
+    import tty
+
+    master, slave = os.openpty()
+    tty.setraw(slave)
+
+    def close() -> None:
+        os.close(master)
+        os.close(slave)
+
+    return _Port(
+        os.ttyname(slave), lambda: master, lambda: os.read(master, 4096), lambda data: os.write(master, data), close
+    )
+
+
+def listen_tcp(port: int = 0) -> _Port:
+    """Listen on this computer over TCP. The name is a URL that pyserial opens."""
+    server = socket.create_server(("127.0.0.1", port))
+    return listener(server, f"socket://127.0.0.1:{server.getsockname()[1]}")
+
+
+def listener(server: socket.socket, name: str) -> _Port:
+    """Serve one client after the other on a socket that listens."""
+    clients: list[socket.socket] = []
+
+    def read() -> bytes:
+        if not clients:
+            client = server.accept()[0]
+            if server.family == socket.AF_INET:
+                client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            clients.append(client)
+            return b""
+        try:
+            data = clients[0].recv(4096)
+        except OSError:
+            data = b""
+        if not data:
+            clients.pop().close()
+        return data
+
+    def write(data: bytes) -> None:
+        for client in clients:
+            try:
+                client.sendall(data)
+            except OSError:  # The next read finds that the client has gone.
+                return
+
+    def close() -> None:
+        for item in (server, *clients):
+            item.close()
+
+    def handle() -> int:
+        return (clients or [server])[0].fileno()
+
+    return _Port(name, handle, read, write, close)
+
+
+def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:
+    """Serve a line until ``stop`` is set, or else for ever."""
+    while stop is None or not stop.is_set():
+        due = line.due()
+        wait = _TICK_S if due is None else min(_TICK_S, max(0.0, due - encoder.clock()))
+        if select([port.handle()], [], [], wait)[0]:
+            line.receive(port.read())
+        data = line.send()
+        if data:
+            port.write(data)
+
+
+@contextmanager
+def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = False) -> Iterator[str]:
+    """Serve an encoder in a thread, for the time of a ``with`` statement.
+
+    Args:
+        encoder: The encoder.
+        line: Its line, by default that of its interface.
+        tcp: Use TCP even if the system has pseudo-terminals.
+
+    Yields:
+        The name of the device or the URL to open.
+    """
+    port = listen_tcp() if tcp or not has_terminals() else terminal()
+    stop = Event()
+    thread = Thread(target=serve, args=(encoder, line or line_of(encoder), port, stop), daemon=True)
+    thread.start()
+    try:
+        yield port.name
+    finally:
+        stop.set()
+        thread.join(timeout=5)
+        port.close()

@@ -1,0 +1,67 @@
+"""SSI face of a virtual encoder: words, and the data line clock by clock."""
+
+from __future__ import annotations
+
+from ..model import Layout
+from .encoder import VirtualEncoder
+from .levels import ByLevels
+
+
+class SsiLine(ByLevels):
+    """SSI line with one encoder.
+
+    Args:
+        encoder: The encoder.
+
+    Raises:
+        ValueError: The encoder has another interface.
+    """
+
+    def __init__(self, encoder: VirtualEncoder) -> None:
+        if encoder.variant.interface != "ssi":
+            raise ValueError(f"{encoder.variant.code} has no SSI")
+        self.encoder = encoder
+        super().__init__()
+        self._left, self._word = -1, 0
+        self._level = self._data = 1
+
+    @property
+    def bits(self) -> int:
+        """Number of bits of a word."""
+        return self.encoder.place(self._layout).bits
+
+    @property
+    def _layout(self) -> Layout:
+        return self.encoder.layouts("encoder")[0]
+
+    def word(self) -> int:
+        """Return the word of this moment, the first bit sent being the most significant. A fault can change it."""
+        word, faults = self.encoder.frame(self._layout), self.encoder.faults
+        fault = faults.draw()
+        if fault == "flip":
+            return word ^ 1 << faults.random.randrange(self.bits)
+        if fault == "restart":
+            self.encoder.restart()
+        return (
+            0
+            if fault == "low"
+            else (1 << self.bits) - 1
+            if fault in ("high", "lost") or self.encoder.is_off()
+            else word
+        )
+
+    def clock(self, level: int) -> int:
+        """Set the level of the clock, and return that of the data line. Zeros follow the word."""
+        if level and not self._level:
+            if self._left < 0:
+                self._word, self._left = self.word(), self.bits
+            self._left -= self._left > 0
+            self._data = self._word >> self._left & 1
+            self._word &= (1 << self._left) - 1
+        self._level = level
+        return self._data
+
+    def timeout(self) -> int:
+        """Let the pause after a word pass. The data line is then high."""
+        self._left, self._data = -1, 1
+        return 1

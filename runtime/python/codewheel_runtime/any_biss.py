@@ -1,0 +1,159 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Layouts of BiSS frames for encoders without a package, such as ``position=32,error,warning,crc=6:0x43``."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, Final, NamedTuple
+
+from .codec import crc_of_bits
+from .encoder import Encoder
+from .inputs import UsageError, short
+from .reports import Verdict
+from .shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
+from .table import ErrorKind
+
+_HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
+#: Flags of BiSS frames, which are active at level 0, and the verdict on the position that they lead to.
+_FLAGS: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
+
+
+class BissLayout(NamedTuple):
+    """Layout of the BiSS frames of an encoder without a package.
+
+    Attributes:
+        text: The layout as text.
+        shape: Its description for ``decode_many``.
+        modulus: Number of counts after which the position wraps around.
+        counts_per_turn: Number of counts in one revolution. 0 if the layout does not tell.
+    """
+
+    text: str
+    shape: Shape
+    modulus: int
+    counts_per_turn: int
+
+    @property
+    def code(self) -> str:
+        """The layout as text, in place of an order code."""
+        return self.text
+
+    def from_turns(self, turns: float) -> int:
+        """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not tell."""
+        if not self.counts_per_turn:
+            raise ValueError("the layout does not tell the size of a count: use multiturn=...,singleturn=...")
+        return round(turns * self.counts_per_turn)
+
+    def micrometres(self, counts: int) -> int:
+        """Raise ValueError, because a layout does not tell the size of a count."""
+        raise ValueError("the layout does not tell the size of a count")
+
+    def decode_many(self, frames: Any) -> Any:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as numbers.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        from .bulk_decode import decode_many
+
+        # The layout has the members of an encoder that a table uses.
+        stand_in: Any = self
+        encoder: Encoder = stand_in
+        return decode_many(frames, self.shape, encoder)
+
+
+def biss_layout(text: str) -> BissLayout:
+    """Return a layout of BiSS frames.
+
+    Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
+    ``singleturn=24`` are numbers with their widths in bits. ``error`` and ``warning`` are bits, active at level 0.
+    ``zero=2`` are bits that are always 0, and ``unused=2`` bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6
+    bits with this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any
+    other name with a number of bits is a number.
+
+    Args:
+        text: The layout.
+
+    Raises:
+        UsageError: The text is not a layout.
+    """
+    fields = [_field(part) for part in text.split(",")]
+    bits = sum(width for _, width, _ in fields)
+    names = [name for name, _, _ in fields if name not in ("zero", "unused")]
+    if not 0 < bits <= 64:
+        raise UsageError(f"frames of {bits} bits are not supported: expected 1 to 64")
+    if len({*names}) < len(names):
+        raise UsageError(f"two fields have the same name; {_HELP}")
+    if {"verdict", "fault", "time"} & {*names}:
+        raise UsageError("verdict, fault and time are names of columns that every table has")
+    if "crc" in names and fields[-1][0] != "crc":
+        raise UsageError("the CRC must be the last field")
+    columns: list[Column] = []
+    checks: list[Check] = []
+    unused: list[Unused] = []
+    crc, low = None, bits
+    for name, width, more in fields:
+        low -= width
+        if name == "crc":
+            checks_of = partial(
+                crc_of_bits, width=width, poly=more[0], init=more[1], refout=False, xorout=(1 << width) - 1
+            )
+            crc = CrcOf(low, width, of_bits(checks_of, bits - width, width))
+        elif name == "zero":
+            checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
+        elif name == "unused":
+            unused.append(Unused(low, width, 0, sum(item.width for item in unused)))
+        else:
+            columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
+    widths = {item.name: item.width for item in columns}
+    joins: tuple[Join, ...] = ()
+    if "multiturn" in widths and "singleturn" in widths and "position" not in widths:
+        joins = (Join("position", (("singleturn", 0), ("multiturn", widths["singleturn"]))),)
+        widths["position"] = widths["multiturn"] + widths["singleturn"]
+    speaks = tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths)
+    shape = Shape(
+        bits,
+        columns=tuple(columns),
+        joins=joins,
+        unused=tuple(unused),
+        checks=tuple(checks),
+        crc=crc,
+        position="position" if "position" in widths else "",
+        otherwise=Verdict.USABLE if "error" in widths else Verdict.UNKNOWN,
+        speaks=speaks,
+    )
+    per_turn = 1 << widths["singleturn"] if "singleturn" in widths else 0
+    return BissLayout(text, shape, 1 << widths.get("position", 0), per_turn)
+
+
+def _field(part: str) -> tuple[str, int, tuple[int, ...]]:
+    """Return the name, the width and further numbers of a field."""
+    name, equals, rest = part.strip().partition("=")
+    try:
+        width, *more = [_number(item) for item in rest.split(":")] if equals else [1]
+    except ValueError:
+        raise UsageError(f"{short(part)} is not a field; {_HELP}") from None
+    if not name.isidentifier() or not name.isascii() or not 0 < width <= 64 or (not equals and name not in _FLAGS):
+        raise UsageError(f"{short(part)} is not a field; {_HELP}")
+    if name in _FLAGS and width != 1:
+        raise UsageError(f"{name} is one bit, not {width}")
+    if name != "crc":
+        if more:
+            raise UsageError(f"{short(part)} is not a field; {_HELP}")
+        return name, width, ()
+    top = 1 << width
+    poly, init = more[0] if more else 0, more[1] if len(more) > 1 else 0
+    if width > 32 or len(more) > 2 or not poly & 1 or poly >= 2 * top or init >= top:
+        raise UsageError(f"{short(part)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+    return name, width, (poly & top - 1, init)
+
+
+def _number(text: str) -> int:
+    if len(text) > 20 or not text.strip().isascii() or "_" in text:
+        raise ValueError
+    if (number := int(text, 0)) < 0:
+        raise ValueError
+    return number

@@ -1,0 +1,171 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Commands for the bench: decodes captures, draws plots, and shows an encoder live."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+from importlib import import_module
+from typing import Any, cast
+
+from .any_biss import BissLayout, biss_layout
+from .bulk_decode import decode_many
+from .capture import Captures, CaptureSummary, Lost
+from .command import USAGE, Failed, encoder_of, missing, working
+from .encoder import Encoder
+from .inputs import InputError, Stored, UsageError
+from .reports import Interface
+from .sources import kind_of, opened
+from .stream import shape_for
+from .table import Table
+
+np: Any = import_module("numpy")
+
+#: Number of lost cycles and accesses that are printed.
+_PRINTED = 10
+
+
+def capture(package: str, chosen: argparse.Namespace) -> None:
+    """Decode a capture into a file of columns."""
+    encoder = _encoder(package, chosen)
+    with working(package, chosen.files[0]) as progress:
+        summary = Captures(package).decode_capture(
+            encoder,
+            chosen.files,
+            chosen.output,
+            **_probes(chosen),
+            si=chosen.si,
+            to=chosen.write,
+            columns=chosen.columns,
+            limit=chosen.limit,
+            raw=chosen.raw,
+            force=chosen.force,
+            progress=progress,
+        )
+    _report(summary, chosen)
+
+
+def plot(package: str, chosen: argparse.Namespace) -> None:
+    """Plot position and speed of a capture over time."""
+    encoder = _encoder(package, chosen)
+    try:
+        from .plot import save
+    except ImportError as error:
+        raise missing(package, error) from None
+    with working(package, chosen.files[0]):
+        lost: tuple[Lost, ...] = ()
+        if _has_frames(chosen.files[0]):
+            table = _frames(encoder, chosen)
+        else:
+            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_probes(chosen))
+        if not table.count:
+            raise Failed(_nothing(lost))
+        save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
+    print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
+
+
+def _has_frames(path: str) -> bool:
+    """Return whether a file has a column of frames, and is not a capture."""
+    kind = kind_of(path)
+    if kind != "csv":
+        return kind == "parquet"
+    with open(path, encoding="utf-8-sig", errors="replace") as file:
+        head = file.readline(1 << 16)
+    return any(cell.strip().strip('"').lower() in ("word", "frame") for cell in re.split("[,;\t]", head))
+
+
+def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
+    """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
+    shape = encoder.shape if isinstance(encoder, BissLayout) else shape_for(encoder, chosen.layout, dict(chosen.choose))
+    path = chosen.files[0]
+    frames: list[Any] = []
+    times: list[Any] = []
+    with opened(path, Stored(wanted=("time",)), shape, lambda frames: 1.0) as read:
+        if "time" not in read.kept:
+            raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
+        for part in read.parts:
+            cells = part.others["time"]
+            cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
+            try:
+                times += [float("nan") if cell in (None, "") else float(cell) for cell in cells]
+            except (TypeError, ValueError):
+                raise InputError(path, "column 'time'", "expected numbers in seconds") from None
+            frames += (
+                [row if row is None else bytes(row) for row in part.frames] if shape.length else _listed(part.frames)
+            )
+    return decode_many(frames, shape, cast(Encoder, encoder)).with_columns(time=np.array(times))
+
+
+def _listed(frames: Any) -> Any:
+    """Return numbers as a list. A missing frame is None."""
+    return frames.tolist() if hasattr(frames, "tolist") else frames
+
+
+def monitor(package: str, chosen: argparse.Namespace) -> None:
+    """Show an encoder live."""
+    from .monitor import watch
+
+    encoder = encoder_of(package, chosen)
+    if encoder.interface is not Interface.RS485:
+        said = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
+        raise Failed(f"{said}: record it with a logic analyser, and use 'capture'", USAGE)
+    try:
+        link: Any = import_module(f"{__package__}.link")
+    except ImportError as error:
+        raise missing(package, error) from None
+    try:
+        # Without retries, every error is counted.
+        with link.open_encoder(chosen.port, encoder, retries=0) as opened:
+            watch(opened, encoder, chosen.port, count=chosen.count, interval_s=chosen.interval)
+    except link.LinkError as error:
+        raise Failed(error) from None
+
+
+def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
+    """Return the encoder or the layout, and leave only the names of files in ``files``."""
+    if chosen.biss is not None:
+        try:
+            return biss_layout(chosen.biss)
+        except UsageError as error:
+            raise Failed(error, USAGE) from None
+    chosen.order_code, *chosen.files = chosen.files
+    encoder = encoder_of(package, chosen)
+    if not chosen.files:
+        raise Failed("give the order code and the file of the capture, or --biss and the file", USAGE)
+    return encoder
+
+
+def _probes(chosen: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments that both commands have."""
+    names = ("clock", "data", "rate", "rest", "baud", "layout")
+    return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
+
+
+def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
+    out = sys.stderr if chosen.output == "-" else sys.stdout
+    if chosen.json:
+        print(json.dumps(summary.to_dict()), file=out)
+    else:
+        for lost in summary.first_lost[:_PRINTED]:
+            print(f"{lost.time:.9g}: {lost.reason}", file=out)
+        if (more := sum(summary.lost.values()) - _PRINTED) > 0:
+            print(f"... and {more} more lost", file=out)
+        for access in summary.accesses[:_PRINTED]:
+            print(f"{access.time:.9g}: {access}", file=out)
+        if (more := summary.access_count - _PRINTED) > 0:
+            print(f"... and {more} more accesses; --json prints all of them", file=out)
+        print(summary, file=out)
+    if not summary.frames.frames:
+        raise Failed(_nothing(summary.first_lost))
+    if 100 * summary.error_rate > chosen.max_errors:
+        said = f"{summary.error_rate:.0%} of the cycles have no valid frame"
+        raise Failed(f"{said}; check the order code and the channels (--max-errors is {chosen.max_errors:g})")
+
+
+def _nothing(lost: Any) -> str:
+    """Return the message for a capture without a frame."""
+    first: Lost | None = next(iter(lost), None)
+    said = f": {first.reason}" if first else ""
+    return f"the capture contains no frame{said}; check the channels (--clock, --data) and the order code"

@@ -1,0 +1,392 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes the captures of logic analysers into tables with time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from enum import Enum
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple, cast
+
+from .accesses import Access, Accesses
+from .any_biss import BissLayout
+from .bulk_decode import decode_many
+from .clocked import Found, Lost, clocked
+from .encoder import Encoder
+from .inputs import InputError, Part, Source, UsageError
+from .reports import Interface
+from .shape import Shape
+from .signal_files import opened_signals
+from .signals import Names, Signals, of_array
+from .sinks import SINKS, TargetKind, target_kind
+from .stream import Summary, counted, decoded, layout_of, layouts_of, plan_of, shape_for, written
+from .table import Table
+from .uart import Kinds, replies
+
+__all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
+
+np: Any = import_module("numpy")
+
+_NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
+#: Number of lost cycles and accesses that a summary has in full.
+_SHOWN: Final = 1000
+#: Files, or an array of samples.
+Captured = Any
+
+
+class Probes(NamedTuple):
+    """Connection and timing of a capture.
+
+    Attributes:
+        clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a usual name.
+        data: Channel of the data line (SLO), or of the serial line.
+        rate: Samples per second, if the file does not contain it.
+        rest: Shortest rest of the clock between two cycles in seconds. The default is 1.4 periods. A longer one is
+            needed if the master pauses within a frame.
+        baud: Bits per second on a serial line, if they differ from the manual.
+    """
+
+    clock: str = ""
+    data: str = ""
+    rate: float | None = None
+    rest: float | None = None
+    baud: float | None = None
+
+
+class Capture(NamedTuple):
+    """Contents of a capture.
+
+    Attributes:
+        table: Columns of the frames, with ``time`` in seconds. It is ``sample`` if the sample rate is unknown. The time
+            of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
+        lost: Cycles or bytes that contain no frame, with the reason.
+        accesses: Accesses to registers over BiSS.
+        others: Number of frames of other kinds, by name.
+    """
+
+    table: Table
+    lost: tuple[Lost, ...]
+    accesses: tuple[Access, ...]
+    others: Mapping[str, int]
+
+
+class CaptureSummary(NamedTuple):
+    """Counts of a capture.
+
+    Attributes:
+        frames: Counts of the frames.
+        lost: Number of lost cycles by reason.
+        first_lost: The first lost cycles, at most 1000.
+        accesses: The first accesses to registers, at most 1000.
+        access_count: Number of accesses.
+        others: Number of frames of other kinds, by name.
+    """
+
+    frames: Summary
+    lost: Mapping[str, int]
+    first_lost: tuple[Lost, ...]
+    accesses: tuple[Access, ...]
+    access_count: int
+    others: Mapping[str, int]
+
+    @property
+    def error_rate(self) -> float:
+        """Fraction of the cycles that contain no valid frame, from 0 to 1."""
+        lost = sum(self.lost.values())
+        cycles = self.frames.frames + lost
+        return (lost + sum(self.frames.faults.values())) / cycles if cycles else 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain values for JSON."""
+        accesses = [item._asdict() for item in self.accesses]
+        lost = [item._asdict() for item in self.first_lost]
+        counts = {"lost": dict(self.lost), "first_lost": lost, "accesses": accesses, "others": dict(self.others)}
+        return self.frames.to_dict() | counts
+
+    def __str__(self) -> str:
+        lost = sum(self.lost.values())
+        parts = [str(self.frames), f"{lost} lost"]
+        if self.access_count:
+            parts.append(counted(self.access_count, "register access").replace("accesss", "accesses"))
+        parts += [f"{count} {name}" for name, count in self.others.items()]
+        return ", ".join(parts)
+
+
+class _Log:
+    """Lost cycles, accesses and other frames that were found on the way."""
+
+    def __init__(self, limit: int | None) -> None:
+        self._limit = limit
+        self.lost: list[Lost] = []
+        self.accesses: list[Access] = []
+        self.access_count = 0
+        self.reasons: dict[str, int] = {}
+        self.others: dict[str, int] = {}
+        self._finder = Accesses()
+
+    def add(self, found: Found) -> None:
+        for item in found.lost:
+            # The bytes that are quoted differ.
+            reason = item.reason.partition(":")[0]
+            self.reasons[reason] = self.reasons.get(reason, 0) + 1
+        self.lost += found.lost[: None if self._limit is None else max(self._limit - len(self.lost), 0)]
+        for name, count in found.others.items():
+            self.others[name] = self.others.get(name, 0) + count
+        if found.control is not None:
+            self._add_accesses(self._finder.feed(*found.control))
+
+    def finish(self) -> None:
+        self._add_accesses(self._finder.finish())
+
+    def _add_accesses(self, found: Any) -> None:
+        for item in found:
+            self.access_count += 1
+            if self._limit is None or len(self.accesses) < self._limit:
+                self.accesses.append(item)
+
+
+class _Opened(NamedTuple):
+    """Frames of a capture, their description, and the name of the column of times."""
+
+    found: Generator[Found, None, None]
+    shape: Shape
+    time: str
+    total: int | None
+
+
+@contextmanager
+def _opened(
+    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Any]
+) -> Generator[_Opened, None, None]:
+    is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
+    names = Names(None if is_serial else probes.clock, probes.data)
+    name = "the array"
+    if hasattr(source, "dtype"):
+        opening: Any = nullcontext(of_array(source, names, probes.rate))
+    else:
+        paths = _paths(source)
+        name = paths[0] if paths else "the capture"
+        opening = opened_signals(paths, names, probes.rate)
+    with opening as signals:
+        yield _frames(encoder, signals, name, probes, layout, answers)
+
+
+def _frames(
+    encoder: Encoder | BissLayout,
+    signals: Signals,
+    name: str,
+    probes: Probes,
+    layout: str,
+    answers: Mapping[str, Any],
+) -> _Opened:
+    time = "sample" if signals.seconds is None else "time"
+    if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
+        kinds = _kinds(encoder, layout, answers)
+        found = replies(signals, name, _baud(encoder, probes), kinds)
+        first = next(found)
+        if not first.kind:
+            raise InputError(
+                name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code"
+            )
+        return _Opened(_chained(first, found), kinds.replies[first.kind], time, signals.total)
+    if isinstance(encoder, Encoder):
+        shape, is_biss = shape_for(encoder, layout, answers), encoder.interface is Interface.BISS
+    else:
+        shape, is_biss = encoder.shape, True
+    if shape.bits > 64:
+        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
+    found = clocked(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
+    return _Opened(found, shape, time, signals.total)
+
+
+def _chained(first: Found, others: Generator[Found, None, None]) -> Generator[Found, None, None]:
+    yield first
+    yield from others
+
+
+def _kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
+    """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless wanted."""
+    wanted = layout_of(encoder, layout).name if layout else ""
+    shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
+    for item in layouts_of(encoder):
+        if item.name == wanted or not item.answers:
+            shapes[item.sender][item.name] = shape_for(encoder, item.name, answers if item.name == wanted else {})
+    return Kinds(shapes["encoder"], shapes["master"], wanted)
+
+
+def _baud(encoder: Encoder, probes: Probes) -> float:
+    if probes.baud:
+        return probes.baud
+    package, _, family = type(encoder).__module__.rpartition(".")
+    facts = import_module(f"{package}.facts.{family}")
+    return float(facts.RS485.port.baud)
+
+
+class Captures(NamedTuple):
+    """Functions that decode captures. A label denotes an encoder of the package ``package``."""
+
+    package: str
+
+    def read_capture(
+        self,
+        encoder: Encoder | BissLayout | str,
+        source: Captured,
+        *,
+        clock: str = "",
+        data: str = "",
+        rate: float | None = None,
+        rest: float | None = None,
+        baud: float | None = None,
+        layout: str = "",
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+    ) -> Capture:
+        """Decode a capture of a logic analyser. Needs NumPy.
+
+        Formats are sigrok sessions, CSV of sigrok and Saleae, binary files of Saleae, VCD, NumPy files and tables of 0
+        and 1. They are recognized by their contents.
+
+        Args:
+            encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
+            source: The file. Or an array of samples: a row per sample with a column of 0 and 1 per channel, or numbers
+                whose bits are the channels. Or the two binary files of Saleae: that of the clock and of the data line.
+            clock: Channel of the clock (MA), by name or by number from 1.
+            data: Channel of the data line (SLO), or of the serial line.
+            rate: Samples per second, if the source does not contain it.
+            rest: Shortest rest of the clock between two cycles in seconds. The default is 1.4 periods of the clock.
+            baud: Bits per second on a serial line, if they differ from the manual.
+            layout: Kind of the replies, if the encoder sends several kinds. The default is the most frequent one with a
+                position.
+            answers: Answers to the questions that the manual leaves open, by name.
+
+        Returns:
+            The frames with their times, lost cycles, and accesses to registers.
+
+        Raises:
+            InputError: The source is not a capture, or does not contain such signals. The message says what to do.
+            UsageError: The arguments are wrong or incompatible with each other.
+            OSError: A file cannot be read.
+        """
+        chosen = self._encoder(encoder)
+        log = _Log(None)
+        frames: list[Any] = []
+        times: list[Any] = []
+        with _opened(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers) as opened:
+            for found in opened.found:
+                log.add(found)
+                frames.append(found.frames)
+                times.append(found.times)
+        log.finish()
+        table = decode_many(np.concatenate(frames), opened.shape, cast(Encoder, chosen))
+        table = table.with_columns(**{opened.time: np.concatenate(times)})
+        return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
+
+    def decode_capture(
+        self,
+        encoder: Encoder | BissLayout | str,
+        source: str | os.PathLike[str] | Sequence[str],
+        target: str | os.PathLike[str],
+        *,
+        clock: str = "",
+        data: str = "",
+        rate: float | None = None,
+        rest: float | None = None,
+        baud: float | None = None,
+        layout: str = "",
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+        si: bool = False,
+        to: TargetKind | None = None,
+        columns: Sequence[str] = (),
+        limit: int | None = None,
+        raw: bool = False,
+        force: bool = False,
+        progress: Callable[[int, int | None, int], None] | None = None,
+    ) -> CaptureSummary:
+        """Decode a capture of a logic analyser into a file of columns, in bounded memory.
+
+        Args:
+            encoder, source, clock, data, rate, rest, baud, layout, answers: See ``read_capture``.
+            target: The file to write, or ``-`` for CSV on standard output.
+            si: Also write the position and the speed in SI units.
+            to, columns, limit, raw, force, progress: See ``decode_file``.
+
+        Returns:
+            The number of frames, errors and verdicts, and the lost cycles.
+
+        Raises:
+            InputError, UsageError, OSError: See ``read_capture``.
+        """
+        chosen = self._encoder(encoder)
+        to = to or target_kind(os.fspath(target))
+        if os.fspath(target) == "-" and to != "csv":
+            raise UsageError("only CSV can be written to standard output")
+        log = _Log(_SHOWN)
+        sources = _paths(source)
+        stand_in = cast(Encoder, chosen)
+        with (
+            _opened(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers) as opened,
+            written(os.fspath(target), sources, force) as file,
+        ):
+            time = opened.time
+            kept = {time: np.zeros(0)}
+            empty = decode_many([], opened.shape, stand_in)
+            if time in empty:
+                raise UsageError(f"the frames have a field '{time}', but this is the column of times")
+            empty = empty.with_columns(**kept)
+            derived = _Derived(time) if si else None
+            if derived is not None:
+                empty = derived.check(empty)
+            read = Source(_parts(opened, log), opened.total, (time,), kept)
+            plan = plan_of(empty, read, columns, sources[0], raw)
+            with SINKS[to](file, plan) as sink:
+                frames = decoded(read, opened.shape, stand_in, sink, limit, progress, derived)
+        log.finish()
+        return CaptureSummary(frames, log.reasons, tuple(log.lost), tuple(log.accesses), log.access_count, log.others)
+
+    def _encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
+        if not isinstance(encoder, str):
+            return encoder
+        found: Encoder = import_module(self.package).lookup(encoder)
+        return found
+
+
+def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
+    """Return the paths of one or several files."""
+    if isinstance(source, (str, os.PathLike)):
+        return [os.fspath(source)]
+    if not source:
+        raise UsageError("give the file of a capture")
+    return [os.fspath(path) for path in source]
+
+
+def _parts(opened: _Opened, log: _Log) -> Generator[Part, None, None]:
+    for found in opened.found:
+        log.add(found)
+        yield Part(found.frames, found.done, {opened.time: found.times})
+
+
+class _Derived:
+    """Position and speed in SI units. The speed of the first frame of a table is measured from the last table."""
+
+    def __init__(self, time: str) -> None:
+        self._time = time
+        self._last: tuple[int, float] | None = None
+
+    def check(self, empty: Table) -> Table:
+        """Return the columns of a table without frames. Raises UsageError if there are no SI units."""
+        if self._time != "time":
+            raise UsageError("speeds need the sample rate: give it with --rate")
+        try:
+            return empty.in_si()
+        except (AttributeError, ValueError) as error:
+            raise UsageError(f"no SI units: {error}") from None
+
+    def __call__(self, table: Table, others: Mapping[str, Any]) -> Table:
+        made = table.with_columns(**others).in_si(self._last)
+        good = np.flatnonzero(table.usable)
+        if len(good):
+            previous = None if self._last is None else self._last[0]
+            self._last = (int(table.unwrapped(previous)[-1]), float(others[self._time][good[-1]]))
+        return made

@@ -1,0 +1,163 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Link to an encoder over RS-485 for asyncio."""
+
+from __future__ import annotations
+
+from asyncio import Lock, StreamReader, StreamWriter, to_thread, wait_for
+from asyncio import TimeoutError as Late
+from collections.abc import Sequence
+from inspect import isawaitable
+from typing import Any, Protocol, TypeVar
+
+from .encoder import Encoder, Frame, PositionFrame
+from .link import SerialTransport, Transport
+from .session import PortError, Session, Work, rs485_facts
+from .steps import Step
+
+__all__ = ["AsyncLink", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
+
+_Result = TypeVar("_Result")
+
+
+class AsyncTransport(Protocol):
+    """Line to an encoder, for asyncio."""
+
+    async def write(self, data: bytes, /) -> object:
+        """Send bytes."""
+        ...
+
+    async def read(self, timeout_s: float, /) -> bytes:
+        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        ...
+
+
+class StreamTransport:
+    """Line over the streams of asyncio, such as those of ``asyncio.open_connection``."""
+
+    def __init__(self, reader: StreamReader, writer: StreamWriter) -> None:
+        self._reader, self._writer = reader, writer
+
+    async def write(self, data: bytes, /) -> None:
+        """Send bytes."""
+        self._writer.write(data)
+        await self._writer.drain()
+
+    async def read(self, timeout_s: float, /) -> bytes:
+        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        try:
+            return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
+        except (Late, TimeoutError):
+            return b""
+
+    def close(self) -> None:
+        """Close the streams."""
+        self._writer.close()
+
+
+class ThreadTransport:
+    """Any other transport, such as a serial port, whose waits take place in a thread."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    async def write(self, data: bytes, /) -> None:
+        """Send bytes."""
+        await to_thread(self._transport.write, data)
+
+    async def read(self, timeout_s: float, /) -> bytes:
+        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        return await to_thread(self._transport.read, timeout_s)
+
+    def close(self) -> None:
+        """Close the transport, if it can be closed."""
+        close = getattr(self._transport, "close", None)
+        if close is not None:
+            close()
+
+
+class AsyncLink:
+    """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
+
+    The methods are those of :class:`codewheel_runtime.link.Link`.
+
+    Args:
+        encoder: The encoder, with RS-485.
+        transport: Line to the encoder.
+        timeout_s: Time in seconds in which a reply must be complete.
+        retries: Number of further attempts after a failure.
+
+    Raises:
+        InterfaceError: The encoder has another interface.
+    """
+
+    def __init__(
+        self, encoder: Encoder, transport: AsyncTransport, *, timeout_s: float = 0.05, retries: int = 3
+    ) -> None:
+        self.encoder, self.transport = encoder, transport
+        self.session = Session(encoder, timeout_s=timeout_s, retries=retries)
+        self._lock = Lock()
+
+    async def position(self) -> int:
+        """Return the position in counts."""
+        return await self._do(self.session.position())
+
+    async def read(self) -> PositionFrame:
+        """Return a frame with the position."""
+        return await self._do(self.session.read())
+
+    async def exchange(self, request: Any) -> Frame:
+        """Send a request, and return the reply to it."""
+        return await self._do(self.session.exchange(request))
+
+    async def run(self, steps: Sequence[Step]) -> None:
+        """Carry out a procedure, such as a reset."""
+        await self._do(self.session.run(steps))
+
+    async def close(self) -> None:
+        """Close the transport, if it can be closed."""
+        done = getattr(self.transport, "close", lambda: None)()
+        if isawaitable(done):
+            await done
+
+    async def __aenter__(self) -> AsyncLink:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def _do(self, work: Work[_Result]) -> _Result:
+        async with self._lock:
+            try:
+                ask = next(work)
+                while True:
+                    if ask.send:
+                        await self.transport.write(ask.send)
+                    ask = work.send(await self.transport.read(ask.wait_s))
+            except StopIteration as done:
+                result: _Result = done.value
+                return result
+            except OSError as error:
+                raise PortError(f"the line to {self.encoder.code} failed: {error.strerror or error}") from error
+            finally:
+                work.close()
+
+
+def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries: int = 3) -> AsyncLink:
+    """Open a serial port with the settings of an encoder, for ``async with``.
+
+    Args:
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+        encoder: The encoder, with RS-485.
+        timeout_s: Time in seconds in which a reply must be complete.
+        retries: Number of further attempts after a failure.
+
+    Returns:
+        The link.
+
+    Raises:
+        InterfaceError: The encoder has another interface.
+        PortError: The port cannot be opened, or pyserial is not installed.
+    """
+    Session(encoder)
+    line = ThreadTransport(SerialTransport(port, rs485_facts(encoder).port.baud))
+    return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries)

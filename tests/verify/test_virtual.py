@@ -1,0 +1,122 @@
+"""Virtual encoders against the generated package: frames of each layout, and links with each fault, in virtual time.
+
+``CODEWHEEL_FRAMES`` lowers the number of frames. The link gets 100,000 requests for each fault in any case.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from bench import codes_with
+from codewheel.model import Flag, Layout, Unused, number_to_bytes
+from codewheel.targets import Library
+from codewheel.virtual import FAULTS, VirtualEncoder
+from tree import library as by_name
+from tree import number_from_environment
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "virtual"))
+
+import test_link_faults as shorter
+
+Package = tuple[Path, ModuleType]
+FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
+REQUESTS = 100_000
+LAYOUTS = [
+    (device.name, interface.name, layout.name)
+    for device in by_name().values()
+    for interface, layout in device.layouts()
+    if layout.sender == "encoder" and not device.base
+]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_no_fault_makes_a_position_wrong(generated_python: Package, library: Library, fault: str) -> None:
+    """Half of the requests without retries and many faults, half with retries and few."""
+    codes = codes_with(library.devices, "rs485")
+    outcomes, injected = shorter.counted(generated_python[1], codes, fault, 0.2, REQUESTS // 2, 0)
+    more, injected_too = shorter.counted(generated_python[1], codes, fault, 0.02, REQUESTS // 2, 3)
+    assert outcomes["wrong"] == more["wrong"] == 0
+    assert sum(outcomes.values()) + sum(more.values()) == REQUESTS
+    assert set(outcomes) - {"right", "wrong"} <= set(shorter.ERRORS[fault])
+    assert injected[fault] + injected_too[fault] > REQUESTS / 50
+    # Four faults in a row, so that no retry is left, occur once in six million requests.
+    assert more["right"] >= REQUESTS // 2 - 2 or fault in ("busy", "restart", "brownout")
+
+
+@pytest.mark.parametrize(("family", "interface", "name"), LAYOUTS)
+def test_the_package_decodes_what_a_virtual_encoder_sends(
+    generated_python: Package, library: Library, family: str, interface: str, name: str
+) -> None:
+    """Random positions, flags and order codes: every column has the value that was sent."""
+    numpy = pytest.importorskip("numpy")
+    lika: Any = generated_python[1]
+    device = next(item for item in library.devices if item.name == family)
+    codes = [item.code for item in device.variants if item.interface == interface]
+    module, chance = getattr(lika, family), random.Random(name)
+    for at, code in enumerate(codes):
+        count = (at + 1) * FRAMES // len(codes) - at * FRAMES // len(codes)
+        answers = {item.name: chance.choice(item.answers).name for item in device.alternatives}
+        virtual = VirtualEncoder(code, choose=answers)
+        layout = next(item for item in virtual.layouts("encoder") if item.name == name)
+        sent, frames = _sent(virtual, layout, count, chance)
+        rows: Any = frames
+        if layout.in_bytes:
+            rows = numpy.frombuffer(b"".join(frames), dtype=numpy.uint8).reshape(count, -1)
+        encoder = lika.lookup(code)
+        chosen = {
+            key: getattr(getattr(module, "".join(part.title() for part in key.split("_"))), value.upper())
+            for key, value in answers.items()
+        }
+        needed = {item.name: chosen[item.name] for item in device.alternatives_of(layout)}
+        if layout.in_bytes:
+            kind = getattr(module, "".join(part.title() for part in name.split("_")))
+            table = encoder.decode_many(rows, kind, **needed)
+        else:
+            table = encoder.decode_many(numpy.array(rows, dtype=numpy.uint64), **needed)
+        assert not numpy.any(table["fault"])
+        for key, values in sent.items():
+            assert numpy.array_equal(table[key], numpy.array(values)), (code, key)
+
+
+def _sent(
+    virtual: VirtualEncoder, layout: Layout, count: int, chance: random.Random
+) -> tuple[dict[str, list[int | bool]], list[Any]]:
+    """Return the values that were sent, by column, and the frames."""
+    placed = virtual.place(layout)
+    flags = [item.name for item in placed.fields if isinstance(item.field.kind, Flag)]
+    names = [item.name for item in placed.fields if item.name in virtual.position_names()]
+    joined = [join.name for join in layout.joins]
+    sent: dict[str, list[int | bool]] = {item: [] for item in (*names, *joined)}
+    given: dict[str, int | str | bool] = {}
+    of_request = [
+        item
+        for item in placed.fields
+        if item.name in ("address", "data") and not isinstance(item.field.kind, (Flag, Unused))
+    ]
+    frames: list[Any] = []
+    position, width = 0, placed.bits
+    virtual.position = lambda _: position
+    for _ in range(count):
+        position = chance.getrandbits(63) % virtual.counts
+        if layout.selector:
+            given[layout.selector] = chance.choice(layout.selects)
+        given |= {item.name: chance.getrandbits(item.width) for item in of_request}
+        active = {item for item in flags if chance.random() < 0.1}
+        given |= {item: item in active for item in flags}
+        number = virtual.frame(layout, given)
+        frames.append(number_to_bytes(layout, number, width) if layout.in_bytes else number)
+        for item in flags:
+            sent.setdefault(item, []).append(item in active)
+        for field in of_request:
+            sent.setdefault(field.name, []).append(int(given[field.name]))
+        parts = virtual.parts_now()
+        for item in names:
+            sent[item].append(parts[item] & placed.field(item).mask)  # type: ignore[union-attr]
+        for item in joined:
+            sent[item].append(position)
+    return sent, frames

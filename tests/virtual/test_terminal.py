@@ -1,0 +1,198 @@
+"""Links to virtual encoders over real pseudo-terminals and TCP, and the command ``simulate``."""
+
+from __future__ import annotations
+
+import asyncio
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from bench import codes_with
+from codewheel.commands.arguments import EXAMPLES
+from codewheel.commands.cli import main
+from codewheel.targets import Library
+from codewheel.virtual import FAULTS
+
+pytestmark = pytest.mark.slow
+
+Package = tuple[Path, ModuleType]
+CODE = "AMM5A23/65KJP1"
+
+
+@contextmanager
+def simulated(*arguments: str) -> Iterator[str]:
+    """Run the command as a user does, with its output in a pipe, and yield the line that it prints."""
+    command = [sys.executable, "-m", "codewheel", "simulate", *arguments]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            yield process.stdout.readline().strip()
+        finally:
+            process.terminate()
+
+
+def test_the_first_commands_of_a_user(generated_python: Package) -> None:
+    lika: Any = generated_python[1]
+    with simulated(CODE, "--position", "1000003") as port, lika.open_encoder(port, CODE) as encoder:
+        assert encoder.position() == 1_000_003
+        assert encoder.read().usable_position == 1_000_003
+        assert encoder.exchange(lika.amm5.DataId.ENCODER_ID).encoder_id == 0x23
+        encoder.run(lika.amm5.reset_singleturn_and_multiturn())
+        assert encoder.position() == 0
+        # The line of the runtime's own ``run`` too.
+        lika.run(lika.amm5.reset_errors(), encoder)
+
+
+def test_over_tcp_and_for_asyncio(generated_python: Package) -> None:
+    lika: Any = generated_python[1]
+    from codewheel_runtime.link_async import AsyncLink, StreamTransport, open_async
+
+    async def both(port: str) -> list[int]:
+        host, number = port.removeprefix("socket://").split(":")
+        reader, writer = await asyncio.open_connection(host, int(number))
+        async with AsyncLink(lika.lookup(CODE), StreamTransport(reader, writer)) as encoder:
+            found = await asyncio.gather(*(encoder.position() for _ in range(3)))
+            await encoder.run(lika.amm5.reset_singleturn_and_multiturn())
+        async with open_async(port, lika.lookup(CODE)) as encoder:
+            return [*found, await encoder.position(), (await encoder.read()).usable_position]
+
+    with simulated(CODE, "--position", "1000003", "--tcp") as port:
+        assert port.startswith("socket://127.0.0.1:")
+        with lika.open_encoder(port, CODE) as encoder:
+            assert encoder.position() == 1_000_003
+        assert asyncio.run(both(port)) == [1_000_003] * 3 + [0, 0]
+
+
+def test_levels_of_biss_over_tcp() -> None:
+    import socket
+
+    with simulated("AMM5A21/65KSC1", "--position", "1000003", "--tcp") as port:
+        host, number = port.removeprefix("socket://").split(":")
+        with socket.create_connection((host, int(number))) as line:
+            line.sendall(b"01" * 52 + b"T")
+            answer = b""
+            while len(answer) < 105:
+                answer += line.recv(4096)
+    assert answer[1:104:2] == b"1" + b"000" + b"1" + b"0" + f"{1_000_003:037b}11".encode() + b"010011" + b"0"
+
+
+@pytest.mark.parametrize("line", EXAMPLES["simulate"])
+def test_the_examples_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "my_encoder"]) == 0
+    with simulated(*shlex.split(line)[2:]) as port:
+        assert port
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([CODE, "--position", "x"], "codewheel: 'x' is not a position; write 1000003, sine:0.5Hz or ramp:1000"),
+        ([CODE, "--fault", "x"], "codewheel: 'x' is not a fault; write a name and a rate from 0 to 1"),
+        ([CODE, "--flag", "x"], f"codewheel: {CODE} has no flag 'x'; it has: "),
+        ([CODE, "--register", "0x12=1"], f"codewheel: {CODE} has no register at 0x12"),
+        ([CODE, "--choose", "x=y"], f"codewheel: 'x=y' answers no question of {CODE}; write eeprom_address="),
+        (["AMM5A22/65KJP1"], "codewheel: 'AMM5A22/65KJP1' has singleturn '22'"),
+        ([CODE, "--tcp", "70000"], "codewheel: cannot open a port: "),
+    ],
+)
+def test_wrong_usage_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
+    assert main(["simulate", *arguments]) == (1 if "--tcp" in arguments else 2)
+    captured = capsys.readouterr()
+    assert captured.err.startswith(message)
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+
+
+def test_errors_of_ports(generated_python: Package, tmp_path: Path) -> None:
+    lika: Any = generated_python[1]
+    from codewheel_runtime.link import PortError
+
+    with pytest.raises(PortError, match=r"cannot open .*nothing: No such file or directory; ports here: "):
+        lika.open_encoder(str(tmp_path / "nothing"), CODE)
+    with pytest.raises(lika.InterfaceError, match="but this needs RS-485, because a serial port cannot send its clock"):
+        lika.open_encoder("any", "AMM5A21/65KSC1")
+    with pytest.raises(lika.OrderCodeError):
+        lika.open_encoder("any", "AMM5A22/65KJP1")
+
+
+def test_a_port_that_goes_away(generated_python: Package) -> None:
+    lika: Any = generated_python[1]
+    from codewheel_runtime.link import LinkError
+
+    with simulated(CODE) as port:
+        encoder = lika.open_encoder(port, CODE)
+        assert encoder.position() == 0
+    with encoder, pytest.raises(LinkError, match=rf"^(the line to {CODE} failed|no reply)"):
+        encoder.position()
+
+
+def test_another_kind_of_encoder(generated_python: Package, virtual_encoder: Callable[..., Any]) -> None:
+    """A position with more bits than the order code has."""
+    lika: Any = generated_python[1]
+    from codewheel_runtime.link import WrongEncoderError
+
+    served = virtual_encoder(CODE, position=(1 << 23) - 1)
+    with lika.open_encoder(served.port, "AMM5A17/65KJP1", timeout_s=0.2) as encoder:
+        with pytest.raises(WrongEncoderError, match=r"is from another kind of encoder: .*; check the order code"):
+            encoder.position()
+        encoder.session.encoder = lika.lookup(CODE)
+        assert encoder.position() == (1 << 23) - 1
+
+
+def test_200_requests_for_each_order_code(
+    generated_python: Package, virtual_encoder: Callable[..., Any], library: Library
+) -> None:
+    lika: Any = generated_python[1]
+    for code in codes_with(library.devices, "rs485"):
+        position = [0]
+        served = virtual_encoder(code, position=lambda now, position=position: position[0])
+        with lika.open_encoder(served.port, code, timeout_s=1) as encoder:
+            for value in range(0, served.encoder.counts, served.encoder.counts // 199):
+                position[0] = value
+                assert encoder.position() == value
+
+
+def _times_of_requests(encoder: Any) -> list[float]:
+    """Return a list whose item is the time of the last request for the position."""
+    asked, write = [0.0], encoder.transport.write
+
+    def timed(data: bytes) -> None:
+        if data == b"\x1a":
+            asked[0] = time.monotonic()
+        write(data)
+
+    encoder.transport.write = timed
+    return asked
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_2000_requests_with_each_fault(
+    generated_python: Package, virtual_encoder: Callable[..., Any], fault: str
+) -> None:
+    """One reply in fifty has the fault. The shaft turns, so a position from before the request would be too old."""
+    lika: Any = generated_python[1]
+    started = time.monotonic()
+    served = virtual_encoder(CODE, lambda now: now * 1e6, faults=[f"{fault}:0.02"], clock=time.monotonic)
+    errors = 0
+    with lika.open_encoder(served.port, CODE, timeout_s=0.03) as encoder:
+        asked = _times_of_requests(encoder)
+        for _ in range(2000):
+            try:
+                value = encoder.position()
+            except lika.LinkError:
+                errors += 1
+                continue
+            age = (value - int(asked[0] * 1e6)) % served.encoder.counts
+            assert age <= (time.monotonic() - asked[0]) * 1e6
+    assert served.encoder.faults.injected[fault] > 10
+    # On a busy machine a reply can be late without a fault. The link may give up, but return no wrong position.
+    assert errors < 20 or fault in ("busy", "restart", "brownout", "late", "low", "high")
+    assert time.monotonic() - started < 60
