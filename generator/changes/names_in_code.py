@@ -39,4 +39,7 @@ def named_in_code(both: FamilyPair, pair: Pair[Any], path: str, label: str, inte
     if section == "layouts" and len(device.interface(words["interface"]).layouts) == 1:
         # The only frame of an interface needs no further name.
         c = c.replace(f"_{pair.first.name}_…", "_…")
+    if section == "crcs" and not interface:
+        # C has no function for a CRC that no frame uses.
+        c = "{manufacturer}_{family}_…".format(**words)
     return replace(thing, c=c, python=python)
