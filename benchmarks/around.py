@@ -38,24 +38,24 @@ class Part:
 
     @property
     def source(self) -> str:
-        folders = {"amm5": "lika"}
+        folders = {"amm5_biss": "lika"}
         includes = "".join(f'#include "{folders.get(name, "codewheel")}/{name}.h"\n' for name in self.headers)
         head = f"uint32_t measured({self.given})"
         return f"{includes}{head};\n{head}\n{{\n    {self.body}\n}}\n"
 
 
-_CODE = "LIKA_AMM5_A23_65KSC1_BISS"
+_CODE = "LIKA_AMM5_BISS_A23_65KSC1"
 PARTS = (
     Part(
         "receive: a BiSS frame of 47 bits",
-        ("amm5", "receive"),
+        ("amm5_biss", "receive"),
         "const uint8_t *rx, uint64_t *word",
         f"return (uint32_t)cw_biss_receive(rx, {_CODE}_RX_BYTES, {_CODE}_BITS, word);",
         160,
     ),
     Part(
         "receive: an SSI word of 39 bits",
-        ("amm5", "receive"),
+        ("amm5_biss", "receive"),
         "const uint8_t *rx, uint64_t *word",
         "return (uint32_t)cw_ssi_receive(rx, 6U, 39U, word);",
         160,

@@ -14,11 +14,11 @@ from .pairs import Pair
 #: Names of each kind of thing in C and in Python, with the manufacturer, the family and the thing itself.
 _NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "registers": ("{MANUFACTURER}_{FAMILY}_REG_{NAME}_…", '{family}.REGISTERS["{name}"]'),
-        "layouts": ("{manufacturer}_{family}_{name}_…", "{family}.{Name}"),
-        "procedures": ("{manufacturer}_{family}_{name}_…", "{family}.{name}"),
-        "crcs": ("{manufacturer}_{family}_crc_{name}", "{family}.crc_{name}"),
-        "data_ids": ("{MANUFACTURER}_{FAMILY}_DATA_ID_{NAME}", "{family}.DataId"),
+        "registers": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_REG_{NAME}_…", '{family}.REGISTERS["{name}"]'),
+        "layouts": ("{manufacturer}_{family}_{interface}_{name}_…", "{family}.{Name}"),
+        "procedures": ("{manufacturer}_{family}_{interface}_{name}_…", "{family}.{name}"),
+        "crcs": ("{manufacturer}_{family}_{interface}_crc_{name}", "{family}.crc_{name}"),
+        "data_ids": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_DATA_ID_{NAME}", "{family}.DataId"),
     }
 )
 
@@ -32,7 +32,14 @@ def named_in_code(both: FamilyPair, pair: Pair[Any], path: str, label: str, inte
         return thing
     device = both.new if pair.old is None else both.old
     words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}
+    words["interface"] = interface or getattr(pair.first, "interface", "") or device.interfaces[0].name
     words |= {key.upper(): text.upper() for key, text in words.items()}
     words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.first.name.split("_"))
     c, python = (text.format(**words) for text in _NAMES[section])
+    if section == "layouts" and len(device.interface(words["interface"]).layouts) == 1:
+        # The only frame of an interface needs no further name.
+        c = c.replace(f"_{pair.first.name}_…", "_…")
+    if section == "crcs" and not interface:
+        # C has no function for a CRC that no frame uses.
+        c = "{manufacturer}_{family}_…".format(**words)
     return replace(thing, c=c, python=python)

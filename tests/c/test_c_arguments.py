@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from c_harness import MadeOnce, Run, compile_c, devices_of, program_over, source, write
+from c_harness import MadeOnce, Run, compile_programs, devices_of, program_over, write
 from codewheel.model import Device, Procedure, Variant
 from codewheel.reference.codec import EncodeError
 from codewheel.reference.procedures import register_writes
@@ -45,7 +45,7 @@ def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> No
     """Not for an encoder that is known by a byte called ``variant_id``."""
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
-    compile_c(command, source(arguments), tmp_path, write(tmp_path, (arguments,)), link=False)
+    compile_programs(command, arguments, tmp_path, write(tmp_path, (arguments,)), link=False)
 
 
 @pytest.mark.parametrize("code", ["ZASC", "ZBSC"])

@@ -99,11 +99,13 @@ def test_headers_and_runtimes_of_two_generations(
         (old, with_runtime(old, 2, 0), "1.0"),
         (old, with_runtime(old, 0, 9), "1.0"),
     ):
-        texts = {**runtime, "maker/demo.h": header["maker/demo.h"]}
-        code, said = compiled(tmp_path / "c", texts, '#include "maker/demo.h"\n', compiler)
+        texts = {**runtime, "maker/demo_ssi.h": header["maker/demo_ssi.h"]}
+        code, said = compiled(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
         assert (code == 0) == (version == ""), said
         errors = [line for line in said.splitlines() if "error" in line]
-        wanted = f'#error "maker/demo.h needs the codewheel runtime {version} or a newer 1.x: see codewheel/version.h"'
+        wanted = (
+            f'#error "maker/demo_ssi.h needs the codewheel runtime {version} or a newer 1.x: see codewheel/version.h"'
+        )
         assert [line.endswith(wanted) for line in errors[:1]] == ([True] if version else [])
 
 
@@ -128,9 +130,9 @@ def test_the_version_of_the_runtime_costs_nothing(tmp_path: Path) -> None:
     old = headers(tmp_path / "old")
     made = []
     for name, texts in (("one", old), ("two", with_runtime(old, 1, 7))):
-        assert compiled(tmp_path / name, texts, '#include "maker/demo.h"\n') == (0, "")
-        function = "uint32_t f(const maker_demo_variant *v) { return maker_demo_ssi_word_bits(v); }"
-        source = f'#include "maker/demo.h"\n{function}\n'
+        assert compiled(tmp_path / name, texts, '#include "maker/demo_ssi.h"\n') == (0, "")
+        function = "uint32_t f(const maker_demo_ssi *v) { return maker_demo_ssi_bits(v); }"
+        source = f'#include "maker/demo_ssi.h"\n{function}\n'
         command = ["gcc", "-std=c99", "-O2", "-S", f"-I{tmp_path / name}", "-xc", "-", "-o", "-"]
         made.append(subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout)
     assert made[0] == made[1]

@@ -60,5 +60,5 @@ def test_a_limit_that_is_a_product_at_run_time_has_a_type_that_holds_it() -> Non
     devices, _ = load_for([SOUND], targets_named())
     (device,) = (item for item in devices if item.name == "product_limit")
     (c,) = (item for item in targets_named() if item.name == "c")
-    text = c.files(Library((device,)), {})["c/include/acme/product_limit.h"]
-    assert "static inline uint64_t acme_product_limit_reg_preset_max(" in text
+    text = c.files(Library((device,)), {})["c/include/acme/product_limit_biss_registers.h"]
+    assert "static inline uint64_t acme_product_limit_biss_reg_preset_max(" in text

@@ -51,11 +51,12 @@ class Chosen:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
         given = [item for item in device.examples if self._is_here(item)]
-        counted = Counter(example_variant(device, item).code for item in given if not item.erratum)
+        # An example without an order code holds for every one.
+        counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
         variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
         # Without any example, take the one with the finest resolution.
         self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
-        self.examples = [item for item in given if example_variant(device, item) == self.variant]
+        self.examples = [item for item in given if example_variant(device, item).code == self.variant.code]
         self.frame = self._frame()
 
     def _is_here(self, example: Example) -> bool:

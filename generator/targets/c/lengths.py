@@ -28,19 +28,36 @@ class LengthCode:
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(interface, found))
-        self._stems = {id(row.variant): row.macro for row in rows}
+        self._codes = {id(row.variant): row.code for row in rows}
+        self._prefix = f"{context.PREFIX}_"
+        self._first = found[0] if found else None
         self.macros = [macro for item in found for macro in self.macros_of(item)]
 
+    @property
+    def receive(self) -> str:
+        """The macro that receives with the lengths of an order code, empty if there are several frames."""
+        return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
+
+    @property
+    def named(self) -> str:
+        """Say how the macro names an order code."""
+        code = self.code_of(self._first) if self._first is not None else ""
+        return f"For code, write {code} for example, as in {self._prefix}{code}_BITS."
+
+    def code_of(self, item: Received) -> str:
+        """Return the name of an order code in names of lengths, with the answers on which these depend."""
+        names = [item.layout.name] if len(self.layouts) > 1 else []
+        return "_".join((self._codes[id(item.variant)], *names, *(answer.name for answer in item.answers))).upper()
+
     def declared(self) -> Iterator[Declared]:
-        yield from ((item.name, ("interfaces", self.interface.name)) for item in self.macros)
+        names = (*(item.name for item in self.macros), self.receive)
+        yield from ((name, ("interfaces", self.interface.name)) for name in names if name)
 
     def macros_of(self, item: Received) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
-        names = [item.layout.name] if len(self.layouts) > 1 else []
-        names += [answer.name for answer in item.answers]
-        stem = "_".join((self._stems[id(item.variant)], self.interface.name, *names))
-        yield Macro(f"{stem}_BITS".upper(), number(item.bits))
-        yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
+        stem = f"{self._prefix}{self.code_of(item)}"
+        yield Macro(f"{stem}_BITS", number(item.bits), "bits of its frame")
+        yield Macro(f"{stem}_RX_BYTES", number(item.bytes), "bytes of its buffer")
 
 
 def _register_access(interface: Interface, found: Sequence[Received]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from .types import string
 
 #: Places where a long line may be broken, the better ones first.
 _CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
-_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
+_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
 _OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
@@ -88,7 +88,7 @@ def laid_out(text: str) -> str:
     in_comment = False
     for line in text.splitlines():
         in_comment = in_comment or line.lstrip().startswith("/*")
-        if in_comment or len(line) <= COLUMNS or line.endswith("};"):
+        if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
             lines += _lines(line, goes_on=bool(lines) and lines[-1].endswith(_OPEN))

@@ -13,7 +13,7 @@ from ...plan.codec import Codec
 from ...plan.limits import limits_of
 from ...plan.refusals import NoPowerOfTwo, outside, refusals
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from ...say.name import title, words
+from ...say.name import full_title, title, words
 from .about import about_member, about_register, table
 from .access import Access
 from .codec import StructCodec
@@ -93,6 +93,11 @@ class RegisterCode:
     def is_plain(self) -> bool:
         """True if the byte itself is the value, so that it needs no struct."""
         return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.struct.plan)
+
+    @property
+    def title(self) -> str:
+        """Its name, and that in the manual."""
+        return full_title(self.register)
 
     @property
     def expected(self) -> int | None:

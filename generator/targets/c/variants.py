@@ -19,9 +19,10 @@ from .types import number
 
 @dataclass(frozen=True, slots=True)
 class CodeRow:
-    """An order code, the macro of its variant, and the values of that macro."""
+    """An order code, its name in C with and without the prefix, and its values."""
 
     variant: Variant
+    code: str
     macro: str
     values: tuple[str, ...]
 
@@ -37,14 +38,15 @@ class VariantCode:
         known = set(unknown_parts(self.device))
         left_open = [part for part in self.device.order_code.parts if part.open and part.name not in known]
         self.unlisted = [
-            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True))
+            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True), part.name)
             for index, part in enumerate(left_open)
         ]
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[Declared]:
-        for name in ("variant", "order_code", "order_codes", "find_order_code"):
+        yield self.context.prefix, ()
+        for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
         for item in self._named:
             yield f"{self.context.prefix}_{item.name}", ("parameters", item.name)
@@ -89,8 +91,10 @@ class VariantCode:
         family, stem = self.device.name.upper(), variant.code.upper()
         if all(item.code.upper().startswith(family) for item in self.device.variants):
             stem = stem.removeprefix(family)
-        macro = f"{self.context.PREFIX}_{re.sub('[^A-Z0-9]+', '_', stem).strip('_')}"
-        return CodeRow(variant, macro, tuple(_value(item, variant) for item in self.parameters))
+        code = re.sub("[^A-Z0-9]+", "_", stem).strip("_")
+        return CodeRow(
+            variant, code, f"{self.context.PREFIX}_{code}", tuple(_value(item, variant) for item in self.parameters)
+        )
 
 
 def _value(item: Parameter, variant: Variant) -> str:
