@@ -79,6 +79,25 @@ void a_frame_of_biss(void)
     __CPROVER_assert((result != CW_OK) || (word == expected), "the word");
 }
 
+/* Up to 64 bits from any place within a byte on, in a buffer that ends with the last of them. */
+void a_word_over_nine_bytes(void)
+{
+    const size_t first = nondet_size();
+    const uint32_t bits = nondet_word();
+    uint8_t buffer[9];
+    uint64_t found;
+    size_t at;
+    __CPROVER_assume((first < 8U) && (bits <= 64U));
+    for (at = 0U; at < sizeof buffer; at++) {
+        buffer[at] = nondet_byte();
+    }
+    found = cw_received_bits(buffer, first, bits);
+    at = nondet_size();
+    __CPROVER_assume(at < 64U);
+    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(buffer, (first + bits) - 1U - at) : 0U),
+        "each bit of the word");
+}
+
 void a_frame_in_whole_bytes(void)
 {
     const uint32_t bits = nondet_word();

@@ -48,18 +48,68 @@ static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
     return (byte >> left) & 1U;
 }
 
+/**
+ * Return the place of the first bit from first on that differs from the bits of same, which is 0x00
+ * or 0xFF. If there is none, return end.
+ */
+static inline size_t cw_received_other(
+    const uint8_t *rx, size_t first, size_t end, uint32_t same)
+{
+    const size_t size = (end / 8U) + (((end % 8U) != 0U) ? 1U : 0U);
+    size_t at = first / 8U;
+    uint32_t byte;
+    if (first >= end) {
+        return end;
+    }
+    byte = ((uint32_t)rx[at] ^ same) & (0xFFU >> (first % 8U));
+    while (byte == 0U) {
+        at++;
+        if (at >= size) {
+            return end;
+        }
+        byte = (uint32_t)rx[at] ^ same;
+    }
+    at *= 8U;
+    if (byte < 0x10U) {
+        byte <<= 4U;
+        at += 4U;
+    }
+    if (byte < 0x40U) {
+        byte <<= 2U;
+        at += 2U;
+    }
+    if (byte < 0x80U) {
+        at++;
+    }
+    return (at < end) ? at : end;
+}
+
 /** Return up to 64 bits as a number. Its most significant bit is the bit at first. */
 static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
     /* Work on two halves, since small processors are slow at shifting 64 bits. */
     const size_t end = first + (size_t)bits;
+    size_t at = first / 8U;
     uint32_t high = 0U;
     uint32_t low = 0U;
-    size_t at;
-    for (at = first; at < end; at++) {
-        high = ((high & 0x7FFFFFFFU) << 1U) | (low >> 31U);
-        low = ((low & 0x7FFFFFFFU) << 1U) | cw_received_bit(rx, at);
+    uint32_t byte;
+    size_t last;
+    size_t used;
+    if (bits == 0U) {
+        return 0U;
     }
+    last = (end - 1U) / 8U;
+    byte = (uint32_t)rx[at] & (0xFFU >> (first % 8U));
+    while (at < last) {
+        high = (high << 8U) | (low >> 24U);
+        low = (low << 8U) | byte;
+        at++;
+        byte = rx[at];
+    }
+    /* Use 1 to 8 bits of the last byte. A word of up to 64 bits can be spread over 9 bytes. */
+    used = end - (8U * last);
+    high = (high << used) | (low >> (32U - used));
+    low = (low << used) | (byte >> (8U - used));
     return ((uint64_t)high << 32U) | low;
 }
 
@@ -84,6 +134,27 @@ static inline void cw_received_words32(const uint32_t *words, size_t count, uint
 }
 
 /**
+ * Return one bit of each of 8 samples, that of the first sample in bit 7.
+ *
+ * @param samples  the samples
+ * @param place  place of the bit in each sample, 0 to 7
+ */
+static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t place)
+{
+    /* Compilers turn each of the sums into one load, where the processor has such a load. */
+    const uint32_t first = (uint32_t)samples[0] | ((uint32_t)samples[1] << 8U) |
+        ((uint32_t)samples[2] << 16U) | ((uint32_t)samples[3] << 24U);
+    const uint32_t then = (uint32_t)samples[4] | ((uint32_t)samples[5] << 8U) |
+        ((uint32_t)samples[6] << 16U) | ((uint32_t)samples[7] << 24U);
+    uint32_t bits = ((first >> place) & 0x01010101U) << 4U;
+    bits |= (then >> place) & 0x01010101U;
+    /* Sample n is now bit 8n + 4, or bit 8n - 32. Copy it to bit 31 - n, where nothing else is. */
+    bits |= bits << 9U;
+    bits |= bits << 18U;
+    return bits >> 24U;
+}
+
+/**
  * Pack samples of the data line into bytes. The last byte is padded with ones, which cannot be
  * mistaken for the 0 after a word. For BiSS, pass count to cw_biss_receive_bits, which ignores
  * the padding.
@@ -98,8 +169,14 @@ static inline size_t cw_received_samples(
     const uint8_t *samples, size_t count, uint8_t mask, uint8_t *rx)
 {
     const size_t size = (count / 8U) + (((count % 8U) != 0U) ? 1U : 0U);
+    const uint32_t place = ((mask > 0x0FU) ? 4U : 0U) + (((mask & 0xCCU) != 0U) ? 2U : 0U) +
+        (((mask & 0xAAU) != 0U) ? 1U : 0U);
+    const size_t whole = (mask == (1U << place)) ? (count / 8U) : 0U;
     size_t byte;
-    for (byte = 0U; byte < size; byte++) {
+    for (byte = 0U; byte < whole; byte++) {
+        rx[byte] = (uint8_t)cw_received_8_samples(&samples[8U * byte], place);
+    }
+    for (byte = whole; byte < size; byte++) {
         uint32_t bits = 0U;
         size_t at;
         for (at = 8U * byte; at < ((8U * byte) + 8U); at++) {
@@ -155,29 +232,23 @@ CW_NODISCARD
 static inline cw_result cw_biss_receive_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint64_t *word)
 {
-    const size_t end = received;
-    size_t at = 0U;
-    size_t first;
-    while ((at < end) && (cw_received_bit(rx, at) != 0U)) {
-        at++;
-    }
-    if (at == end) {
+    const size_t low = cw_received_other(rx, 0U, received, 0xFFU);
+    const size_t start = cw_received_other(rx, low, received, 0U);
+    const size_t first = start + 2U;
+    const size_t stop = first + (size_t)bits;
+    if (low == received) {
         return CW_FAULT_LINE_HIGH;
     }
-    if (at == 0U) {
+    if (low == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    while ((at < end) && (cw_received_bit(rx, at) == 0U)) {
-        at++;
-    }
-    if (at == end) {
+    if (start == received) {
         return CW_FAULT_NO_START;
     }
-    first = at + 2U;
-    if ((bits > 64U) || ((first + (size_t)bits) > end)) {
+    if ((bits > 64U) || (stop > received)) {
         return CW_FAULT_LENGTH;
     }
-    if (((first + (size_t)bits) < end) && (cw_received_bit(rx, first + (size_t)bits) != 0U)) {
+    if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
         return CW_FAULT_CONSTANT;
     }
     *word = cw_received_bits(rx, first, bits);
@@ -204,18 +275,12 @@ static inline cw_result cw_biss_receive(
 CW_NODISCARD
 static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
-    const size_t end = received;
-    size_t at = 0U;
-    while ((at < end) && (cw_received_bit(rx, at) != 0U)) {
-        at++;
-    }
-    while ((at < end) && (cw_received_bit(rx, at) == 0U)) {
-        at++;
-    }
-    if ((at + 1U) >= end) {
+    const size_t low = cw_received_other(rx, 0U, received, 0xFFU);
+    const size_t cds_at = cw_received_other(rx, low, received, 0U) + 1U;
+    if (cds_at >= received) {
         return CW_FAULT_LENGTH;
     }
-    *cds = cw_received_bit(rx, at + 1U) != 0U;
+    *cds = cw_received_bit(rx, cds_at) != 0U;
     return CW_OK;
 }
 
