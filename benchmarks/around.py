@@ -284,18 +284,20 @@ PARTS = (
 )
 
 
+def measured(part: Part, board: Board, include: Path, folder: Path) -> tuple[int, int | None]:
+    """Return the bytes of a part on a board, and the count of its call."""
+    source, entry = folder / "around.c", folder / "entry.c"
+    source.write_text(part.source, encoding="utf-8")
+    count = None
+    if part.call is not None:
+        entry.write_text(part.entry(part.call), encoding="utf-8")
+        count = board.executed([source, entry], [include], folder)
+    return board.size([source], [include], "measured", folder), count
+
+
 def measure(board: Board, include: Path, folder: Path) -> Figures:
-    """Return the bytes of each part on a board, and the count of its call."""
-    found = {}
-    for part in PARTS:
-        source, entry = folder / "around.c", folder / "entry.c"
-        source.write_text(part.source, encoding="utf-8")
-        count = None
-        if part.call is not None:
-            entry.write_text(part.entry(part.call), encoding="utf-8")
-            count = board.executed([source, entry], [include], folder)
-        found[part.title] = board.size([source], [include], "measured", folder), count
-    return found
+    """Return the figures of all parts on a board."""
+    return {part.title: measured(part, board, include, folder) for part in PARTS}
 
 
 def table(figures: Mapping[str, Figures]) -> str:
