@@ -28,6 +28,8 @@ PACKAGES = {
     "cmake": "apt-get install cmake",
     "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",
+    "sdcc": "apt-get install sdcc",
+    "sstm8": "apt-get install sdcc-ucsim",
     "chromium": "apt-get install chromium",
 }
 
