@@ -48,40 +48,38 @@ static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
     return (byte >> left) & 1U;
 }
 
-/**
- * Return the place of the first bit from first on that differs from the bits of same, which is 0x00
- * or 0xFF. If there is none, return end.
- */
-static inline size_t cw_received_other(
-    const uint8_t *rx, size_t first, size_t end, uint32_t same)
+/** Return 4 bytes as a number. The first one is the most significant. */
+static inline uint32_t cw_received_4_bytes(const uint8_t *rx)
 {
-    const size_t size = (end / 8U) + (((end % 8U) != 0U) ? 1U : 0U);
-    size_t at = first / 8U;
-    uint32_t byte;
-    if (first >= end) {
-        return end;
+#if defined(__GNUC__) && defined(__ARM_FEATURE_UNALIGNED) && \
+    (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
+    uint32_t loaded;
+    (void)__builtin_memcpy(&loaded, rx, 4U);
+    return __builtin_bswap32(loaded);
+#else
+    return ((uint32_t)rx[0] << 24U) | ((uint32_t)rx[1] << 16U) | ((uint32_t)rx[2] << 8U) |
+        (uint32_t)rx[3];
+#endif
+}
+
+/** Return the number of zeros above the highest 1 of a number, which must not be 0. */
+static inline uint32_t cw_received_zeros(uint32_t value)
+{
+#if defined(__GNUC__) && defined(__ARM_FEATURE_CLZ)
+    return (uint32_t)__builtin_clz(value);
+#else
+    uint32_t left = value;
+    uint32_t zeros = 0U;
+    while (left < 0x1000000U) {
+        left <<= 8U;
+        zeros += 8U;
     }
-    byte = ((uint32_t)rx[at] ^ same) & (0xFFU >> (first % 8U));
-    while (byte == 0U) {
-        at++;
-        if (at >= size) {
-            return end;
-        }
-        byte = (uint32_t)rx[at] ^ same;
+    while (left < 0x80000000U) {
+        left <<= 1U;
+        zeros++;
     }
-    at *= 8U;
-    if (byte < 0x10U) {
-        byte <<= 4U;
-        at += 4U;
-    }
-    if (byte < 0x40U) {
-        byte <<= 2U;
-        at += 2U;
-    }
-    if (byte < 0x80U) {
-        at++;
-    }
-    return (at < end) ? at : end;
+    return zeros;
+#endif
 }
 
 /** Return up to 64 bits as a number. Its most significant bit is the bit at first. */
@@ -93,12 +91,10 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
     uint32_t high = 0U;
     uint32_t low = 0U;
     uint32_t byte;
-    size_t last;
-    size_t used;
     if (bits == 0U) {
         return 0U;
     }
-    last = (end - 1U) / 8U;
+    const size_t last = (end - 1U) / 8U;
     byte = (uint32_t)rx[at] & (0xFFU >> (first % 8U));
     while (at < last) {
         high = (high << 8U) | (low >> 24U);
@@ -107,10 +103,47 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
         byte = rx[at];
     }
     /* Use 1 to 8 bits of the last byte. A word of up to 64 bits can be spread over 9 bytes. */
-    used = end - (8U * last);
+    const size_t left = end - (8U * last);
+    const uint32_t used = (uint32_t)left;
     high = (high << used) | (low >> (32U - used));
     low = (low << used) | (byte >> (8U - used));
     return ((uint64_t)high << 32U) | low;
+}
+
+/**
+ * Return up to 64 bits of a buffer as a number, as cw_received_bits does, but faster.
+ *
+ * @param rx  the buffer
+ * @param size  number of bytes in it
+ * @param first  place of the first bit
+ * @param bits  number of bits, all of which must be in the buffer
+ */
+static inline uint64_t cw_received_word(
+    const uint8_t *rx, size_t size, size_t first, uint32_t bits)
+{
+    const size_t wanted = (first / 8U) + 8U;
+    if ((size < 8U) || (bits == 0U) || (bits > 57U)) {
+        return cw_received_bits(rx, first, bits);
+    }
+    /* Take the 8 bytes from that of the first bit on, or the last ones, and drop the bits before. */
+    const size_t end = (wanted > size) ? size : wanted;
+    const size_t before = (first + 64U) - (8U * end);
+    uint32_t high = cw_received_4_bytes(&rx[end - 8U]);
+    uint32_t low = cw_received_4_bytes(&rx[end - 4U]);
+    uint32_t drop = (uint32_t)before;
+    if (drop > 31U) {
+        high = low;
+        low = 0U;
+        drop -= 32U;
+    }
+    high = (high << drop) | ((low >> 1U) >> (31U - drop));
+    low <<= drop;
+    if (bits > 32U) {
+        const uint32_t more = 64U - bits;
+        const uint32_t above = high >> more;
+        return ((uint64_t)above << 32U) | (low >> more) | ((high << 1U) << (31U - more));
+    }
+    return high >> (32U - bits);
 }
 
 /** Convert SPI words of 16 bits, each received most significant bit first, to 2 * count bytes. */
@@ -169,19 +202,32 @@ static inline size_t cw_received_samples(
     const uint8_t *samples, size_t count, uint8_t mask, uint8_t *rx)
 {
     const size_t size = (count / 8U) + (((count % 8U) != 0U) ? 1U : 0U);
-    const uint32_t place = ((mask > 0x0FU) ? 4U : 0U) + (((mask & 0xCCU) != 0U) ? 2U : 0U) +
-        (((mask & 0xAAU) != 0U) ? 1U : 0U);
-    const size_t whole = (mask == (1U << place)) ? (count / 8U) : 0U;
+    const uint32_t pin = mask;
+    uint32_t place = 0U;
+    size_t whole = 0U;
     size_t byte;
+    if (pin > 0x0FU) {
+        place = 4U;
+    }
+    if ((pin & 0xCCU) != 0U) {
+        place += 2U;
+    }
+    if ((pin & 0xAAU) != 0U) {
+        place++;
+    }
+    if (pin == ((uint32_t)1U << place)) {
+        whole = count / 8U;
+    }
     for (byte = 0U; byte < whole; byte++) {
         rx[byte] = (uint8_t)cw_received_8_samples(&samples[8U * byte], place);
     }
+    /* The rest, or all of them if the mask has several bits or none. */
     for (byte = whole; byte < size; byte++) {
         uint32_t bits = 0U;
         size_t at;
         for (at = 8U * byte; at < ((8U * byte) + 8U); at++) {
             bits = (bits << 1U) | (((at >= count) ||
-                (((uint32_t)samples[at] & mask) != 0U)) ? 1U : 0U);
+                (((uint32_t)samples[at] & pin) != 0U)) ? 1U : 0U);
         }
         rx[byte] = (uint8_t)bits;
     }
@@ -189,6 +235,33 @@ static inline size_t cw_received_samples(
 }
 
 /* -- BiSS C ------------------------------------------------------------------------------------ */
+
+/**
+ * Return the place of the start bit, which is the first 1 after a 0. If there is none, return
+ * received, or received + 1 if there is no 0 either.
+ */
+static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
+{
+    uint32_t before = 0x80000000U; /* bit 31 is the bit before the next one */
+    size_t at;
+    for (at = 0U; (at + 32U) <= received; at += 32U) {
+        const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
+        const uint32_t rising = bits & ~(before | (bits >> 1U));
+        if (rising != 0U) {
+            return at + cw_received_zeros(rising);
+        }
+        before = (bits & 1U) << 31U;
+    }
+    while (at < received) {
+        const uint32_t bit = cw_received_bit(rx, at);
+        if ((bit != 0U) && (before == 0U)) {
+            return at;
+        }
+        before = bit << 31U;
+        at++;
+    }
+    return (before == 0U) ? received : (received + 1U);
+}
 
 /**
  * Extract the word of single cycle data from the bits received on SLO, one bit for each clock:
@@ -232,14 +305,13 @@ CW_NODISCARD
 static inline cw_result cw_biss_receive_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint64_t *word)
 {
-    const size_t low = cw_received_other(rx, 0U, received, 0xFFU);
-    const size_t start = cw_received_other(rx, low, received, 0U);
+    const size_t start = cw_biss_start(rx, received);
     const size_t first = start + 2U;
     const size_t stop = first + (size_t)bits;
-    if (low == received) {
+    if (start > received) {
         return CW_FAULT_LINE_HIGH;
     }
-    if (low == 0U) {
+    if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
     if (start == received) {
@@ -251,7 +323,7 @@ static inline cw_result cw_biss_receive_bits(
     if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
         return CW_FAULT_CONSTANT;
     }
-    *word = cw_received_bits(rx, first, bits);
+    *word = cw_received_word(rx, (received + 7U) / 8U, first, bits);
     return CW_OK;
 }
 
@@ -275,8 +347,7 @@ static inline cw_result cw_biss_receive(
 CW_NODISCARD
 static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
-    const size_t low = cw_received_other(rx, 0U, received, 0xFFU);
-    const size_t cds_at = cw_received_other(rx, low, received, 0U) + 1U;
+    const size_t cds_at = cw_biss_start(rx, received) + 1U;
     if (cds_at >= received) {
         return CW_FAULT_LENGTH;
     }

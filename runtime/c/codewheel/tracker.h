@@ -260,9 +260,15 @@ static inline int64_t cw_counts_per_second(int64_t counts, uint32_t elapsed_us)
  */
 static inline int64_t cw_counts_per_second_divided(int64_t counts, uint32_t elapsed_us)
 {
-    const uint64_t distance = (counts < 0) ? (0U - (uint64_t)counts) : (uint64_t)counts;
-    const uint64_t speed = (elapsed_us == 0U) ? 0U : ((distance * 1000000U) / elapsed_us);
-    return (int64_t)((counts < 0) ? (0U - speed) : speed);
+    uint64_t speed = (counts < 0) ? (0U - (uint64_t)counts) : (uint64_t)counts;
+    if (elapsed_us == 0U) {
+        return 0;
+    }
+    speed = (speed * 1000000U) / elapsed_us;
+    if (counts < 0) {
+        speed = 0U - speed;
+    }
+    return (int64_t)speed;
 }
 
 /**
