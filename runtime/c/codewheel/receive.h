@@ -90,12 +90,12 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
     size_t at = first / 8U;
     uint32_t high = 0U;
     uint32_t low = 0U;
-    uint32_t byte;
+    uint32_t byte = 0xFFU;
     if (bits == 0U) {
         return 0U;
     }
     const size_t last = (end - 1U) / 8U;
-    byte = (uint32_t)rx[at] & (0xFFU >> (first % 8U));
+    byte = (byte >> (first % 8U)) & (uint32_t)rx[at];
     while (at < last) {
         high = (high << 8U) | (low >> 24U);
         low = (low << 8U) | byte;
