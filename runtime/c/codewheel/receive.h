@@ -87,6 +87,7 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
 {
     /* Work on two halves, since small processors are slow at shifting 64 bits. */
     const size_t end = first + (size_t)bits;
+    const uint32_t skip = (uint32_t)first & 7U;
     size_t at = first / 8U;
     uint32_t high = 0U;
     uint32_t low = 0U;
@@ -95,7 +96,7 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
         return 0U;
     }
     const size_t last = (end - 1U) / 8U;
-    byte = (byte >> (first % 8U)) & (uint32_t)rx[at];
+    byte = (byte >> skip) & (uint32_t)rx[at];
     while (at < last) {
         high = (high << 8U) | (low >> 24U);
         low = (low << 8U) | byte;
