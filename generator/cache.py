@@ -105,13 +105,16 @@ def content_of(paths: Iterable[Path]) -> list[bytes | str]:
 
 @functools.cache
 def _tool() -> str:
-    """Return a hash of the tool's own code, the versions of its packages, and the interpreter."""
+    """Return a hash of the tool's own code, the versions of its packages, and the interpreter.
+
+    The code counts by name, size and times, because reading it would take longer than decoding a frame. Any change of
+    a file changes its ``st_ctime_ns``, even if its size and modification time are the same as before.
+    """
     found = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
     for folder in (Path(__file__).parent, *_parts()):
-        for path in _files(folder):
-            found.update(path.encode("utf-8", "surrogateescape"))
-            with open(path, "rb") as file:
-                found.update(hashlib.sha256(file.read()).digest())
+        for path, status in _files(folder):
+            stamp = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
+            found.update(stamp.encode("utf-8", "surrogateescape"))
     for name in _versions():
         found.update(name.encode("utf-8", "surrogateescape"))
     return found.hexdigest()
@@ -124,7 +127,7 @@ def _parts() -> Iterable[Path]:
         yield from map(Path, (spec.submodule_search_locations or ()) if spec is not None else ())
 
 
-def _files(folder: Path | str) -> Iterable[str]:
+def _files(folder: Path | str) -> Iterable[tuple[str, os.stat_result]]:
     with os.scandir(folder) as found:
         entries = sorted(found, key=lambda entry: entry.name)
     for entry in entries:
@@ -132,7 +135,7 @@ def _files(folder: Path | str) -> Iterable[str]:
             if entry.name != "__pycache__":
                 yield from _files(entry.path)
         elif not entry.name.endswith(".pyc"):
-            yield entry.path
+            yield entry.path, entry.stat()
 
 
 def _versions() -> Iterable[str]:

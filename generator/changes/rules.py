@@ -137,7 +137,7 @@ _CHANGES = (
     ),
     ("data-id-changed", "WWWD", "a data ID has a different number, control byte or purpose", _WIRE),
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),
-    ("alarm-bit", "WWWD", "an error or warning is a different bit", _WIRE),
+    ("alarm-bit", "WWWD", "an error or warning is signalled by a different bit", _WIRE),
     (
         "alarm-rule",
         "DWWD",
@@ -158,13 +158,18 @@ _CHANGES = (
     ("unforeseen", "WWWD", "a change that no other rule covers", "It is reported rather than ignored."),
     ("words", "DDDD", "only the wording has changed", "No code depends on it."),
     ("source", "DDDD", "a citation has changed", "No code depends on it."),
-    ("manual", "DDDD", "the manual has a different edition or more revisions", "Changed facts have their own rules."),
-    ("erratum", "DDDD", "an erratum was added, removed or changed", "Changed facts have their own rules."),
+    (
+        "manual",
+        "DDDD",
+        "the manual has a different edition or more revisions",
+        "Separate rules apply to changed facts.",
+    ),
+    ("erratum", "DDDD", "an erratum was added, removed or changed", "Separate rules apply to changed facts."),
     ("example", "DDDD", "a worked example was added, removed or changed", "Examples only affect tests and pages."),
     (
         "told",
         "DDDD",
-        "a characteristic, table, light, document or missing figure has changed",
+        "a characteristic, table, LED, document or missing figure has changed",
         "No code depends on it.",
     ),
     ("order", "DDDD", "only the order of the facts has changed", "Facts are identified by name."),
@@ -178,7 +183,7 @@ def _all() -> Iterator[Rule]:
         if thing in ("field", "joined"):
             why = "Code that encodes the frame or register must give one more value, and decoders return one more."
         if thing == "measurement":
-            why = "In C, each quantity of a measurement is named after its role, such as the counts per turn."
+            why = "In C, each measured quantity, such as the counts per turn, is named after its role."
         yield Rule(f"{thing}-new", _impacts(new), f"{what} was added", why)
         if same:
             yield Rule(f"{thing}-renamed", _impacts(renamed), f"{what} has a different name but {same}", _RENAMED)

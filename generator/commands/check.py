@@ -10,8 +10,8 @@ from pathlib import Path
 from ..cache import Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import beside
-from ..loading.library import Family, load_families
-from ..loading.selected import family_files, spec_files
+from ..loading.family_files import family_files
+from ..loading.library import Family, contents, load_families
 from ..readings.second_readings import Reader, Readings, Second, compare_readings, read_beside, sound_specs
 from ..targets import Target
 from .editions import check_all
@@ -40,9 +40,9 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
         Stop: A target fails. The exit code is 1.
     """
     cache = cache or Cache(None)
-    before = {str(path): content_of(family_files(path)) for path in spec_files(paths) if path.is_file()}
+    before = contents(paths)
     clean = {file for file, content in before.items() if cache.get(_CLEAN, content)}
-    families, report = load_families(paths)
+    families, report = load_families(paths, cache)
     new = [family for family in families if family.plain is not None or family.document.file not in clean]
     check_all(new, report)
     found = look_at(families, targets, report, partial(_read, [family.document.file for family in new]))

@@ -11,7 +11,7 @@ from .terminal import Stop
 
 
 class UndecidedError(ValueError):
-    """A frame cannot be decoded until the user answers a question. The message has the question and every answer."""
+    """A frame cannot be decoded until the user answers a question. The message lists the question and all answers."""
 
 
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:

@@ -284,13 +284,15 @@ def _add_explain(commands: _Commands) -> None:
 def _add_reread(commands: _Commands) -> None:
     parser = commands.add_parser(
         "reread",
-        help="find what changed in a new edition of a manual",
-        description="Compare the texts of two editions of a manual, and list the facts that cite what changed.",
+        help="find the changes in a new edition of a manual",
+        description="Compare the texts of two editions of a manual, and list the facts that cite changed passages.",
         epilog="Exit codes: 0 no difference. 1 differences. 2 wrong usage, or a file that is not the text of a manual.",
     )
     parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
     parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")
-    parser.add_argument("--family", metavar="FAMILY", help="whose manual it is (default: the family on its first page)")
+    parser.add_argument(
+        "--family", metavar="FAMILY", help="family that the manual describes (default: the one named on its first page)"
+    )
     _add_spec_option(parser)
     parser.set_defaults(run=_reread)
 
@@ -388,7 +390,7 @@ def _add_spec_option(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_cache_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--no-cache", action="store_true", help="neither use nor keep results of earlier runs")
+    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
 
 
 def _cache(chosen: argparse.Namespace) -> Cache:
@@ -431,7 +433,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
     families: list[Family] = []
-    devices, report = load_for(paths, targets, chosen.edition, families)
+    devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
     if report:
         raise look_up.problems(report)
     names = [device.name for device in devices]

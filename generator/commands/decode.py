@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..model import Crc, Device, Fault, Layout, PlacedLayout, Variant, Verdict
 from ..order_codes.labels import Match
@@ -18,8 +18,10 @@ from ..say.name import words
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
-from ..why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
 from .frame_text import FrameTextError, Line, checked, frame_bytes, frame_number
+
+if TYPE_CHECKING:
+    from ..why.mistakes import Explanation, Why
 
 VERSION = 1
 _NOTHING_TAKEN: Mapping[str, str] = MappingProxyType({})
@@ -84,12 +86,16 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
     placed = decoded.layout
     wrong = {item.fault for item in decoded.problems}
+    has_no_crc = placed is not None and not wrong and placed.layout.crc_field is None
+    if placed is not None and not has_no_crc and not wrong & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}:
+        return None
+    from ..why.mistakes import explain_bits, explain_bytes, explain_constant
+
     if placed is not None and not placed.layout.in_bytes:
         given = frame_number(placed, checked(text))
-        has_no_crc = not wrong and placed.layout.crc_field is None
         if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc:
             return explain_bits(device, variant, placed, given)
-        return explain_constant(device, variant, placed, given) if Fault.CONSTANT in wrong else None
+        return explain_constant(device, variant, placed, given)
     if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
         return None
     return explain_bytes(device, variant, sender, placed, frame_bytes(checked(text)))

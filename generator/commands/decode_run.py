@@ -7,6 +7,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from ..model import Device, Verdict
 from ..order_codes.labels import Match
@@ -14,10 +15,12 @@ from ..order_codes.run_time import RegisterError
 from ..reference import codec
 from ..reference.editions import strange_values
 from ..reference.findings import Difference, Findings, findings
-from ..why.mistakes import Why
 from .choose import UndecidedError, refuse_undecided
 from .decode import decode_register_text, decode_text, decoded_data, explain, why_text
 from .frame_text import FrameTextError, Line, frame_lines
+
+if TYPE_CHECKING:
+    from ..why.mistakes import Why
 
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 #: Exit codes, most severe first. With several frames, the exit code is that of the worst one.

@@ -171,8 +171,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
         _show(problems)
         count = counted(len(problems), "problem")
         said = (
-            f"{text} has {count} according to the current spec language. The faulty parts are left out and may be "
-            "listed as new"
+            f"the current spec language finds {count} in {text}. The faulty parts are omitted and may be listed as new"
         )
         return _Side(tuple(families), frozenset(), (said,))
     sound = sound_families(families, report)
@@ -200,7 +199,7 @@ def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
     if not is_old:
         return Stop(f"{text} has {count} and is not compared", 1)
     return Stop(
-        f"{text} has {count} according to the current spec language and is not compared. It may use an older form of "
+        f"{text} is not compared, because the current spec language finds {count} in it. It may use an older form of "
         "the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
     )

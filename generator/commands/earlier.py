@@ -14,7 +14,7 @@ from typing import Any
 from ..cache import Cache, content_of
 from ..language.files import Found, below, is_folder, top_keys
 from ..language.problems import Report
-from ..loading.selected import family_files
+from ..loading.family_files import family_files
 from ..loading.shipped import packaged_families, packaged_masters
 
 #: Keys of overlays, which may refer to specs in other folders.

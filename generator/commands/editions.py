@@ -24,7 +24,7 @@ def asked_for(
 ) -> tuple[Device, Match | None, dict[int, int]]:
     """Return a family in the requested edition, the order code ``text`` in it, and the registers still to apply.
 
-    Registers that served to infer the edition are left out.
+    Registers that served to infer the edition are omitted.
 
     Args:
         specs: The specs to read.

@@ -14,7 +14,7 @@ from .terminal import Stop
 _SEVERAL_FILES = {
     "coverage-file": "the coverage file next to a spec differs from what 'check --coverage --write' would write.",
     "overlay-change": "a change in an overlay or edition has keys that do not belong to its kind.",
-    "overlay-conflict": "two overlays change the same place.",
+    "overlay-conflict": "two overlays change the same location.",
     "overlay-unused": "a change in an overlay has no effect, or sets, adds or removes something that does not exist.",
     "readings-disagree": "the second reading of a manual differs from the spec. The manual decides. If the manual "
     "prints both, record an erratum with 'readings'.",

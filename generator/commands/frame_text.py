@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..language.problems import quoted, visible
 from ..model import PlacedLayout
 from ..say import frame_text as say
-from ..why.mistakes import BitText
+from ..why.bit_text import BitText
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 _ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
@@ -34,7 +34,7 @@ class FrameTextError(ValueError):
 
 
 class Line(NamedTuple):
-    """A frame as text, with its line number, or None if it is the only one, and the time in front of it."""
+    """A frame as text, with its line number (None if it is the only one) and its leading timestamp."""
 
     number: int | None
     time: str

@@ -90,7 +90,7 @@ def _listed(files: Sequence[str]) -> str:
 def order_code(specs: Sequence[Path], text: str, cache: Cache) -> tuple[Device, Match]:
     """Return the family and variant of an order code. Only the families that it may belong to are loaded.
 
-    If none of these has the order code, all are loaded. Specs with problems are then left out and listed.
+    If none of these has the order code, all are loaded. Specs with problems are then omitted and listed.
 
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
@@ -157,7 +157,7 @@ def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
 
 
 def in_order(devices: Sequence[Device], text: str) -> list[Device]:
-    """Return the families that may have the order code ``text``, first those of special models with its ending.
+    """Return the families that may have the order code ``text``, first the special models with its suffix.
 
     Other special models and older editions are left out, since they share order codes with a family.
     """

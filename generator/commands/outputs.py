@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from ..cache import Cache
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
@@ -91,6 +92,7 @@ def load_for(
     targets: Iterable[Target],
     editions: Iterable[str] = (),
     keep: list[Family] | None = None,
+    cache: Cache | None = None,
 ) -> tuple[tuple[Device, ...], Report]:
     """Return the devices of the specs, and a report that includes what these targets cannot express.
 
@@ -99,7 +101,7 @@ def load_for(
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    families, report = load_families(paths)
+    families, report = load_families(paths, cache)
     tell_unfit(families, targets, report)
     if keep is not None:
         keep += families

@@ -73,7 +73,8 @@ def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
     found = [item for item in plain.values() if cover >= set(WORD.findall(item.device.manual.title.casefold()))]
     if len(found) != 1:
         wrong = "its first page names none of the families" if not found else "its first page names several families"
-        raise Stop(f"cannot tell whose manual this is: {wrong}; add --family NAME, one of {', '.join(plain)}", 2)
+        known = ", ".join(plain)
+        raise Stop(f"cannot tell which family this manual describes: {wrong}; add --family NAME, one of {known}", 2)
     return found[0]
 
 
@@ -109,7 +110,7 @@ def _passage(item: _Touched) -> Iterator[str]:
         if text:
             yield f"  {name}: {text if len(text) <= _LONGEST else text[: _LONGEST - 3] + '...'}"
     if not item.here:
-        yield "  nothing in the spec comes from here"
+        yield "  no fact in the spec cites this place"
         return
     shown = item.facts[:_MOST_FACTS]
     yield from (f"  {fact.shown}" for fact in shown)

@@ -39,7 +39,7 @@ _BASIC: dict[str, Shape] = {
         "additionalProperties": {"$ref": "#/$defs/text"},
     },
 }
-_SOURCE = Member("source", "source?", "First source. An item without its own source has that of its parent.")
+_SOURCE = Member("source", "source?", "First source. An item without its own source inherits the source of its parent.")
 _SOURCES = Member("sources", "[source]", "All sources, if there are several.")
 
 

@@ -36,11 +36,11 @@ class Document:
     """A spec as read.
 
     ``data`` consists of dict, list, str, int, float, bool and None. ``broken`` lists the places that the reader has
-    already reported. Their values are only stand-ins. ``doubtful`` lists places where something was left out, such as
-    a duplicate key. ``kept`` is filled by the schema check: for a list that lost items, it has the original index of
-    each remaining item, so that paths into the pruned data still find their lines. ``others`` has the lines of other
-    files that changes came from. ``family`` is the name of a family derived from the one in the file, such as an older
-    edition. It is empty for the family in the file.
+    already reported. Their values are only stand-ins. ``doubtful`` lists places where something was omitted, such as a
+    duplicate key. ``kept`` is filled by the schema check: for a list that lost items, it contains the original index
+    of each remaining item, so that paths into the pruned data still find their lines. ``others`` contains the lines of
+    other files from which changes came. ``family`` is the name of a family derived from the one in the file, such as an
+    older edition. It is empty for the family in the file.
     """
 
     file: str

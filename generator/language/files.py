@@ -37,7 +37,7 @@ class Found:
 def below(folder: Path) -> Found:
     """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
-    Names that begin with a dot, virtual environments, generated files and second readings are left out. Unreadable
+    Names that begin with a dot, virtual environments, generated files and second readings are omitted. Unreadable
     files are treated as specs, so that reading them reports the reason.
     """
     files = sorted(_files_below(folder, set()))

@@ -24,7 +24,7 @@ NUMBERS: Mapping[str, str] = {
     "data_and_status_bits": "data bits and status bits",
     "crc_bits": "CRC bits",
     "frame_bits": "all bits from the first of the data to the last of the CRC",
-    "crc_polynomial": "CRC polynomial with its top bit, 0 without a CRC",
+    "crc_polynomial": "CRC polynomial with its top bit, or 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
     "crc_polynomial_without_last_1": "CRC polynomial without its last 1",
     "crc_start": "start value of the CRC",

@@ -114,7 +114,7 @@ class Laying:
                     self._change(layer, number, kinds[0], change)
                 elif len(kinds) != 1:
                     said = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-                    wrong = f"this change {said}; use one of set, add, remove, unknown and also"
+                    wrong = f"this change {said}; use 'set', 'add', 'remove', 'unknown' or 'also'"
                     self._tell("overlay-change", layer, (number,), wrong)
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
@@ -222,7 +222,7 @@ class Laying:
             if other[:shared] == path[:shared]:
                 mark = mark_at(first.document.marks, (*first.path, number))
                 where = f"{File(first.document.file).name}:{mark.line}"
-                wrong = f"{where} changes the same place; keep one of the two"
+                wrong = f"{where} changes the same location; keep one of the two"
                 self._tell("overlay-conflict", layer, place, wrong)
                 return False
         self._set[path] = (layer, place_number(place))

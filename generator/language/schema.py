@@ -43,9 +43,9 @@ class Checked:
     """Result of the schema check.
 
     ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
-    level or at the top level of an interface. ``complete`` is set if none is missing. ``cut`` has the places that were
-    removed, ``given`` the stand-ins for missing prose, by the place of the item. The document records which list items
-    were removed, so that paths into ``data`` still find their lines.
+    level or at the top level of an interface. ``complete`` is set if none is missing. ``cut`` contains the places that
+    were removed, and ``given`` the stand-ins for missing prose, keyed by the place of the item. The document records
+    which list items were removed, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]

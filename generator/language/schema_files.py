@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from .second_reading import facts_only
@@ -18,7 +18,7 @@ def load_schema(kind: str) -> dict[str, Any]:
     """
     if kind == "second":
         return facts_only(load_schema("device"))
-    text = resources.files("codewheel.language").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
+    text = (Path(__file__).parent / f"{kind}.schema.json").read_text(encoding="utf-8")
     schema: dict[str, Any] = json.loads(text)
     return schema
 

@@ -30,7 +30,7 @@ _SOME_SOURCE = "Cover"
 
 
 def is_second(file: Path | str) -> bool:
-    """Return True if the name of a file is that of a second reading."""
+    """Return True if a file has the name of a second reading."""
     return PurePath(file).stem.endswith(SUFFIX)
 
 

@@ -1,7 +1,7 @@
 """Build the model from checked data.
 
 Problems that rules cannot see in the text are found here: bits that overlap, limits that do not fit, examples that
-contradict their layout. A part that cannot be built is reported and left out, so that one run shows every problem.
+contradict their layout. A part that cannot be built is reported and omitted, so that one run shows every problem.
 """
 
 from __future__ import annotations

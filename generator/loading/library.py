@@ -8,8 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
+from ..cache import Cache, content_of
 from ..language.check import check_document
 from ..language.document import Document
 from ..language.problems import Report, listed
@@ -19,11 +21,13 @@ from .across_devices import check_alike
 from .device import build_device
 from .editions import check_editions, edition_of, notes
 from .facts import build_manufacturer
+from .family_files import family_files, spec_files
 from .history import read_history
 from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
 from .reading_counts import read_counts
 from .shipped import packaged_families
+from .stored import keep, kept
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.
 _OURS = ("codewheel", "codewheel_runtime", "runtime")
@@ -65,23 +69,49 @@ def _share(one: Device, other: Device) -> bool:
     return one.name == other.name or any(item.code in codes for item in other.variants)
 
 
-def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
-    """Load all families, like ``load_library``, with the spec and the files of each device."""
+def load_families(paths: Sequence[Path] = (), cache: Cache | None = None) -> tuple[list[Family], Report]:
+    """Load all families, like ``load_library``, with the spec and the files of each device.
+
+    With a cache, families that had no problems before, with the same content, are not built again.
+    """
     report = Report()
+    before = contents(paths) if cache else {}
+    found = {file: kept(cache, content) for file, content in before.items()} if cache else {}
     documents = read_specs(paths or packaged_families(), report)
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
         documents += read_specs(packaged_families(), report)
     documents += _missing_manufacturers(documents, report)
     given = {Path(document.file).resolve() for document in documents}
     documents += read_specs((path for path in overlays_beside(documents) if path.resolve() not in given), report)
-    return families_of(documents, report), report
+    after = contents(paths) if cache else {}
+    same = [file for file, content in before.items() if after.get(file) == content]
+    known = {file: device for file in same if (device := found[file]) is not None}
+    families = families_of(documents, report, known)
+    if cache and not report:
+        for family in families:
+            if family.document.file in same and family.document.file not in known and not family.device.base:
+                keep(cache, before[family.document.file], family.device)
+    return families, report
 
 
-def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
-    """Build the families of documents, sorted by name, and add their problems to ``report``."""
+def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
+    """Return the content of all files on which each family depends, by the path of its spec."""
+    return {str(path): content_of(family_files(path)) for path in spec_files(paths) if path.is_file()}
+
+
+def families_of(
+    documents: Sequence[Document], report: Report, known: Mapping[str, Device] = MappingProxyType({})
+) -> list[Family]:
+    """Build the families of documents, sorted by name, and add their problems to ``report``.
+
+    ``known`` has devices, by the path of their specs, that were built before and had no problems.
+    """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
-    checked = [(document, check_document(document, report)) for document in documents]
+    checked = [
+        (document, document.data if document.file in known else check_document(document, report))
+        for document in documents
+    ]
     makers = _makers(checked, report)
     # A manufacturer file with problems still exists.
     broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
@@ -91,20 +121,18 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
             continue
         maker = makers.get(data["manufacturer"])
         if maker is None and data["manufacturer"] not in broken and "manufacturer" in document.data:
-            known = f"; known: {listed(sorted(makers))}" if makers else ""
+            others = f"; known: {listed(sorted(makers))}" if makers else ""
             report.add(
                 "undefined-reference",
                 document,
                 ("manufacturer",),
-                f"there is no manufacturer file for '{data['manufacturer']}'{known}",
+                f"there is no manufacturer file for '{data['manufacturer']}'{others}",
             )
-        device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
+        device = known.get(document.file) or _built(
+            document, data, maker or _unknown_manufacturer(data["manufacturer"]), report
+        )
         if device is None:
             continue
-        check_editions(data, device, report.for_document(document))
-        place, told = Path(document.file), tuple(notes(data))
-        counts, releases = read_counts(place, report), read_history(place, report)
-        device = replace(device, times_read=counts, releases=releases, errata=(*device.errata, *told))
         _compare_with_others(device, [family.device for family in families], document, report)
         makers_files = (item for item in documents if "device" not in item.data)
         of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
@@ -112,6 +140,17 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
     check_alike(documents, report)
     plain = sorted(families, key=lambda family: family.device.name)
     return lay_over(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+
+
+def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report: Report) -> Device | None:
+    """Return the device of a spec, with the counts and releases that are stored next to it."""
+    device = build_device(data, maker, report.for_document(document))
+    if device is None:
+        return None
+    check_editions(data, device, report.for_document(document))
+    place, told = Path(document.file), tuple(notes(data))
+    counts, releases = read_counts(place, report), read_history(place, report)
+    return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *told))
 
 
 def in_edition(family: Family, revision: str, report: Report) -> Family | None:

@@ -157,7 +157,7 @@ def _one_story(item: Laid) -> tuple[str, str, object]:
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
-    """Return the names without those of examples, or all names if there are only examples."""
+    """Return the names except those of examples, or all names if there are only examples."""
     return [name for name in names if not name.startswith("examples.")] or names
 
 

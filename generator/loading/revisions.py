@@ -119,7 +119,7 @@ def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
 
 
 def _is_hidden(name: str) -> bool:
-    """Return whether a part of the name begins with a dot. Such files are left out of folders of specs."""
+    """Return whether a part of the name begins with a dot. Such files are ignored in folders of specs."""
     return any(part.startswith(".") for part in name.split("/"))
 
 
@@ -187,7 +187,7 @@ def _refuse_large_files(place: Named, specs: Mapping[str, str]) -> None:
             wrong = f"{shown} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
             raise RevisionError(f"{wrong}; name the folder of the specs")
     if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
-        wrong = f"the YAML files of {visible(str(place))} have more than {_MOST_BYTES // 2**20} MB in total"
+        wrong = f"the YAML files of {visible(str(place))} exceed {_MOST_BYTES // 2**20} MB in total"
         raise RevisionError(f"{wrong}; name the folder of the specs")
 
 

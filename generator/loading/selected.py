@@ -1,27 +1,24 @@
 """Load only the families that a name or a label can belong to, from the cache if they are in it.
 
 A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
-YAML. Whenever the result could differ from that of reading all specs, nothing is selected.
+YAML. If the result could differ from the result of reading all specs, nothing is selected.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache, content_of
-from ..language.files import below, is_folder
 from ..language.second_reading import is_second
-from .shipped import packaged_families
+from .family_files import MANUFACTURER, family_files, spec_files
 
 if TYPE_CHECKING:
     from ..model import Device
 
-_MANUFACTURER = "manufacturer.yaml"
 _OTHER_KINDS = frozenset((b"overlay", b"changes", b"master", b"takes"))
 _KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
 _NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
@@ -70,18 +67,6 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         return ()
 
 
-def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
-    """Yield the files that a run with these paths reads as specs."""
-    for given in paths or packaged_families():
-        yield from below(given).specs if is_folder(given) else (given,)
-
-
-def family_files(spec: Path) -> list[Path]:
-    """Return all files on which the model of a family depends: its own, and its manufacturer's."""
-    own = sorted(path for path in spec.parent.iterdir() if path.name.startswith(f"{spec.stem}."))
-    return [*own, spec.with_name(_MANUFACTURER)]
-
-
 def _device_files(paths: Sequence[Path]) -> Iterator[_Found]:
     """Yield each device file.
 
@@ -93,10 +78,10 @@ def _device_files(paths: Sequence[Path]) -> Iterator[_Found]:
         keys = set(_KEY.findall(text))
         names = _NAME.findall(text)
         if len(names) == 1 and keys.isdisjoint(_OTHER_KINDS) and not is_second(path):
-            if not path.with_name(_MANUFACTURER).is_file():
+            if not path.with_name(MANUFACTURER).is_file():
                 raise _NotSelectable
             yield _Found(path, names[0].decode(), _beginnings(text))
-        elif path.name != _MANUFACTURER or b"device" in keys or not keys.isdisjoint(_OTHER_KINDS):
+        elif path.name != MANUFACTURER or b"device" in keys or not keys.isdisjoint(_OTHER_KINDS):
             raise _NotSelectable
 
 
@@ -114,7 +99,7 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     Raises:
         _NotSelectable: The spec has problems or overlays.
     """
-    from .stored import NotStorable, as_data, from_data
+    from .stored import keep, kept
 
     files = family_files(spec)
     if any(".overlay." in path.name for path in files):
@@ -123,10 +108,9 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     starts = cache.get("beginnings", content) if label else None
     if isinstance(starts, list) and not label.startswith(tuple(map(str, starts))):
         return ()
-    with suppress(NotStorable):
-        found = cache.get("family", content)
-        if found is not None:
-            return (from_data(found),)
+    found = kept(cache, content)
+    if found is not None:
+        return (found,)
     from ..order_codes.labels import beginnings
     from .library import load_library
 
@@ -135,7 +119,6 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
         raise _NotSelectable
     # The files must not have changed since their content was read.
     if content_of(family_files(spec)) == content:
-        with suppress(NotStorable):
-            cache.put("family", content, as_data(devices[0]))
-            cache.put("beginnings", content, beginnings(devices[0].order_code))
+        keep(cache, content, devices[0])
+        cache.put("beginnings", content, beginnings(devices[0].order_code))
     return devices

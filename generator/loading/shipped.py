@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from importlib import resources
+from importlib import import_module
 from pathlib import Path
 
 
 def packaged_specs() -> Path:
     """Return the folder of the specs that ship with the tool. In an editable install this is ``specs``."""
-    return Path(str(resources.files("codewheel.specs")))
+    return Path(import_module("codewheel.specs").__path__[0])
 
 
 def packaged_masters() -> Path:

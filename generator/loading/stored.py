@@ -7,12 +7,14 @@ kept once. Only objects of the model can be built, so no data can run other code
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from enum import Enum
 from types import MappingProxyType, ModuleType
 from typing import Any
 
 from .. import model
+from ..cache import Cache
 from ..model import by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, steps
 from ..model.interfaces import biss, common, rs485, ssi
 
@@ -40,6 +42,20 @@ _MAP, _OBJECT, _ENUM, _BYTES = "m", "o", "e", "b"
 
 class NotStorable(Exception):
     """The data does not have the form of a model."""
+
+
+def kept(cache: Cache, content: Sequence[bytes | str]) -> model.Device | None:
+    """Return the device that ``keep`` stored for files with this content, or None."""
+    with suppress(NotStorable):
+        found = cache.get("family", content)
+        return None if found is None else from_data(found)
+    return None
+
+
+def keep(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> None:
+    """Store a device whose spec has no problems. ``content`` is that of all files on which it depends."""
+    with suppress(NotStorable):
+        cache.put("family", content, as_data(device))
 
 
 def as_data(item: model.Device) -> list[Any]:
@@ -79,7 +95,7 @@ def from_data(rows: Any) -> model.Device:
     """Return the device that ``as_data`` converted.
 
     Raises:
-        NotStorable: The data is not that of a device.
+        NotStorable: The data does not describe a device.
     """
     built: list[Any] = []
 

@@ -66,7 +66,7 @@ class CableTable:
             fastest = max(self.rows, key=lambda row: row.hz)
             needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
             why = f"a cable {fastest.cable} needs a clock {needed}, and a longer one needs a lower clock"
-            return f"No cable allows this clock according to the table in {self.origin}: {why}."
+            return f"According to the table in {self.origin}, no cable allows this clock: {why}."
         return f"For a cable {longest.cable}, according to the table in {self.origin}."
 
 

@@ -1,4 +1,4 @@
-"""Where and how a program writes a setting: index or symbol, data type, unit, range and factory default."""
+"""Locations to which programs write settings: index or symbol, data type, unit, range and factory default."""
 
 from __future__ import annotations
 

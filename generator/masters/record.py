@@ -203,7 +203,7 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
 
 
 def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
-    """Return the part of the common frame that a field belongs to. ``stage`` is that of its predecessor."""
+    """Return the part of the common frame that a field belongs to. ``stage`` is the stage of its predecessor."""
     if item.name in of_position:
         return "position"
     if isinstance(item.field.kind, CrcValue):

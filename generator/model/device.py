@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from itertools import product
 from types import MappingProxyType
@@ -34,6 +34,7 @@ from .interfaces.biss import Biss
 from .kinds import CrcValue, Value
 from .layout import Crc, Field, Layout
 from .measurement import Measurement
+from .record import dataclass
 from .steps import Procedure
 
 _Kind = TypeVar("_Kind", bound=Interface)

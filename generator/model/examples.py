@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 from .facts import Sources
+from .record import dataclass
 
 #: Value of a field, a join or a run of digits in an example.
 Values = Mapping[str, int | str | bool]
@@ -32,7 +32,7 @@ class _Example:
 class FrameExample(_Example):
     """A frame, in ``bits`` or in ``bytes``, with its values or the error for which it is ``refused``.
 
-    ``alternatives`` has the answers that it needs, keyed by the name of the alternative.
+    ``alternatives`` contains the answers that it needs, keyed by the name of the alternative.
     """
 
     kind: ClassVar[str] = "frame"

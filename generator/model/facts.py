@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+
+from .record import dataclass
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,7 +242,7 @@ class ManualEdition:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """Changes to a spec: a correction, or the manufacturer's facts about the models whose codes end in ``special``."""
+    """Changes to a spec: a correction, or the manufacturer's facts about the models with the suffix ``special``."""
 
     name: str
     title: str

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import Enum
 
 from .facts import Sources
+from .record import dataclass
 
 #: Meaning of an active flag that the manual explains only for other order codes.
 UNEXPLAINED = "the manual does not say what this bit means for this order code"
@@ -104,7 +104,7 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Unused:
-    """Reserved bits. This encoder sends ``value``. Similar encoders may send anything.
+    """Reserved bits. This encoder sends ``value``. Other encoders of the same kind may send any value.
 
     Other values are reported, not rejected. ``makes_position`` is the verdict on the position in that case.
     """
@@ -122,7 +122,7 @@ class CrcValue:
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """A bit that makes the number of ones even or odd, counting itself and the fields ``of``."""
+    """A bit that makes the number of ones even or odd, counting this bit and those of the fields ``of``."""
 
     of: tuple[str, ...]
     odd: bool = False

@@ -7,12 +7,13 @@ layout.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from types import MappingProxyType
 
 from .expressions import Expression
 from .facts import Sources
 from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Unused, Value, Verdict
+from .record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from .expressions import Expression
 from .facts import Sources
+from .record import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Units of ``of``: ``counts_per_turn`` and ``turns`` for an angle, ``step_um`` and ``modulus`` for a length.
+    """Units of the field ``of``: ``counts_per_turn`` and ``turns``, or for a length ``step_um`` and ``modulus``.
 
     ``highest`` is the highest number sent if an offset can shift positions above the total count.
     """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -223,10 +222,12 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
         text: Text that was meant as an order code.
         least: Minimum similarity, from 0 to 1.
     """
+    from difflib import SequenceMatcher
+
     pieces = text.upper().split("-")
 
     def likeness(code: str) -> float:
-        return difflib.SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
+        return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
 
     found = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
     return [code for ratio, code in sorted(found, key=lambda item: item[0], reverse=True)[:3] if ratio >= least]

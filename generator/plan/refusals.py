@@ -30,7 +30,7 @@ class NotSigned:
 
 @dataclass(frozen=True, slots=True)
 class NotZeroFor:
-    """The number is 0, or it is too large and is not the number that 0 stands for."""
+    """The number is 0, or it is above the maximum and is not the value that 0 encodes."""
 
     field: Field
     stands_for: int
@@ -53,7 +53,7 @@ class TooWide:
 
 @dataclass(frozen=True, slots=True)
 class DigitTooHigh:
-    """A run of digits has too many digits."""
+    """A group of digits has too many digits."""
 
     field: Field
     run: Digits

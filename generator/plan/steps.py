@@ -183,7 +183,7 @@ class Beyond:
 
 @dataclass(frozen=True, slots=True)
 class Undecodable:
-    """Decoding the register rejects the argument, for example because a bit that must be 0 is set."""
+    """The register decoder rejects the argument, for example because a bit that must be 0 is set."""
 
     register: Register
 

@@ -104,7 +104,7 @@ class Bit:
 class Placed:
     """A word in one case: its bits, lowest first, and the properties of its fields by low bit and width.
 
-    ``names`` has the names of the fields, and of the values of each field.
+    ``names`` contains the names of the fields, and of the values of each field.
     """
 
     bits: tuple[Bit, ...]
@@ -132,7 +132,7 @@ class Word:
 class Facts:
     """All facts of a reading. ``derived`` counts the facts that follow from others.
 
-    ``names`` has the names of items of one kind, by interface if they belong to one.
+    ``names`` contains the names of items of one kind, by interface if they belong to one.
     """
 
     facts: dict[Key, Fact] = field(default_factory=dict)

@@ -73,7 +73,7 @@ def _printed(value: object) -> Iterator[str]:
 
 
 def citing(document: Document) -> list[Citing]:
-    """Return the facts of a spec with what they cite. A fact without a source has that of the item around it."""
+    """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
     return list(_below(document, document.data, (), (), ()))
 
 

@@ -49,7 +49,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Manual:
-    """The text of an edition. ``missing`` has the sections that the contents list and the text has no heading for."""
+    """The text of an edition. ``missing`` contains the listed sections for which the text has no heading."""
 
     sections: tuple[Section, ...]
     missing: Mapping[str, str]

@@ -50,7 +50,7 @@ _LISTS = {
     "crcs": "CRC",
     "parameters": "parameter",
     "connectors": "connector",
-    "field_groups": "group of fields",
+    "field_groups": "group",
     "data_ids": "data ID",
     "steps": "step",
     "contacts": "contact",
@@ -91,6 +91,8 @@ def _of(steps: Sequence[str]) -> str:
     match steps:
         case ["order_code", "parts", part, "values", value, *_]:
             said, index = f"order codes with {part} {value}", 5
+        case ["order_code", "parts", part, _, *_]:
+            said, index = f"order code part {part}", 3
         case ["order_code", "also_written", number, "values", part, *_]:
             said, index = f"the values of {part} in spelling {number} on labels", 5
     if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):

@@ -53,7 +53,7 @@ def rules(device: Device, item: Field) -> Iterator[Said]:
         yield reserved(item.reserved)
     if item.equals is not None:
         known = _known(item.equals, item.widest)
-        yield said("Holds ", known, ", which identifies the encoder. Decoding accepts other values too")
+        yield said("Holds ", known, ", which identifies the encoder. The decoder also accepts other values")
     if item.default is not None:
         yield said(Expression(item.default), label="Default")
     if item.explained_by:

@@ -1,4 +1,4 @@
-"""Statements about a hardware input."""
+"""Sentences about a hardware input."""
 
 from __future__ import annotations
 
@@ -28,6 +28,6 @@ def facts(device: Device, item: Input) -> Iterator[Said]:
     if item.inverts:
         yield said("A high level inverts ", register_field(device, item.inverts))
     if item.needs:
-        yield said("Has an effect only while ", register_field(device, item.needs), " enables it")
+        yield said("Has an effect only if enabled by ", register_field(device, item.needs))
     if item.when_unused:
         yield said(f"Connect it to {item.when_unused} when it is not used")

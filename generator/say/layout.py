@@ -1,4 +1,4 @@
-"""Statements about a frame: its sender, its selector, and the fields that form one number."""
+"""Sentences that describe a frame: its sender, its selector, and the fields that form one number."""
 
 from __future__ import annotations
 

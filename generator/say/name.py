@@ -81,4 +81,4 @@ def register_field(device: Device, path: str) -> Ref:
     if not field:
         return register(device, name)
     owner = device.register(name)
-    return Ref("register", path, f"{title(owner.layout.field(field))} of {title(owner)}")
+    return Ref("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")

@@ -1,4 +1,4 @@
-"""Statements about a parameter."""
+"""Sentences about a parameter."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
         span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
         between = (", ", *span) if span else ()
         at = register_at(device.register(item.register))
-        yield said(f"Held at run time in {at} (", register_field(device, item.read_from), ")", *between)
+        yield said(f"Read at run time from {at} (", register_field(device, item.read_from), ")", *between)
 
 
 def value(item: Parameter, count: int) -> str:

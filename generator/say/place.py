@@ -64,7 +64,7 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     needed = {*field.low.parameters, *high.parameters}
     deciding = [item for item in alternatives if not needed.isdisjoint(item.answers[0].sets)]
     if not needed.issubset(name for item in deciding for name in item.answers[0].sets):
-        yield from ("from bit ", field.low, " up")
+        yield from ("starting at bit ", field.low)
         return
     for index, (answers, sets) in enumerate(choices(deciding)):
         first, last = field.low.value(sets), high.value(sets)

@@ -111,7 +111,7 @@ def _opened_by(device: Device, register: Register) -> Said:
     value = next(item.value for item in field.values if item.name == register.opened_by_value)
     written = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
     where = register_field(device, path)
-    return said("Can be written only while ", where, f" holds {written} (", Code(register.opened_by_value), ")")
+    return said("Can be written only while ", where, f" is {written} (", Code(register.opened_by_value), ")")
 
 
 def _meaning(device: Device, item: RegisterMeaning) -> Said:
@@ -120,7 +120,7 @@ def _meaning(device: Device, item: RegisterMeaning) -> Said:
     bit = device.register(path).layout.field(field)
     value = next(one.value for one in bit.values if one.name == item.value)
     when = register_field(device, item.when)
-    while_ = ("While ", when, f" holds {value} (", Code(item.value), "), the register holds ")
+    while_ = ("While ", when, f" is {value} (", Code(item.value), "), the register holds ")
     span = limits(item.min, item.max)
     about = f": {item.meaning}" if item.meaning else ""
     return said(*while_, Code(item.name), *((", ", *span) if span else ()), about, source=item.source)

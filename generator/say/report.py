@@ -80,5 +80,5 @@ def by_hand(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
 
 
 def source(field: Field, alarm: Alarm | None) -> Sources:
-    """Return the source of the alarm if it has one, else that of the flag."""
+    """Return the source of the alarm if it has one, otherwise the source of the flag."""
     return alarm.source if alarm is not None and alarm.source else field.source

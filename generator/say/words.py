@@ -7,7 +7,7 @@ from .numbers import counted as counted
 from .numbers import number as number
 from .numbers import with_unit as with_unit
 
-_RULE = {"follows_clock": "follows the clock", "fixed": "fixed"}
+_RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.
 WORTH = {
     Verdict.NOT_USABLE: "the position is not usable",

@@ -60,7 +60,7 @@ for its language.
 
 Your templates run in the sandbox of Jinja, and so do the shipped ones that run with them. They can neither change
 values nor access files outside their folder, modules or other programs. Each file is limited to a million steps: items
-of loops, calls and printed values. A template that needs more ends with a message. See [what is
+of loops, calls and printed values. A template that needs more steps is stopped with a message. See [what is
 trusted](../SECURITY.md).
 
 All templates have the filters of Jinja and these:

@@ -12,6 +12,7 @@ from ..order_codes.run_time import resolve_parameters
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..say.words import counted
+from .bit_text import BitText
 from .tries import NOT_INVERTED, Try, fixed_bits, usual
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
@@ -27,15 +28,6 @@ _STATES = 4096
 Shape = tuple[PlacedLayout, tuple[str, ...]]
 #: A kind of mistake, its text, and the CRC of a frame with that mistake.
 OtherCrc = tuple[str, str, Crc]
-
-
-@dataclass(frozen=True, slots=True)
-class BitText:
-    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros."""
-
-    number: int
-    bits: int
-    exact: bool
 
 
 @dataclass(frozen=True, slots=True)

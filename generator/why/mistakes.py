@@ -14,10 +14,8 @@ from math import prod
 from ..model import Crc, Device, Number, PlacedLayout, Variant
 from ..reference import codec
 from . import in_bits, in_bytes
-from .in_bits import BitText
+from .bit_text import BitText
 from .tries import MISTAKES, NOT_INVERTED, Try
-
-__all__ = ["BitText", "Explanation", "Why", "explain_bits", "explain_bytes", "explain_constant"]
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3

@@ -139,13 +139,13 @@ def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
     assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ CW_STEP_POLL, 0x60U, 0x02U, 0x02U,", text)
     assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ CW_STEP_READ, 0x69U,", text)
     assert re.search(r"/\* Internal data bus busy: [^/]+\*/\n +\{ CW_STEP_POLL, 0x60U, 0x04U, 0x00U,", text)
-    assert "/** Absolute data error of Error register: " in text
+    assert "/** Absolute data error in Error register: " in text
     text = (include / "lika" / "sma21.h").read_text()
     assert re.search(
-        r"/\* Enable preset offset of Configuration: enable \*/\n +\{ CW_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text
+        r"/\* Enable preset offset in Configuration: enable \*/\n +\{ CW_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text
     )
     assert re.search(
-        r"/\* Select preset offset of Configuration: preset \*/\n +\{ CW_STEP_WRITE, 0x49U, 0x02U, 0x00U,", text
+        r"/\* Select preset offset in Configuration: preset \*/\n +\{ CW_STEP_WRITE, 0x49U, 0x02U, 0x00U,", text
     )
 
 

@@ -252,14 +252,14 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     assert (code, out) == (1, "")
     assert err.startswith("HEAD:specs/demo.yaml:2:1: missing-key: ")
     assert err.endswith(
-        "codewheel: HEAD:specs has 2 problems according to the current spec language and is not compared. It may "
+        "codewheel: HEAD:specs is not compared, because the current spec language finds 2 problems in it. It may "
         "use an older form of the language: add --lenient, use a later revision, or run the version of codewheel from "
         "that time\n"
     )
     code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
     assert out.splitlines()[0] == (
-        "HEAD:specs has 2 problems according to the current spec language. "
-        "The faulty parts are left out and may be listed as new"
+        "the current spec language finds 2 problems in HEAD:specs. "
+        "The faulty parts are omitted and may be listed as new"
     )
 
 

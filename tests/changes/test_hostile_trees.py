@@ -135,7 +135,7 @@ def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.Monke
 def test_many_large_files_are_not_read(git: Git, tmp_path: Path) -> None:
     large = blob(git, b"#" * (4 * 2**20))
     commit(git, tree(git, *((FILE, f"{number:02}.yaml", large) for number in range(17))))
-    with pytest.raises(RevisionError, match=r"^the YAML files of evil: have more than 64 MB in total; name the folder"):
+    with pytest.raises(RevisionError, match=r"^the YAML files of evil: exceed 64 MB in total; name the folder"):
         laid_out(tmp_path, "")
 
 

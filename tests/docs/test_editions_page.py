@@ -122,8 +122,8 @@ def test_what_the_table_says_of_each_revision() -> None:
 @pytest.mark.parametrize(
     ("asked", "said", "not_said"),
     [
-        ([], "removed. An older encoder may have it. Its cause is not known", "this encoder does not have it"),
-        (["--edition", "1.1"], "removed. An older encoder may have it. Its cause is not known", "does not have it"),
+        ([], "November 2023. An older encoder may have it. Its cause is not known", "this encoder does not have it"),
+        (["--edition", "1.1"], "November 2023. An older encoder may have it. Its cause is not known", "does not have it"),
         (["--edition", "1.0"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
         # The day before edition 1.1.
         (["--edition", "2023-11-09"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
@@ -391,12 +391,12 @@ SLIPS = {
     "a change of nothing": (
         "      - unknown: [registers.serial_number, examples.serial_number]\n        why",
         "      - why",
-        "overlay-change: this change does nothing; use one of set, add, remove, unknown and also",
+        "overlay-change: this change does nothing; use 'set', 'add', 'remove', 'unknown' or 'also'",
     ),
     "a change of two kinds": (
         "- unknown: [registers.device_id]",
         "- unknown: [registers.device_id]\n        also: More",
-        "overlay-change: this change has 'unknown' and 'also'; use one of set, add, remove, unknown and also",
+        "overlay-change: this change has 'unknown' and 'also'; use 'set', 'add', 'remove', 'unknown' or 'also'",
     ),
     "no such register": (
         "      - register: serial_number\n        run: week",

@@ -23,7 +23,7 @@ SVG = "{http://www.w3.org/2000/svg}"
         ("am36", "ssi", ["Tm, typically 12 µs", "Tp, at least 12 µs"]),
         ("amm5", "ssi", ["Tm, typically 12 µs", "Tp, at least 20 µs"]),
         ("amm5", "rs485", ["between repeated requests: at least 40 µs"]),
-        ("sma21", "biss", ["time-out: follows the clock, at most 16 µs"]),
+        ("sma21", "biss", ["time-out: varies with the clock, at most 16 µs"]),
     ],
 )
 def test_times_are_those_of_the_manual(pages: Mapping[str, str], family: str, interface: str, times: list[str]) -> None:

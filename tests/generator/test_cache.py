@@ -361,6 +361,13 @@ def test_only_changed_families_are_checked_again(folder: Path, specs: Path, caps
     assert check("--coverage") == check("--coverage", "--no-cache")
     second.write_text(text, encoding="utf-8")
     assert check() == check("--no-cache")
+    # Families that are not built again are still compared with new ones.
+    again = spec.read_text(encoding="utf-8").replace("device: asc85", "device: asc86")
+    (specs / "asc86.yaml").write_text(again, encoding="utf-8")
+    code, out, err = check()
+    assert (code, out, err) == check("--no-cache")
+    assert code == 1
+    assert "asc86.yaml:116:12: order-code-ambiguous" in out
 
 
 @pytest.mark.slow

@@ -126,18 +126,18 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         ),
         (
             "  - set: registers.command.note\n    to: A\n" + OWN + "  - remove: registers.command\n" + OWN,
-            "o0.yaml:10:13: overlay-conflict: o0.yaml:6 changes the same place; keep one of the two",
+            "o0.yaml:10:13: overlay-conflict: o0.yaml:6 changes the same location; keep one of the two",
         ),
         (
             "  - set: registers.command.note\n    to: A\n    remove: registers.command\n" + OWN,
             (
-                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; use one of set, add, remove, "
-                "unknown and also"
+                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; use 'set', 'add', 'remove', "
+                "'unknown' or 'also'"
             ),
         ),
         (
             "  - to: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: this change does nothing; use one of set, add, remove, unknown and also",
+            "o0.yaml:6:5: overlay-change: this change does nothing; use 'set', 'add', 'remove', 'unknown' or 'also'",
         ),
         ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
         (
@@ -199,7 +199,7 @@ def test_two_overlays_may_not_set_one_place(tmp_path: Path) -> None:
     text = HEAD + "  - set: registers.command.note\n    to: A\n" + OWN
     other = text.replace("mine", "theirs").replace("to: A", "to: B")
     assert laid(tmp_path, text, other)[1] == [
-        "o1.yaml:6:10: overlay-conflict: o0.yaml:6 changes the same place; keep one of the two"
+        "o1.yaml:6:10: overlay-conflict: o0.yaml:6 changes the same location; keep one of the two"
     ]
     assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is also called 'mine'"
 

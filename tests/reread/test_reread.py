@@ -85,7 +85,7 @@ def test_a_change_that_no_fact_cites_is_listed(tmp_path: Path, capsys: pytest.Ca
     assert (found["section"], found["facts_of_section"]) == ("6", 0)
     files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
     main(["reread", *files, "--specs", str(SPECS)])
-    assert "nothing in the spec comes from here" in capsys.readouterr().out
+    assert "no fact in the spec cites this place" in capsys.readouterr().out
 
 
 def test_two_languages_are_compared_by_their_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -126,7 +126,8 @@ def test_a_manual_of_no_family_asks_for_one(tmp_path: Path, capsys: pytest.Captu
     path = tmp_path / "manual.txt"
     path.write_text("Another encoder\n\n1 - Clock\n\n100 kHz\n", encoding="utf-8")
     assert main(["reread", str(path), str(path), "--specs", str(SPECS)]) == 2
-    told = "cannot tell whose manual this is: its first page names none of the families; add --family NAME, one of tv62"
+    told = "cannot tell which family this manual describes: its first page names none of the families; "
+    told += "add --family NAME, one of tv62"
     assert capsys.readouterr().err == f"codewheel: {told}\n"
     assert main(["reread", str(path), str(path), "--family", "TV62", "--specs", str(SPECS)]) == 0
     assert main(["reread", str(path), str(path), "--family", "tv63", "--specs", str(SPECS)]) == 2

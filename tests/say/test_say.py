@@ -60,10 +60,10 @@ REGISTERS = [
     ("lost", "Save the parameters after a write, or the encoder loses the value at power-off."),
     ("slow", "Wait at least 15 ms between a write and the next command."),
     ("key", "Automatically returns to its default after a write."),
-    ("locked", "Can be written only while key holds C0h (unlock)."),
-    ("opened", "Can be written only while settings.mode holds 0 (open)."),
-    ("either", "While settings.mode holds 0 (open), the register holds preset, at most 100: A place [8.1]."),
-    ("either", "While settings.mode holds 1 (shut), the register holds offset: A distance [8.2]."),
+    ("locked", "Can be written only while key is C0h (unlock)."),
+    ("opened", "Can be written only while settings.mode is 0 (open)."),
+    ("either", "While settings.mode is 0 (open), the register holds preset, at most 100: A place [8.1]."),
+    ("either", "While settings.mode is 1 (shut), the register holds offset: A distance [8.2]."),
     ("command", "Reading the same address accesses status instead."),
     ("status", "Writing to the same address accesses command instead."),
 ]
@@ -82,8 +82,8 @@ FIELDS = [
     ("fields.fixed", "Always 2."),
     ("fields.digits", "Decimal digits, most significant first: tens 1, ones 1."),
     ("maker.letters", "ASCII text."),
-    ("maker.letters", "Holds Ac, which identifies the encoder. Decoding accepts other values too."),
-    ("kind_of.kind", "Holds 20h, which identifies the encoder. Decoding accepts other values too."),
+    ("maker.letters", "Holds Ac, which identifies the encoder. The decoder also accepts other values."),
+    ("kind_of.kind", "Holds 20h, which identifies the encoder. The decoder also accepts other values."),
 ]
 INTERFACES = [
     ("ssi", "Clock: 100 kHz to 4 MHz [5.1]."),

@@ -90,4 +90,4 @@ def _check(
             if start == end
             else f"on pages {start} to {end}"
         )
-        report.add("cited-place", path, f"{what} is {where} according to the contents, not on page {page}")
+        report.add("cited-place", path, f"{what} is {where} according to the table of contents, not on page {page}")

@@ -206,9 +206,7 @@ def _check_pattern(spec: Spec, report: DocumentReport) -> None:
         )
     for name in dict.fromkeys(used):
         if name not in names:
-            report.add(
-                "order-code-pattern", path, f"the part {{{name}}} is not among the parts; known: {', '.join(names)}"
-            )
+            report.add("order-code-pattern", path, f"there is no part {{{name}}}; known parts: {', '.join(names)}")
         if used.count(name) > 1:
             report.add(
                 "order-code-pattern", path, f"the part {{{name}}} occurs {used.count(name)} times in the pattern"

@@ -104,10 +104,8 @@ def _row_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
     if default is None:
         yield "value", f"{name} has no 'default' that contains these bits"
     elif held != row["value"]:
-        yield (
-            "value",
-            f"the 'default' of {name} is {default:#x}, with {held} in these bits, but {row['value']} is printed",
-        )
+        gives = f"the 'default' of {name} is {default:#x}, which gives {held} in these bits"
+        yield "value", f"{gives}, but the manual prints {row['value']}"
     yield from _field_faults(row, register, bounds)
 
 

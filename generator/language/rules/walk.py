@@ -99,7 +99,7 @@ def interface_of(register: Mapping[str, Any]) -> str:
 
 
 def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
-    """Yield the fields with groups included. The path of a field from a group is that of its ``use``."""
+    """Yield the fields with groups included. The path of a field from a group is the path of its ``use``."""
     for path, field in fields:
         group = groups.get(field["use"]) if isinstance(field.get("use"), str) else None
         if group is None:

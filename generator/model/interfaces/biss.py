@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import MappingProxyType
 from typing import ClassVar
 
 from ..facts import Sources
 from ..kinds import Value
+from ..record import dataclass
 from .common import Clock, Common, Signals
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar
 
 from ..facts import Sources, Timing
 from ..layout import Layout
 from ..measurement import Measurement
+from ..record import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

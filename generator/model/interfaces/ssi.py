@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import ClassVar
 
 from ..facts import Sources
+from ..record import dataclass
 from .common import Clock, Common, Signals
 
 

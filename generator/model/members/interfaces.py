@@ -38,7 +38,7 @@ INTERFACES = (
     Part(
         "timeout",
         "Time-out after a frame.",
-        Member("rule", "name", "Rule of the time-out: it follows the clock, or it is fixed.", read="time"),
+        Member("rule", "name", "Rule of the time-out: it depends on the clock, or it is fixed.", read="time"),
         Member("half_clock_periods", "integer?", "Length in half clock periods.", read="time"),
         Member("at_most_ns", "integer?", "Upper bound in nanoseconds.", read="time", noun="upper bound"),
         Member("typical_ns", "integer?", "Typical value in nanoseconds.", read="time", noun="typical value"),

@@ -340,7 +340,7 @@ def _crc_words(crc: Crc) -> str:
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:
-    """Return lines about the data channels other than that of the position. The format has no known place for them."""
+    """Return lines about the data channels that do not carry the position. The format has no known place for them."""
     lines = []
     for other in device.interface(Biss.name).layouts:
         crc = device.crc_of(other)

@@ -89,7 +89,7 @@ def _interface(device: Device, item: Interface, shared: Pool) -> Data:
 
 
 def _measure(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position. If the position is not sent as a whole, ``part`` has the angle."""
+    """Return the unit of the position. If the position is not sent as a whole, ``part`` contains the angle."""
     found = device.measurement_of(interface.name)
     if found is None:
         return {}

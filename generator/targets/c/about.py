@@ -74,7 +74,7 @@ def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
     return _headed(title(item), alarm.alarm(device, item))
 
 
-_OF_BITS = "Return the CRC of bits, the last one sent as bit 0."
+_OF_BITS = "Return the CRC of bits. Bit 0 is the last one sent."
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -113,7 +113,7 @@ def _power(exponent: int) -> str:
 
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
-    """Return the purpose of the frame, the places of its bits, and finally its errata, which few readers need."""
+    """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
     item = struct.layout
     elsewhere = list(layout.joins(item))  # Their members say it.
     errata = list(layout.errata_of(device, interface, item))
@@ -138,7 +138,7 @@ def about_unused(struct: Struct) -> str:
 
 
 def place(item: Layout, of: Field) -> str:
-    """Return the place of a field."""
+    """Return the position of a field."""
     return S.phrase(said(*field_place(item, of)))
 
 

@@ -45,7 +45,7 @@ _Built = TypeVar("_Built")
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """The names for reading a position: the macro of an order code, the frame, its verdict function and the member."""
+    """The names needed to read a position: the order code macro, the frame, its verdict function and the member."""
 
     macro: str
     frame: str
@@ -55,7 +55,7 @@ class Usage:
 
 
 class DeviceView:
-    """A device: the parts of its header, each built from the ones before it."""
+    """The parts of a device's header, each built from the previous ones."""
 
     def __init__(self, device: Device) -> None:
         self.device = device

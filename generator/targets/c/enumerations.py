@@ -27,7 +27,7 @@ class Entry:
 class Enumeration:
     """The named values of a field, with this many hexadecimal ``digits``. Values too large for an int become macros.
 
-    ``said`` has the statements about the field that its comment contains.
+    ``said`` contains the statements about the field that are in its comment.
     """
 
     type: str

@@ -93,7 +93,7 @@ class Printed:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """The bytes that an SPI receives for the frame, and the macros with its number of bits and bytes."""
+    """The bytes received over SPI for the frame, and macros for its length in bits and bytes."""
 
     bits: str
     size: str
@@ -101,7 +101,7 @@ class Sampled:
 
 
 class ExampleCode:
-    """The values that the template of a program prints. ``memory`` has the initial contents of the simulated registers.
+    """Values that the template of a program prints. ``memory`` is the initial content of the simulated registers.
 
     Raises:
         NoFrame: There is no frame to show.

@@ -122,8 +122,8 @@ def joined(operator: str, operands: tuple[Expr, ...]) -> Expr:
 class Scope:
     """The spelling of parameters: set ones are members of the variant, others are functions of it.
 
-    ``largest`` has the greatest values of the set ones. A parameter that depends on an alternative of the manual is a
-    function of the argument that ``answers`` names.
+    ``largest`` contains the highest values of the parameters that an order code sets. A parameter that depends on an
+    alternative of the manual is a function of the argument that ``answers`` names.
     """
 
     prefix: str

@@ -37,7 +37,7 @@ class Shared(TypedDict):
 
 class FamilyHeader(Shared):
     d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
-    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the least minor one"]
+    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the lowest minor version"]
 
 
 class Family(Shared):

@@ -44,11 +44,11 @@ class Package(TypedDict):
     guide: Annotated[Guide | None, "the family and program that the README shows"]
     devices: Annotated[list[Device], "the families"]
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
-    with_bitwise: Annotated[list[str], "the same for those with a CRC that can do without its table"]
+    with_bitwise: Annotated[list[str], "the same for manufacturers with a CRC that can do without its table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
     runtime: Annotated[list[str], "the names of the headers of the runtime"]
     examples: Annotated[list[str], "the names of the programs"]
-    tests: Annotated[list[str], "the C files of the self-test, by their path in the folder"]
+    tests: Annotated[list[str], "the C files of the self-test, keyed by their path within the folder"]
 
 
 def package_files(
@@ -110,7 +110,7 @@ def _with_crcs(
 
 @dataclass(frozen=True)
 class Guide:
-    """The example that the README shows. Its names exist, so that the code compiles."""
+    """The example that the README shows. All its names exist, so the code compiles."""
 
     example: ExampleCode
     reads: ShownRegister | None

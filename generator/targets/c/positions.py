@@ -16,7 +16,7 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn``: a single one.
+    """Positions in angles. They wrap around to 0 after ``turns``, or after a single turn if ``one_turn`` is True.
 
     ``over`` names the interface in words. It is empty if positions mean the same for all interfaces.
     """

@@ -157,7 +157,7 @@ class RegisterCode:
         limits = limits_of(self.device, self.register, meaning)
         bounded = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
-        sides = (("min", "least", limits.low), ("max", "greatest", limits.high))
+        sides = (("min", "lowest", limits.low), ("max", "highest", limits.high))
         macros = tuple(
             (f"{stem}_{side}".upper(), NumberExpr(limit.constant, signed=limits.signed))
             for side, _, limit in sides

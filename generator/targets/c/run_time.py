@@ -67,7 +67,7 @@ class Taker:
         register = held.register
         self.name = f"{context.prefix}_take_{register.name}"
         names = ", ".join(item.parameter.name for item in held.parameters)
-        self.about = f"Update a variant from the content of the register {title(register)}: {names}."
+        self.about = f"Update {names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, item) for item in held.parameters)
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access

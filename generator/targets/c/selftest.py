@@ -101,7 +101,7 @@ class Check:
 
 
 class SelfTest:
-    """The checks of a family, without examples that concern no function of the header."""
+    """The checks of a family. Examples that test no function of the header are omitted."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view

@@ -66,7 +66,7 @@ class Unused:
         return left(Cast(self.work, byte), -item.shift) if item.shift else byte
 
     def told(self, bits: Expr) -> Expr:
-        """Return the member from bytes that are at their places."""
+        """Return the member from bytes that are at their positions."""
         mask, value = sum(item.mask for item in self.moved), sum(item.value for item in self.moved)
         found = _turned(masked(bits, mask), _documented(value))
         return found if self.type == self.work else Cast(self.type, found)

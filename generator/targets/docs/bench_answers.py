@@ -147,7 +147,7 @@ def supply(device: Device, variants: Sequence[Variant]) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Speed:
-    """Clock or baud rate: statements, and a table of the clock and the duration of a frame by cable length."""
+    """Clock or baud rate: specified values, and a table of clock and frame duration by cable length."""
 
     title: str
     facts: tuple[str, ...]

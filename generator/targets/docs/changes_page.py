@@ -11,7 +11,7 @@ from ...say.words import counted
 _RULE = (
     "Versions follow semantic versioning: major for changes that break code or alter its behaviour, minor for "
     "additions, patch for documentation. Before 1.0.0, the minor number marks breaking changes and the patch number "
-    "all others. The version is that of the whole package. Versions without changes to this family are not listed."
+    "all others. The version applies to the whole package. Versions without changes to this family are not listed."
 )
 _TITLES = {
     "breaking": "Breaking",

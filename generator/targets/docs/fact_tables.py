@@ -60,7 +60,7 @@ def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
             yield (
                 "",
                 what,
-                "Not in the manual. Generated code does this because a disturbed write can look successful.",
+                "Not in the manual. Generated code does this because a corrupted write can look successful.",
                 "",
             )
             continue

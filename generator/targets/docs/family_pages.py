@@ -184,7 +184,7 @@ def _times_read(counts: TimesRead | None) -> str:
     every = counts.twice + counts.explained + counts.once
     differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
     explained = f", {counts.explained} {differ} given in the errata" if counts.explained else ""
-    once = f", {counts.once} {'was' if counts.once == 1 else 'were'} read once" if counts.once else ""
+    once = f", and {counts.once} {'was' if counts.once == 1 else 'were'} read only once" if counts.once else ""
     return f"Twice. Of {every} facts, {counts.twice} agree in both readings{explained}{once}"
 
 

@@ -36,7 +36,7 @@ TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "
 
 
 class CodePage(Sections, OverValues):
-    """Values of the page of an order code in addition to those of its interface page."""
+    """Values for the page of an order code in addition to those of its interface page."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
     lead: Annotated[str, "first sentences of the note on the interface"]
@@ -53,8 +53,8 @@ class CodePage(Sections, OverValues):
     by_hand: Annotated[list[ByHand], "procedures carried out by hand"]
     example_rows: Annotated[list[Row], "worked examples: title, facts"]
     quantity_rows: Annotated[list[Row], "quantities of the order code: value, meaning"]
-    errata_summary: Annotated[Callable[[], str], "number of errata on the page above this call"]
-    errata_list: Annotated[Callable[[], str], "errata on the page above this call, in one line each"]
+    errata_summary: Annotated[Callable[[], str], "number of errata listed on the page before this call"]
+    errata_list: Annotated[Callable[[], str], "errata listed on the page before this call, one per line"]
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 from textwrap import wrap
-from xml.sax.saxutils import escape, quoteattr
 
 from ...say.lines import plain
 
@@ -41,13 +41,18 @@ def card(title: str, body: Sequence[str], width: float, height: float, desc: str
     """Return a picture of this size. ``desc`` is its text alternative."""
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
-        f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label={quoteattr(plain(title))} '
+        f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label="{html.escape(plain(title))}" '
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
-    told = [f"<desc>{escape(plain(desc))}</desc>"] if desc else []
+    told = [f"<desc>{_text(desc)}</desc>"] if desc else []
     below = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
-    return "\n".join([head, f"<title>{escape(plain(title))}</title>", *told, _style(), below, *body, "</svg>", ""])
+    return "\n".join([head, f"<title>{_text(title)}</title>", *told, _style(), below, *body, "</svg>", ""])
+
+
+def _text(words: str) -> str:
+    """Return words as the content of an element."""
+    return html.escape(plain(words), quote=False)
 
 
 def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
@@ -76,7 +81,7 @@ def text(
     """Return a line of text. With ``over``, there is a bar above it."""
     weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
-    return f'<text x="{number(x)}" y="{number(y)}" {look}>{escape(plain(words))}</text>'
+    return f'<text x="{number(x)}" y="{number(y)}" {look}>{_text(words)}</text>'
 
 
 def width(words: str, size: float) -> float:

@@ -229,7 +229,7 @@ class Coder:
 
     @property
     def expected_in_words(self) -> str:
-        stated = [f"{item.name} {_in_words(item.equals)}" for item in self.expected]
+        stated = [f"{item.name} = {_in_words(item.equals)}" for item in self.expected]
         return ", ".join([*stated, *(["no unused bit differs"] if self.is_strict else [])])
 
     def stated(self, field: Field) -> Expr:

@@ -33,7 +33,7 @@ _PROJECT = RUNTIME / "project"
 
 
 class Package(TypedDict):
-    header: Annotated[str, "the comment at the top of each file: its origin and licence"]
+    header: Annotated[str, "the comment at the top of each file, with its origin and licence"]
     package: Annotated[str, "the name to import"]
     distribution: Annotated[str, "the name to install"]
     title: Annotated[str, "the manufacturer's name on one line"]
@@ -42,7 +42,7 @@ class Package(TypedDict):
     modules: Annotated[list[Module], "the module of each family"]
     start: Annotated[Shown, "the first example of the README"]
     families: Annotated[list[str], "the names of all modules of families"]
-    specials: Annotated[list[tuple[str, str]], "the modules of special models, and the endings of their order codes"]
+    specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
     runtime: Annotated[str, "the version of the runtime that the package needs, as major and minor number"]
     neighbours: Annotated[list[str], "the folders of the other manufacturers' packages in the same tree"]

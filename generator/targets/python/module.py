@@ -27,7 +27,7 @@ from .variants import FrameKind, Variants
 
 @dataclass(frozen=True)
 class Enumeration:
-    """Enumeration of named values. That of a register decodes and encodes itself."""
+    """Enumeration of named values. The enumeration of a register can decode and encode itself."""
 
     name: str
     doc: str

@@ -114,7 +114,7 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         *set_here,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
-        ("special_code", f"Ending /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
+        ("special_code", f"Suffix /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
         ("written_as_in", "Document that uses the label's spelling of the order code, if it is not the usual one."),
     ]
     return docstring(
@@ -166,7 +166,7 @@ def of_class(
     about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *others: Block
 ) -> str:
     """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
-    variant = [("variant", f"Encoder that the {of_variant} belongs to.")] if of_variant else []
+    variant = [("variant", f"Encoder to which the {of_variant} belongs.")] if of_variant else []
     summary, blocks = about
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
 

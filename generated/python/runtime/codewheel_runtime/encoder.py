@@ -26,7 +26,7 @@ class Frame(Protocol):
 
 @runtime_checkable
 class PositionFrame(Frame, Protocol):
-    """Frame with a position. Can be checked with ``isinstance``."""
+    """Frame with a position. ``isinstance`` can check for it."""
 
     @property
     def position(self) -> int:
@@ -45,7 +45,7 @@ class PositionFrame(Frame, Protocol):
 
 
 class Encoder:
-    """Encoder of any family, as described by its order code. Immutable.
+    """Encoder of any family, as its order code describes it. Immutable.
 
     Attributes:
         family: Family of the encoder.
@@ -98,7 +98,7 @@ class Encoder:
 
     @property
     def special(self) -> bool:
-        """True if the label ends in ``/Sxxx``."""
+        """True if the label has a ``/Sxxx`` suffix."""
         return bool(self.special_code)
 
     def decode(self, frame: Any) -> Frame:

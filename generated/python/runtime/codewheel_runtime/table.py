@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Columns of many decoded frames, and conversions of them."""
+"""Columns of many decoded frames, and their conversion to other formats."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Fault(IntEnum):
 
 
 class Table(Mapping[str, Any]):
-    """Columns of many frames. Each field has a NumPy array, by its name. So has ``fault``, the error of each frame.
+    """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
     masked if there is none. ``to_arrow`` and ``to_pandas`` return nulls there.
@@ -60,7 +60,7 @@ class Table(Mapping[str, Any]):
 
     @property
     def fault(self) -> Any:
-        """Error of each frame, as a number of :class:`Fault`. Valid frames have 0."""
+        """Error of each frame, as the number of a :class:`Fault`. Valid frames have 0."""
         return self._fault
 
     @property
@@ -138,7 +138,7 @@ class Table(Mapping[str, Any]):
         return f"<{len(self._fault)} frames{of}, {wrong} with an error: {', '.join(self)}>"
 
     def faults(self) -> dict[Fault, int]:
-        """Return the number of frames with each error, and of valid ones."""
+        """Return the number of valid frames and the number of frames with each error."""
         kinds = ((kind, int((self._fault == kind).sum())) for kind in Fault)
         return {kind: count for kind, count in kinds if count}
 
@@ -206,8 +206,8 @@ class Table(Mapping[str, Any]):
             unit: Unit of length or angle.
 
         Returns:
-            An array of speeds in units per second. It is NaN for frames without a usable position, and for the
-            first frame with one.
+            An array of speeds in units per second. It is NaN for frames without a usable position, and for the first
+            frame that has one.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
@@ -236,7 +236,7 @@ class Table(Mapping[str, Any]):
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has one.
 
-        These are the rows without a usable position, for a column that is the position or a part of it.
+        A column that is the position or a part of it has no meaning in rows without a usable position.
         """
         return ~self.usable if name in self._measured else None
 
