@@ -123,7 +123,11 @@ def test_what_the_table_says_of_each_revision() -> None:
     ("asked", "said", "not_said"),
     [
         ([], "November 2023. An older encoder may have it. Its cause is not known", "this encoder does not have it"),
-        (["--edition", "1.1"], "November 2023. An older encoder may have it. Its cause is not known", "does not have it"),
+        (
+            ["--edition", "1.1"],
+            "November 2023. An older encoder may have it. Its cause is not known",
+            "does not have it",
+        ),
         (["--edition", "1.0"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
         # The day before edition 1.1.
         (["--edition", "2023-11-09"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),

@@ -19,6 +19,7 @@ from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
 from ..licence import licence_in
+from .assumptions import TEMPLATE, Assumptions, assumptions_files
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
@@ -70,6 +71,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
         tests = selftest_files(makers, views, rendered)
         package = package_files(makers, views, tests, rendered)
+        package |= dict(assumptions_files(library, rendered))
         files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
     return files
@@ -125,6 +127,7 @@ TEMPLATES = Templates(
         "selftest.c.jinja": FamilyTest,
         "selftest_all.c.jinja": AllTests,
         "selftest.h.jinja": AllTests,
+        TEMPLATE: Assumptions,
         **dict.fromkeys(FILES.values(), Package),
     },
     filters=FILTERS,

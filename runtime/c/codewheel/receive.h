@@ -151,6 +151,7 @@ static inline uint64_t cw_received_word(
 /** Convert SPI words of 16 bits, each received most significant bit first, to 2 * count bytes. */
 static inline void cw_received_words16(const uint16_t *words, size_t count, uint8_t *rx)
 {
+    CW_ASSERT((words != NULL) && (rx != NULL));
     size_t at;
     for (at = 0U; at < count; at++) {
         rx[2U * at] = (uint8_t)((uint32_t)words[at] >> 8U);
@@ -161,6 +162,7 @@ static inline void cw_received_words16(const uint16_t *words, size_t count, uint
 /** Convert SPI words of 32 bits, each received most significant bit first, to 4 * count bytes. */
 static inline void cw_received_words32(const uint32_t *words, size_t count, uint8_t *rx)
 {
+    CW_ASSERT((words != NULL) && (rx != NULL));
     size_t at;
     for (at = 0U; at < (4U * count); at++) {
         const size_t left = 24U - (8U * (at % 4U));
@@ -203,6 +205,7 @@ static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t pl
 static inline size_t cw_received_samples(
     const uint8_t *samples, size_t count, uint8_t mask, uint8_t *rx)
 {
+    CW_ASSERT((samples != NULL) && (rx != NULL));
     const size_t size = (count / 8U) + (((count % 8U) != 0U) ? 1U : 0U);
     const uint32_t pin = mask;
     uint32_t place = 0U;
@@ -307,6 +310,7 @@ CW_NODISCARD
 static inline cw_result cw_biss_receive_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint64_t *word)
 {
+    CW_ASSERT((rx != NULL) && (word != NULL));
     const size_t start = cw_biss_start(rx, received);
     const size_t first = start + 2U;
     const size_t stop = first + (size_t)bits;
@@ -349,6 +353,7 @@ static inline cw_result cw_biss_receive(
 CW_NODISCARD
 static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
+    CW_ASSERT((rx != NULL) && (cds != NULL));
     const size_t cds_at = cw_biss_start(rx, received) + 1U;
     if (cds_at >= received) {
         return CW_FAULT_LENGTH;
@@ -393,6 +398,7 @@ CW_NODISCARD
 static inline cw_result cw_ssi_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
 {
+    CW_ASSERT((rx != NULL) && (word != NULL));
     uint64_t found;
     if ((bits > 64U) || (((size_t)bits + 2U) > (8U * size))) {
         return CW_FAULT_LENGTH;
@@ -504,6 +510,7 @@ static inline cw_result cw_rs485_ask(
     cw_rs485_line *line, uint8_t control, size_t length, size_t echo, uint32_t now_us,
     uint32_t at_most_us)
 {
+    CW_ASSERT(line != NULL);
     if ((length == 0U) || (length > CW_RECEIVE_RS485_BYTES)) {
         return CW_FAULT_LENGTH;
     }
@@ -520,6 +527,7 @@ static inline cw_result cw_rs485_ask(
 /** Add a received byte. Return true if it completes the reply. Bytes after that are dropped. */
 static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
 {
+    CW_ASSERT(line != NULL);
     if (line->echo != 0U) {
         line->echo--;
         return false;
@@ -539,6 +547,7 @@ static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
 /** Resume after the decoder has rejected a reply: search for another start after its first byte. */
 static inline void cw_rs485_resume(cw_rs485_line *line)
 {
+    CW_ASSERT(line != NULL);
     const size_t count = line->count;
     size_t from = 1U;
     size_t at;
@@ -559,6 +568,7 @@ static inline void cw_rs485_resume(cw_rs485_line *line)
  */
 static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 {
+    CW_ASSERT(line != NULL);
     /* Compute now - since in 64 bits, without the wraparound that checkers warn about. */
     const uint64_t passed = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
     return (passed > line->at_most_us) && (line->count != line->length);
@@ -581,6 +591,7 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 CW_NODISCARD
 static inline cw_result cw_rs485_reason(const cw_rs485_line *line)
 {
+    CW_ASSERT(line != NULL);
     if (line->count == line->length) {
         return CW_OK;
     }
