@@ -116,11 +116,11 @@ def _samples(acknowledge: int) -> str:
 
 
 def _to_position(receive: str) -> str:
-    return f"""static const {BISS.variant_type} encoder = {BISS.variant};
-    {BISS.layout} frame;
+    return f"""static const {BISS.variant_type} *const encoder = &{BISS.variant};
+    {BISS.struct} frame;
     uint64_t word;
-    if ({receive} != CW_OK || {BISS.layout}_decode(&encoder, word, &frame) != CW_OK
-        || {BISS.layout}_verdict(&encoder, &frame) == CW_NOT_USABLE) {{
+    if ({receive} != CW_OK || {BISS.decoder}(encoder, word, &frame) != CW_OK
+        || {BISS.decoder.replace("_decode", "_verdict")}(encoder, &frame) == CW_NOT_USABLE) {{
         return 1U;
     }}
     *position = frame.position;

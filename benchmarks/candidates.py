@@ -29,7 +29,8 @@ class Frame:
     header: str
     variant_type: str
     variant: str
-    layout: str
+    decoder: str
+    struct: str
     good: str
 
     @property
@@ -47,28 +48,31 @@ FRAMES = (
     Frame(
         "biss46",
         "BiSS, 46 bits",
-        "bench/biss46.h",
-        "bench_biss46_variant",
-        "BENCH_BISS46_B38SC",
-        "bench_biss46_single_cycle_data",
+        "bench/biss46_biss.h",
+        "bench_biss46_biss",
+        "BENCH_BISS46_BISS_B38SC",
+        "bench_biss46_biss_decode",
+        "bench_biss46_biss_frame",
         _BISS_GOOD,
     ),
     Frame(
         "biss47",
         "BiSS, 47 bits (AMM5)",
-        "lika/amm5.h",
-        "lika_amm5_variant",
-        "LIKA_AMM5_A23_65KSC1",
-        "lika_amm5_single_cycle_data",
+        "lika/amm5_biss.h",
+        "lika_amm5_biss",
+        "LIKA_AMM5_BISS_A23_65KSC1",
+        "lika_amm5_biss_decode",
+        "lika_amm5_biss_frame",
         _BISS_GOOD,
     ),
     Frame(
         "rs485",
         "RS-485, 11 bytes (AMM5)",
-        "lika/amm5.h",
-        "lika_amm5_variant",
-        "LIKA_AMM5_A23_65KJP1",
-        "lika_amm5_complete_reply",
+        "lika/amm5_rs485.h",
+        "lika_amm5_rs485",
+        "LIKA_AMM5_RS485_A23_65KJP1",
+        "lika_amm5_rs485_complete_reply_decode",
+        "lika_amm5_rs485_complete_reply",
         f"{_POSITION} && out.battery_alarm && out.status_st_error && !out.busy",
     ),
 )
@@ -199,34 +203,34 @@ def ours(frame: Frame) -> Iterator[Candidate]:
     if frame.is_word:
         forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
     for name, macro in forms.items():
-        head = f'{macro}#include "{frame.header}"\ncw_result decode_ours({parameters}, {frame.layout} *out);\n'
-        body = f"""static const {frame.variant_type} encoder = {frame.variant};
-cw_result decode_ours({parameters}, {frame.layout} *out)
+        head = f'{macro}#include "{frame.header}"\ncw_result decode_ours({parameters}, {frame.struct} *out);\n'
+        body = f"""static const {frame.variant_type} *const encoder = &{frame.variant};
+cw_result decode_ours({parameters}, {frame.struct} *out)
 {{
-    return {frame.layout}_decode(&encoder, {given}, out);
+    return {frame.decoder}(encoder, {given}, out);
 }}
 """
         yield Candidate(
             name,
             "decode_ours",
             head + body,
-            f"{head}static {frame.layout} out;",
+            f"{head}static {frame.struct} out;",
             f"decode_ours({passed}, &out)",
             frame.good,
         )
-    signature = f"cw_result decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)"
+    signature = f"cw_result decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.struct} *out)"
     head = f'#include "{frame.header}"\n{signature};\n'
     body = f"""{signature}
 {{
-    return {frame.layout}_decode(variant, {given}, out);
+    return {frame.decoder}(variant, {given}, out);
 }}
 """
     yield Candidate(
         "ours, at run time",
         "decode_ours",
         head + body,
-        f"{head}static {frame.layout} out;\nstatic const {frame.variant_type} encoder = {frame.variant};",
-        f"decode_ours(&encoder, {passed}, &out)",
+        f"{head}static {frame.struct} out;\nstatic const {frame.variant_type} *const encoder = &{frame.variant};",
+        f"decode_ours(encoder, {passed}, &out)",
         frame.good,
     )
 

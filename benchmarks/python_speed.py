@@ -270,12 +270,12 @@ def many() -> Candidates:
 
 
 PROGRAM = """
-#include "lika/amm5.h"
-static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
+#include "lika/amm5_biss.h"
+static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
 void many(const uint64_t *words, uint64_t *positions, uint8_t *faults, size_t count) {
     for (size_t at = 0; at < count; at++) {
-        lika_amm5_single_cycle_data frame;
-        faults[at] = (uint8_t)lika_amm5_single_cycle_data_decode(&encoder, words[at], &frame);
+        lika_amm5_biss_frame frame;
+        faults[at] = (uint8_t)lika_amm5_biss_decode(encoder, words[at], &frame);
         positions[at] = frame.position;
     }
 }

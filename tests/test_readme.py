@@ -42,9 +42,9 @@ def test_its_python(generated_python: tuple[Path, ModuleType]) -> None:
 def test_its_c_compiles(tmp_path: Path) -> None:
     """The statements of the block, in a function that calls them with a valid frame, find its position."""
     program = (
-        '#include <stdio.h>\n#include "lika/amm5.h"\n'
+        '#include <stdio.h>\n#include "lika/amm5_biss.h"\n'
         'static void use(uint64_t position) { printf("%u\\n", (unsigned)position); }\n'
-        "int main(void)\n{\n    static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;\n"
+        "int main(void)\n{\n"
         f"    const uint64_t word = 0xF4243D3U;\n{_block('c')}    return 0;\n}}\n"
     )
     (tmp_path / "front.c").write_text(program, encoding="utf-8")

@@ -8,33 +8,23 @@ static uint32_t big_endian(const uint8_t *bytes)
     return __builtin_bswap32(word);
 }
 
-/* Bits a to a + 31, of which the first is bit 31 of words[0]. */
-static uint32_t bits_from(const uint32_t *words, uint32_t a)
-{
-    const uint32_t left = a & 31U;
-    const uint32_t high = words[a >> 5] << left;
-    return (left != 0U) ? (high | (words[(a >> 5) + 1U] >> (32U - left))) : high;
-}
-
 int hand_receive47(const uint8_t *rx, hand_biss *out)
 {
-    /* The rest and the acknowledge are in the first 32 bits, since they are shorter. */
-    const uint32_t words[4] = { big_endian(rx), big_endian(&rx[4]), big_endian(&rx[8]), 0U };
-    const uint32_t rest = (words[0] == 0xFFFFFFFFU) ? 32U : (uint32_t)__builtin_clzl(~words[0]);
-    uint32_t start;
-    uint32_t high;
-    uint32_t low;
-    if ((rest == 0U) || (rest == 32U) || ((words[0] << rest) == 0U)) {
+    /* The rest and the acknowledge end within the first 32 bits. */
+    const uint32_t head = big_endian(rx);
+    const uint32_t rising = head & ~((head >> 1) | 0x80000000U);
+    uint32_t first;
+    uint64_t word;
+    if (((head >> 31) == 0U) || (rising == 0U)) {
         return HAND_LENGTH;
     }
-    start = rest + (uint32_t)__builtin_clzl(words[0] << rest) + 2U;
-    /* 47 bits of the word, and the stop bit. */
-    high = bits_from(words, start);
-    low = bits_from(words, start + 16U);
-    if ((low & 1U) != 0U) {
+    first = (uint32_t)__builtin_clzl(rising) + 2U;
+    word = ((uint64_t)big_endian(&rx[first / 8U]) << 32) | big_endian(&rx[(first / 8U) + 4U]);
+    word <<= first % 8U;
+    if ((word & 0x10000U) != 0U) {
         return HAND_CONSTANT;
     }
-    return hand_biss47(((uint64_t)(high >> 17) << 32) | (high << 15) | (low >> 1), out);
+    return hand_biss47(word >> 17, out);
 }
 
 int hand_samples47(const uint8_t *samples, uint8_t *rx, hand_biss *out)

@@ -58,9 +58,9 @@ C = Panel(
     0,
     460,
     (
-        "lika_amm5_single_cycle_data frame;",
-        "if (lika_amm5_single_cycle_data_decode(",
-        "        &encoder, word, &frame) != CW_OK) {",
+        "uint64_t position;",
+        "if (lika_amm5_biss_position(encoder, word,",
+        "        &position) != CW_NOT_USABLE) {",
     ),
 )
 PYTHON = Panel(

@@ -18,11 +18,13 @@
 #include <stdio.h>
 
 #include "codewheel/biss_slave.h"
-#include "lika/amm5.h"
-#include "tolvarn/tv62.h"
+#include "lika/amm5_biss.h"
+#include "lika/amm5_biss_registers.h"
+#include "lika/amm5_biss_simulate.h"
+#include "tolvarn/tv62_biss.h"
 
-static const lika_amm5_variant amm5 = LIKA_AMM5_A21_1SC1;
-static const tolvarn_tv62_variant tv62 = TOLVARN_TV62_M17_B1;
+static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A21_1SC1;
+static const tolvarn_tv62_biss *const tv62 = &TOLVARN_TV62_BISS_M17_B1;
 
 /* IDs in the chain: ID 0 is the slave farthest from the master. */
 #define AMM5_ID 0U
@@ -52,7 +54,7 @@ static void run_frame(void)
 
 static bool simulate(void)
 {
-    static const lika_amm5_reg_serial_number serial = { 212600042U, 21U, 26U, 42U };
+    static const lika_amm5_biss_reg_serial_number serial = { 212600042U, 21U, 26U, 42U };
     static const tolvarn_tv62_reg_serial_number number = { 123456U };
     bool ready = true;
     size_t id;
@@ -61,10 +63,10 @@ static bool simulate(void)
         ready = ready && (cw_biss_slave_allow(&slaves[id], 0U, 128U, true, false) == CW_OK);
     }
     return ready &&
-        (lika_amm5_reg_serial_number_encode(&amm5, &serial,
-            &registers[AMM5_ID][LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS],
-            LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH) == CW_OK) &&
-        (tolvarn_tv62_reg_serial_number_encode(&tv62, &number,
+        (lika_amm5_biss_reg_serial_number_encode(amm5, &serial,
+            &registers[AMM5_ID][LIKA_AMM5_BISS_REG_SERIAL_NUMBER_ADDRESS],
+            LIKA_AMM5_BISS_REG_SERIAL_NUMBER_LENGTH) == CW_OK) &&
+        (tolvarn_tv62_reg_serial_number_encode(tv62, &number,
             &registers[TV62_ID][TOLVARN_TV62_REG_SERIAL_NUMBER_ADDRESS],
             TOLVARN_TV62_REG_SERIAL_NUMBER_LENGTH) == CW_OK);
 }
@@ -89,13 +91,13 @@ static cw_result show_serial_numbers(cw_failure *failure)
     static uint8_t ids[2] = { AMM5_ID, TV62_ID };
     const cw_transport to_amm5 = { &ids[AMM5_ID], bus_read, NULL, NULL, NULL, 0U, 0U };
     const cw_transport to_tv62 = { &ids[TV62_ID], bus_read, NULL, NULL, NULL, 0U, 0U };
-    lika_amm5_reg_serial_number serial;
+    lika_amm5_biss_reg_serial_number serial;
     tolvarn_tv62_reg_serial_number number;
-    cw_result result = lika_amm5_read_serial_number(&to_amm5, &amm5, &serial, failure);
+    cw_result result = lika_amm5_biss_read_serial_number(&to_amm5, amm5, &serial, failure);
     if (result == CW_OK) {
         printf("AMM5: year %u, week %u, number %lu\n", (unsigned)serial.year,
             (unsigned)serial.week, (unsigned long)serial.number);
-        result = tolvarn_tv62_read_serial_number(&to_tv62, &tv62, &number, failure);
+        result = tolvarn_tv62_read_serial_number(&to_tv62, tv62, &number, failure);
     }
     if (result == CW_OK) {
         printf("TV62: number %lu\n", (unsigned long)number.serial_number);
@@ -116,16 +118,16 @@ static const char *words_of(cw_verdict verdict)
 /* Decode a frame of each encoder. Return the worse verdict, or NOT_USABLE if one is not valid. */
 static cw_verdict show_positions(uint64_t amm5_word, uint64_t tv62_word)
 {
-    lika_amm5_single_cycle_data first;
+    lika_amm5_biss_frame first;
     tolvarn_tv62_position_data second;
     cw_verdict worse = CW_NOT_USABLE;
-    cw_result result = lika_amm5_single_cycle_data_decode(&amm5, amm5_word, &first);
+    cw_result result = lika_amm5_biss_decode(amm5, amm5_word, &first);
     if (result == CW_OK) {
-        result = tolvarn_tv62_position_data_decode(&tv62, tv62_word, &second);
+        result = tolvarn_tv62_position_data_decode(tv62, tv62_word, &second);
     }
     if (result == CW_OK) {
-        const cw_verdict one = lika_amm5_single_cycle_data_verdict(&amm5, &first);
-        const cw_verdict other = tolvarn_tv62_position_data_verdict(&tv62, &second);
+        const cw_verdict one = lika_amm5_biss_verdict(amm5, &first);
+        const cw_verdict other = tolvarn_tv62_position_data_verdict(tv62, &second);
         worse = (one < other) ? one : other;
         printf("AMM5: position %lu, %s\n", (unsigned long)first.position, words_of(one));
         printf("TV62: position %lu, %s\n", (unsigned long)second.position, words_of(other));
@@ -136,12 +138,12 @@ static cw_verdict show_positions(uint64_t amm5_word, uint64_t tv62_word)
 /* Encode the frames that the encoders would send: the AMM5 with its warning active. */
 static bool frames(uint64_t *amm5_word, uint64_t *tv62_word)
 {
-    lika_amm5_single_cycle_data first = { 0U, 0U, false, true, 0U };
+    lika_amm5_biss_frame first = { 0U, 0U, false, true, 0U };
     tolvarn_tv62_position_data second = { 0U, 0U, false, false, 1U, 0U };
-    return (lika_amm5_single_cycle_data_set_position(&amm5, 1000503U, &first) == CW_OK) &&
-        (lika_amm5_single_cycle_data_encode(&amm5, &first, amm5_word) == CW_OK) &&
-        (tolvarn_tv62_position_data_set_position(&tv62, 70001U, &second) == CW_OK) &&
-        (tolvarn_tv62_position_data_encode(&tv62, &second, tv62_word) == CW_OK);
+    return (lika_amm5_biss_set_position(amm5, 1000503U, &first) == CW_OK) &&
+        (lika_amm5_biss_encode(amm5, &first, amm5_word) == CW_OK) &&
+        (tolvarn_tv62_position_data_set_position(tv62, 70001U, &second) == CW_OK) &&
+        (tolvarn_tv62_position_data_encode(tv62, &second, tv62_word) == CW_OK);
 }
 
 int main(void)

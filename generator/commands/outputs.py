@@ -12,7 +12,7 @@ from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
 from ..render import TemplateFault, unused_templates
-from ..targets import Library, Options, Target, TargetError
+from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
 from .editions import beside
 from .terminal import Stop
@@ -140,7 +140,7 @@ def rendered(
     try:
         files = {target.name: files_of(target, library, options[target.name]) for target in targets}
     except (TargetError, TemplateFault) as error:
-        raise Stop(str(error), 1) from None
+        raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
     if library.own_templates is not None:
         own = {target.name: target.templates for target in targets}
         unused = list(unused_templates(library.own_templates, own, target_names()))

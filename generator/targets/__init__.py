@@ -55,6 +55,10 @@ class TargetError(ValueError):
         self.place = place
 
 
+class OptionError(TargetError):
+    """A value of an option that a target cannot use. The message says which values it can. The exit code is 2."""
+
+
 @dataclass(frozen=True)
 class TargetProblem:
     """Part of a spec that a target cannot express. It is reported with file, line and column, like every problem.
@@ -82,7 +86,7 @@ class Option:
         name: Lowercase letters, digits, hyphens and underscores.
         summary: One line for ``--help``.
         default: Value if the user gives none.
-        values: All valid values. If empty, any text is valid, and ``files`` raises ``TargetError`` for a wrong one.
+        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong one.
 
     Raises:
         ValueError: The default is not one of the values.

@@ -1,4 +1,6 @@
-"""A C program that calls everything in a header of the C target, controlled by lines on standard input.
+"""C programs that call everything in the headers of an interface, controlled by lines on standard input.
+
+A family has one for each interface. A line goes to the one of its order code, and ``find`` to all of them.
 
 Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time, and
 ``;ALTERNATIVE=HEX`` which answer is taken of what the manual leaves open, 00 the first.
@@ -24,7 +26,7 @@ so that a fault that changes it shows.
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,8 +34,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Text
 from codewheel.targets import Library
 from codewheel.targets.c.codec import StructCodec
-from codewheel.targets.c.crcs import CrcCode
-from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.identity import IdentityCode
 from codewheel.targets.c.reserved import c_name
@@ -54,8 +55,8 @@ MADE_UP = {
 
 #: The include folder of the runtime, where it lies.
 RUNTIME = _HERE.parents[1] / "runtime" / "c"
-#: The headers of the runtime that the header of a family includes.
-SHARED = ("result", "bits", "encoder", "transport")
+#: The headers of the runtime that the headers of a family include.
+SHARED = ("result", "bits", "receive", "encoder", "transport")
 
 GCC = ["gcc", "-std=c99"]
 #: What a program may not do is watched while it runs.
@@ -66,8 +67,35 @@ Run = Callable[[Iterable[str]], list[str]]
 #: The fixture that fills a folder once for all workers.
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 
+#: The interfaces of the families, by the stems of their headers.
+INTERFACES = (
+    *("am36_ssi", "am36_biss", "amm5_ssi", "amm5_biss", "amm5_rs485", "asc85_ssi", "asc85_biss"),
+    *("sma21_ssi", "sma21_biss", "sma21_rs485"),
+)
 #: The families of the library, by which tests are named.
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
+
+
+def headers_of(name: str, include: Path) -> list[Path]:
+    """The headers of a family, those of each interface together, in the order in which they include each other."""
+    places = [path for path in include.glob(f"*/{name}_*.h") if path.stem.split("_")[0] == name]
+    order = ["", "labels", "reports", "registers", "procedures", "simulate"]
+    return sorted(places, key=lambda path: (path.stem.split("_")[1], order.index("".join(path.stem.split("_")[2:]))))
+
+
+def text_of(name: str, include: Path) -> str:
+    """The text of all headers of a family."""
+    return "".join(path.read_text(encoding="ascii") for path in headers_of(name, include))
+
+
+def interfaces_of(devices: Iterable[Device]) -> dict[str, Device]:
+    """Each device with one of its interfaces alone, by the stem of its headers."""
+    return {view.stem: view.device for device in devices for view in views_of(device)}
+
+
+def included(device: Device) -> str:
+    """Lines that include all headers of a device with one interface."""
+    return "".join(f'#include "{header}"\n' for header in DeviceView(device).headers)
 
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
@@ -101,9 +129,36 @@ def program_over(device: Device, made_once: MadeOnce, name: str, *options: str) 
     """The program over the header of a device, undefined behaviour watched; ``name`` is that of its folder."""
 
     def compiled(folder: Path) -> None:
-        compile_c([*GCC, "-O1", *SANITIZED, *options], source(device), folder, write(folder, (device,)))
+        compile_programs([*GCC, "-O1", *SANITIZED, *options], device, folder, write(folder, (device,)))
 
-    return runner(made_once(name, compiled) / "program")
+    return runner_over(device, made_once(name, compiled))
+
+
+def compile_programs(command: list[str], device: Device, folder: Path, include: Path, link: bool = True) -> None:
+    """Compiles the program over each interface of a family, by the name of the interface."""
+    for view in views_of(device):
+        compile_c(command, source(view), folder, include, view.context.interface.name, link)
+
+
+def runner_over(device: Device, folder: Path) -> Run:
+    """The programs compiled into this folder, as one."""
+    return as_one(device, {item.name: runner(folder / item.name) for item in device.interfaces})
+
+
+def as_one(device: Device, programs: Mapping[str, Run]) -> Run:
+    """Hands each line to the program of its order code, by the interface, and to all of them to find a label."""
+    kinds = {item.code: item.interface for item in device.variants}
+
+    def run(lines: Iterable[str]) -> list[str]:
+        given = list(lines)
+        answers = ["- 0"] * len(given)
+        for kind, program in programs.items():
+            mine = [at for at, line in enumerate(given) if kinds.get(line.split(" ")[0].split(";")[0], kind) == kind]
+            for at, answer in zip(mine, program(given[at] for at in mine), strict=True):
+                answers[at] = answers[at] if answer == "- 0" else answer
+        return answers
+
+    return run
 
 
 def runner(program: Path) -> Run:
@@ -124,8 +179,7 @@ class Member:
 
 
 def codecs(view: DeviceView) -> list[StructCodec]:
-    found = [codec for interface in view.interfaces for codec in interface.codecs]
-    return found + [register.codec for register in view.registers if register.codec is not None]
+    return [*view.interface.codecs] + [register.codec for register in view.registers if register.codec is not None]
 
 
 def members(codec: StructCodec) -> list[Member]:
@@ -147,25 +201,25 @@ def answers(codec: StructCodec) -> str:
 
 
 def short(view: DeviceView, codec: StructCodec) -> str:
-    return codec.name.removeprefix(view.prefix + "_")
+    """The name of a layout, or ``reg_`` and that of a register."""
+    return codec.struct.layout.name if codec.struct.register is None else codec.name.removeprefix(view.prefix + "_")
 
 
-def source(device: Device) -> str:
-    view = DeviceView(device)
-    maker, prefix = device.manufacturer.name, view.prefix
-    text = _HEAD.replace("@maker@", maker).replace("@device@", device.name).replace("@prefix@", prefix)
+def source(view: DeviceView) -> str:
+    prefix = view.prefix
+    text = _HEAD.replace("@headers@", "".join(f'#include "{item}"\n' for item in view.headers))
     branches = []
     for codec in codecs(view):
         name = short(view, codec)
         text += _decode(view, codec, name) + _encode(view, codec, name)
         branches += [_branch("decode", name), _branch("encode", name)]
-    for crc in view.crcs:
-        text += _crc(view, crc)
-        branches.append(_branch("crc", crc.crc.name))
-    for interface in view.interfaces:
+    for crc, code in crcs(view).items():
+        text += code
+        branches.append(_branch("crc", crc))
+    for interface in (view.interface,):
         for teller in interface.tellers:
             kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
-            text += f"""static void select_{kind}(const {prefix}_variant *variant, char *text)
+            text += f"""static void select_{kind}(const {prefix} *variant, char *text)
 {{
     uint8_t b[64];
     const size_t n = bytes_of(text, b);
@@ -205,7 +259,7 @@ def source(device: Device) -> str:
     (void)text;
     print_steps(CW_OK, steps, count);
 """
-        text += f"static void steps_{name}(const {prefix}_variant *variant, char *text)\n{{\n{fetch}}}\n"
+        text += f"static void steps_{name}(const {prefix} *variant, char *text)\n{{\n{fetch}}}\n"
         branches.append(_branch("steps", name))
     for function in functions(view):
         name = function.name.removeprefix(prefix + "_")
@@ -264,22 +318,33 @@ def functions(view: DeviceView) -> list[Numeric]:
     limits = [limits for register in view.registers for limits in register.limits]
     plain = [*view.variants.derived, *(item for limit in limits for item in limit.functions)]
     of_positions = [
-        Numeric(f"{position.prefix}_{name}", *_types(_OF_POSITIONS[name]))
-        for position in view.positions
-        for name in position.names
+        Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name]))
+        for name in (view.positions.names if view.positions is not None else ())
     ]
     return [*(Numeric(item.name, item.type) for item in plain), *of_positions]
 
 
-def _crc(view: DeviceView, crc: CrcCode) -> str:
-    if crc.in_bytes:
-        fetch, given = "uint8_t b[64]; const size_t n = bytes_of(text, b); ", "b, n"
-    else:
-        fetch, given = "", "number(text)" if crc.is_fold else "number(text), 4U * (uint32_t)strlen(text)"
-    return f"""static void crc_{crc.crc.name}(const {view.prefix}_variant *variant, char *text)
+def crcs(view: DeviceView) -> dict[str, str]:
+    """A function for each CRC that the frames use. That of a whole word takes the data with zeros for the CRC."""
+    found = {}
+    for codec in view.interface.codecs:
+        if codec.word_crc is not None:
+            of = codec.word_crc
+            found[of.crc.name] = _crc(view, of.crc.name, "", f"{of.name}(number(text) << {of.crc.width}U)")
+    for crc in view.crcs:
+        if crc.is_called:
+            given = "b, bytes_of(text, b)" if crc.in_bytes else "number(text), 4U * (uint32_t)strlen(text)"
+            found[crc.crc.name] = _crc(
+                view, crc.crc.name, "uint8_t b[64]; " if crc.in_bytes else "", f"{crc.name}({given})"
+            )
+    return found
+
+
+def _crc(view: DeviceView, name: str, fetch: str, call: str) -> str:
+    return f"""static void crc_{name}(const {view.prefix} *variant, char *text)
 {{
     (void)variant;
-    {fetch}printf("0 %llu\\n", (unsigned long long){crc.name}({given}));
+    {fetch}printf("0 %llu\\n", (unsigned long long){call});
 }}
 """
 
@@ -301,7 +366,7 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
         function.type, ("%llu", "unsigned long long")
     )
     declare = f"    char *item[{len(types)}];\n" if types else ""
-    return f"""static void measure_{name}(const {view.prefix}_variant *variant, char *text)
+    return f"""static void measure_{name}(const {view.prefix} *variant, char *text)
 {{
 {declare}    (void)text;
 {reads}    printf("0 {show}\\n", ({cast}){function.name}(variant{given}));
@@ -312,10 +377,10 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
 def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: str) -> str:
     """A function that decodes, says the result, and where that is no fault what ``then`` prints of ``out``."""
     given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
-    return f"""static void {verb}_{name}(const {view.prefix}_variant *variant, char *text)
+    return f"""static void {verb}_{name}(const {view.prefix} *variant, char *text)
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
-    {codec.name} out;
+    {codec.type} out;
     const cw_result result = {codec.name}_decode(variant, {given}, &out);
     printf("%d", (int)result);
     if (result == CW_OK) {{
@@ -336,11 +401,28 @@ def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
     verdict, reports = codec.reports.verdict, codec.reports.reports
     then = f'printf(" %d", (int){verdict}(variant, &out));' if verdict else 'printf(" -");'
     then += f' printf(" %llX", (unsigned long long){reports}(variant, &out));' if reports else ' printf(" -");'
-    return _decoded(view, codec, "tells", name, then)
+    return _decoded(view, codec, "tells", name, then + _position(view, codec))
+
+
+def _position(view: DeviceView, codec: StructCodec) -> str:
+    """The short way gives the same verdict and position as the long one, and stores nothing that is not usable."""
+    if codec.name != view.prefix or not view.measured:
+        return ""
+    given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
+    return f"""
+        {codec.struct.member_type(view.measured)} position = 0x5A;
+        const cw_verdict verdict = {codec.name}_position(variant, {given}, &position);
+        if (verdict != {codec.name}_verdict(variant, &out)
+            || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(view.measured)})) {{
+            abort();
+        }}
+        if ({codec.name}_position(variant, {answers(codec)}~(uint64_t)0U, &position) != CW_NOT_USABLE) {{
+            abort();
+        }}"""
 
 
 def _text(view: DeviceView) -> str:
-    return f"""static void text_of(const {view.prefix}_variant *variant, char *text)
+    return f"""static void text_of(const {view.prefix} *variant, char *text)
 {{
     const cw_report_text *const found = {view.reports.text}(({view.reports.mask})number(text));
     (void)variant;
@@ -356,7 +438,7 @@ def _candidates(view: DeviceView, identity: IdentityCode) -> str:
         name = c_name(item.register.name)
         reads += f'    bytes_of(strtok({given}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
         given = "NULL"
-    return f"""static void candidates_of(const {view.prefix}_variant *variant, char *text)
+    return f"""static void candidates_of(const {view.prefix} *variant, char *text)
 {{
     uint8_t b[64];
     {identity.prefix}_identity read;
@@ -387,11 +469,11 @@ def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
         if not codec.plan.in_bytes
         else f"{codec.name}_decode(variant, {answers(codec)}b, bytes_of(text, b), &out)"
     )
-    return f"""static void decode_{name}(const {view.prefix}_variant *variant, char *text)
+    return f"""static void decode_{name}(const {view.prefix} *variant, char *text)
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
-    {codec.name} out;
-    {codec.name} before;
+    {codec.type} out;
+    {codec.type} before;
     cw_result result;
     memset(&out, 0x5A, sizeof out);
     memset(&before, 0x5A, sizeof before);
@@ -454,7 +536,7 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
 """
     setters = "".join(
         f"""    {{
-        const {codec.name} same = in;
+        const {codec.type} same = in;
         if ({codec.name}_set_{name}(variant, in.{c_name(name)}, &in) == CW_OK
             && result == CW_OK && memcmp(&same, &in, sizeof in) != 0) {{
             abort();
@@ -463,11 +545,11 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
 """
         for name in codec.set_names
     )
-    return f"""static void encode_{name}(const {view.prefix}_variant *variant, char *text)
+    return f"""static void encode_{name}(const {view.prefix} *variant, char *text)
 {{
     char *item;
     {"uint8_t c[64];" if any(member.characters for member in members(codec)) else ""}
-    {codec.name} in;
+    {codec.type} in;
     memset(&in, 0, sizeof in);
 {reads}    {{
     {call}{setters}    }}
@@ -479,8 +561,7 @@ _MARK = "/* answers */\n"
 _HEAD = (
     r"""
 #include "codewheel/transport.h"
-#include "@maker@/@device@.h"
-#include <stdio.h>
+@headers@#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 """
@@ -541,7 +622,7 @@ int main(void)
         char *rest;
         char *state;
         uint32_t unlisted = 99U;
-        @prefix@_variant variant;
+        @prefix@ variant;
         const @prefix@_order_code *code;
         line[strcspn(line, "\n")] = '\0';
         label = strtok(line, " ");

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,7 @@ from c_harness import (
     write,
 )
 from codewheel.model import Device
-from transport_harness import Machine, compile_machine
+from transport_harness import Machine, compile_machine, machine_of
 
 
 @pytest.fixture(scope="session")
@@ -64,7 +63,7 @@ def _machines(every_device: Mapping[str, Device], made_once: MadeOnce, stepped: 
         folder = made_once(
             f"{'stepped' if stepped else 'machine'}_{name}", lambda place: compile_machine(device, place, stepped)
         )
-        return Machine(device, ctypes.CDLL(str(folder / "transport.so")), stepped)
+        return machine_of(device, folder, stepped)
 
     return made
 

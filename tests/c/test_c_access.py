@@ -294,24 +294,27 @@ FUNCTIONS: Mapping[str, int] = {
     "lika_amm5_biss_timeout_ns(0U)": 0,
     "lika_amm5_biss_timeout_ns(7000000U)": 215,
     # AMM5 6.4: in 56 bits the revolutions end at bit 48 and the position within one at bit 32; 16 and 21 bits here.
-    "lika_amm5_reg_preset_multiturn_shift(&amm5)": 33,
-    "lika_amm5_reg_preset_singleturn_shift(&amm5)": 12,
-    "lika_amm5_reg_preset_multiturn_mask(&amm5) == UINT64_C(0x1FFFE00000000)": 1,
-    "lika_amm5_reg_preset_singleturn_mask(&amm5) == UINT64_C(0x1FFFFF000)": 1,
+    "lika_amm5_biss_reg_preset_multiturn_shift(amm5)": 33,
+    "lika_amm5_biss_reg_preset_singleturn_shift(amm5)": 12,
+    "lika_amm5_biss_reg_preset_multiturn_mask(amm5) == UINT64_C(0x1FFFE00000000)": 1,
+    "lika_amm5_biss_reg_preset_singleturn_mask(amm5) == UINT64_C(0x1FFFFF000)": 1,
     # What is no frame has no length.
     "lika_amm5_rs485_frame_length((lika_amm5_rs485_frame)99)": 0,
     "lika_sma21_rs485_frame_length((lika_sma21_rs485_frame)99)": 0,
     # AM36 6.5: 4Bh to 4Dh have 24 bits; at least one revolution.
     # Without functions in the transport whoever came to them would say UNSUPPORTED.
-    "lika_am36_reg_information_per_revolution_encode(&am36, &steps, bytes, 3U)": RANGE,
-    "lika_am36_write_number_of_revolutions(&none, &am36, &turns, NULL)": RANGE,
-    "lika_am36_write_preset(&none, &am36, &beyond, NULL)": RANGE,
-    "lika_amm5_write_preset(&none, &amm5, &disagreeing, NULL)": RANGE,
+    "lika_am36_biss_reg_information_per_revolution_encode(am36, &steps, bytes, 3U)": RANGE,
+    "lika_am36_biss_write_number_of_revolutions(&none, am36, &turns, NULL)": RANGE,
+    "lika_am36_biss_write_preset(&none, am36, &beyond, NULL)": RANGE,
+    "lika_amm5_biss_write_preset(&none, amm5, &disagreeing, NULL)": RANGE,
     # Bit 5 of 49h, the code, is 0 or 1 (AM36 6.5, SMA21 6.4).
-    "(coded.output_code = (lika_am36_output_code)2, lika_am36_write_configuration(&none, &am36, &coded, NULL))": RANGE,
     (
-        "(measured.output_code = (lika_sma21_output_code)2, lika_sma21_write_configuration(&none, &sma21, &measured, "
-        "NULL))"
+        "(coded.output_code = (lika_am36_biss_output_code)2, "
+        "lika_am36_biss_write_configuration(&none, am36, &coded, NULL))"
+    ): RANGE,
+    (
+        "(measured.output_code = (lika_sma21_biss_output_code)2, "
+        "lika_sma21_biss_write_configuration(&none, sma21, &measured, NULL))"
     ): RANGE,
     "cw_run_step(&none, &reading, NULL)": RANGE,
     # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted; of more than 32 bits the last 32 count.
@@ -337,31 +340,39 @@ FUNCTIONS: Mapping[str, int] = {
     },
 }
 
-PROGRAM = """#include "lika/am36.h"
-#include "lika/amm5.h"
-#include "lika/asc85.h"
+PROGRAM = """#include "lika/am36_biss.h"
+#include "lika/am36_ssi.h"
+#include "lika/amm5_ssi.h"
+#include "lika/sma21_ssi.h"
+#include "lika/am36_biss_registers.h"
+#include "lika/amm5_biss.h"
+#include "lika/amm5_biss_registers.h"
+#include "lika/amm5_rs485.h"
+#include "lika/asc85_ssi.h"
 #include "codewheel/biss_slave.h"
-#include "lika/sma21.h"
+#include "lika/sma21_biss.h"
+#include "lika/sma21_biss_registers.h"
+#include "lika/sma21_rs485.h"
 #include <stdio.h>
 int main(void)
 {
-    static const lika_am36_variant am36 = LIKA_AM36_AM3616_4096_I7;
-    static const lika_amm5_variant amm5 = LIKA_AMM5_A21_65KSC1;
-    static const lika_sma21_variant sma21 = LIKA_SMA21_SC1_0050;
+    static const lika_am36_biss *const am36 = &LIKA_AM36_BISS_AM3616_4096_I7;
+    static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A21_65KSC1;
+    static const lika_sma21_biss *const sma21 = &LIKA_SMA21_BISS_SC1_0050;
     static const cw_transport none = { NULL, NULL, NULL, NULL, NULL, 0U, 0U };
-    static const lika_am36_reg_information_per_revolution steps = { 0x1000000U };
-    static const lika_am36_reg_number_of_revolutions turns = { 0U };
-    static const lika_am36_reg_preset beyond = { UINT64_C(0x1000000000) };
-    static const lika_amm5_reg_preset disagreeing = { 1U, 2U, 3U };
+    static const lika_am36_biss_reg_information_per_revolution steps = { 0x1000000U };
+    static const lika_am36_biss_reg_number_of_revolutions turns = { 0U };
+    static const lika_am36_biss_reg_preset beyond = { UINT64_C(0x1000000000) };
+    static const lika_amm5_biss_reg_preset disagreeing = { 1U, 2U, 3U };
     const cw_step reading = cw_step_read(0x44U);
-    lika_am36_reg_configuration coded;
-    lika_sma21_reg_configuration measured;
+    lika_am36_biss_reg_configuration coded;
+    lika_sma21_biss_reg_configuration measured;
     cw_biss_request request = { 0U, 0U, false, 0U };
     cw_biss_master master;
     cw_biss_slave slave;
     uint8_t bytes[8] = { 0U };
-    if (lika_am36_reg_configuration_decode(&am36, bytes, 1U, &coded) != CW_OK
-        || lika_sma21_reg_configuration_decode(&sma21, bytes, 1U, &measured) != CW_OK) {
+    if (lika_am36_biss_reg_configuration_decode(am36, bytes, 1U, &coded) != CW_OK
+        || lika_sma21_biss_reg_configuration_decode(sma21, bytes, 1U, &measured) != CW_OK) {
         return 1;
     }
     cw_biss_master_init(&master);

@@ -23,7 +23,7 @@ ENCODER = r"""
 
 #include "codewheel/biss_slave.h"
 
-static uint8_t memory[128], rx[LIKA_AMM5_A21_65KSC1_BISS_RX_BYTES];
+static uint8_t memory[128], rx[LIKA_AMM5_BISS_A21_65KSC1_RX_BYTES];
 static cw_biss_slave slave;
 static uint64_t shaft = 1000503U, moved; /* so near to the preset that a step to it looks like a movement */
 static uint32_t now_us, busy_until, chance = 1U;
@@ -52,13 +52,13 @@ static void store(uint8_t address, uint8_t value)
 
 static void draw(bool cds)
 {
-    lika_amm5_single_cycle_data frame;
+    lika_amm5_biss_frame frame;
     uint64_t word = 0U;
     unsigned at;
     memset(&frame, 0, sizeof frame);
     frame.error = false;
-    if (lika_amm5_single_cycle_data_set_position(&encoder, shown(), &frame) != CW_OK
-        || lika_amm5_single_cycle_data_encode(&encoder, &frame, &word) != CW_OK) { abort(); }
+    if (lika_amm5_biss_set_position(&encoder, shown(), &frame) != CW_OK
+        || lika_amm5_biss_encode(&encoder, &frame, &word) != CW_OK) { abort(); }
     memset(rx, 0, sizeof rx);
     rx[0] = 0xC2U | (cds ? 1U : 0U); /* rest, an acknowledge of four bits, start, CDS */
     for (at = 0U; at < 45U; at++) {

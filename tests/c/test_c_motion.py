@@ -415,13 +415,13 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_result_of_the_tracker_may_be_left(include: Path, tmp_path: Path) -> None:
     """A result of the tracker may be left: the tracker keeps what it says."""
-    code = """#include "lika/amm5.h"
+    code = """#include "lika/amm5_biss.h"
 #include "codewheel/tracker.h"
 int main(void)
 {
-    static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
+    static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A23_65KSC1;
     static cw_tracker axis;
-    const cw_tracker_config config = { lika_amm5_modulus(&encoder), 838860800U, 0U, 0U, 0U };
+    const cw_tracker_config config = { lika_amm5_biss_modulus(encoder), 838860800U, 0U, 0U, 0U };
     cw_tracker_start(&axis, &config, 0U);
     cw_tracker_add(&axis, 5U, 50U);
     return (axis.position == 5) ? 0 : 1;

@@ -12,12 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, RUNTIME, SHARED, write
+from c_harness import FAMILIES, RUNTIME, SHARED, text_of, write
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError
-from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.device import views_of
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.reserved import RESERVED, c_name
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
@@ -31,12 +31,14 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
     """The declarations in the text are the listed ones, so that no clash can be overlooked."""
     device = every_device[name]
-    view = DeviceView(device)
-    found = Counter(declared([generate(Library((device,)))[f"c/include/{device.manufacturer.name}/{name}.h"]]).names)
-    assert set(found) == set(view.names.paths) - {f"{view.PREFIX}_H"}
-    assert max(found.values()) == 1
-    assert view.names.clashes == []
-    assert all(item.startswith((f"{view.prefix}_", f"{view.PREFIX}_")) and not item.endswith("_") for item in found)
+    files = generate(Library((device,)))
+    for view in views_of(device):
+        found = Counter(declared(files[f"c/include/{header}"] for header in view.headers).names)
+        assert set(found) == {item for item in view.names.paths if not item.endswith("_H")}
+        assert max(found.values()) == 1
+        assert view.names.clashes == []
+        begins = (f"{view.prefix}_", f"{view.PREFIX}_")
+        assert all(item.startswith(begins) and not item.endswith("_") for item in found if item != view.prefix)
 
 
 @pytest.mark.parametrize("path", sorted((RUNTIME / "codewheel").iterdir()), ids=lambda path: path.name)
@@ -60,14 +62,16 @@ def test_a_member_that_begins_like_the_runtime_gets_an_underscore() -> None:
 
 
 def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Family ``a`` with a layout ``b_c``, and family ``a_b`` with a layout ``c``."""
+    """Family ``a`` with a layout ``biss_c``, and family ``a_biss`` with a layout ``c``, all over BiSS."""
     text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text()
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
-    layout = re.search(r"layouts:\n +- name: (\w+)", text)
-    assert layout is not None
-    for device, name in (("a", "b_c"), ("a_b", "c")):
-        made = text.replace("device: bits22", f"device: {device}").replace(
-            f"- name: {layout[1]}\n", f"- name: {name}\n"
+    layout = text.index("      - name: single_cycle_data\n")
+    for device, name in (("a", "biss_c"), ("a_biss", "c")):
+        again = text[layout:].replace("single_cycle_data", "another", 1)
+        made = (
+            (text + again)
+            .replace("device: bits22", f"device: {device}")
+            .replace("- name: single_cycle_data\n", f"- name: {name}\n")
         )
         (tmp_path / f"{device}.yaml").write_text(
             re.sub(r"(pattern: \W*)", rf"\1{device.upper().replace('_', '')}X", made)
@@ -75,11 +79,13 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["check", str(tmp_path)]) == 1
     said = [line for line in capsys.readouterr().out.splitlines() if "c-name" in line]
     line = next(
-        number for number, row in enumerate((tmp_path / "a_b.yaml").read_text().splitlines(), 1) if "- name: c" in row
+        number
+        for number, row in enumerate((tmp_path / "a_biss.yaml").read_text().splitlines(), 1)
+        if "- name: c" in row
     )
     for ending in ("", "_bits", "_crc", "_decode", "_encode"):
         wanted = (
-            f"a_b.yaml:{line}:9: c-name: its C name test_a_b_c{ending} "
+            f"a_biss.yaml:{line}:9: c-name: its C name test_a_biss_biss_c{ending} "
             "is also that of the family 'a'; rename one of the two"
         )
         assert any(row.endswith(wanted) for row in said), said
@@ -262,7 +268,7 @@ def groups(every: Iterable[str], size: int) -> Iterator[list[str]]:
 @pytest.mark.slow
 def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path: Path) -> None:
     words = set(RESERVED).union(
-        *(own_words((include / "lika" / f"{name}.h").read_text()) for name in FAMILIES),
+        *(own_words(text_of(name, include)) for name in FAMILIES),
         *(own_words((include / "codewheel" / f"{name}.h").read_text()) for name in SHARED),
     )
     assert {
@@ -283,7 +289,7 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
     #: The words that name something of each header are refused as names of layouts;
     #: see tests/check/broken_model/c_name_*.
     #: BiSS lays down what error and warning are.
-    words -= {"variant", "error", "warning"} | {word for word in words if len(word) > 30}
+    words -= {"variant", "error", "warning", "frame"} | {word for word in words if len(word) > 30}
     #: BiSS itself has a place for the registers of these names.
     words = {
         f"{word}s" if word in ("device_id", "manufacturer_id", "profile_id", "serial_number") else word
@@ -300,7 +306,8 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
         devices, report = load_library([folder / "hostile.yaml"])
         assert [problem.format() for problem in report.problems] == []
         headers = write(folder, devices)
-        (folder / "unit.c").write_text(use_everything(["test/hostile.h"], headers))
+        every = [header for view in views_of(devices[0]) for header in view.headers]
+        (folder / "unit.c").write_text(use_everything(every, headers))
         for command in (["gcc", "-std=gnu2x"], ["g++", "-x", "c++", "-std=gnu++2b"]):
             shown = subprocess.run(
                 [

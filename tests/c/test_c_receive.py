@@ -16,6 +16,7 @@ import pytest
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
 from codewheel.model import Alternative, Answer, Device
 from codewheel.plan.receive_lengths import Received, received
+from codewheel.targets.c.device import views_of
 
 OK, LENGTH, CRC, CONSTANT, RANGE = range(5)
 TIMEOUT = 6
@@ -447,15 +448,15 @@ def test_a_line_of_zeros_waits_for_nothing(run: Run) -> None:
 #: From the manuals: AMM5 6.2.1 p.32 (nbitres + 8) and 5.2; AM36 6.3.1 p.21; ASC85 6.2.1 p.20; SMA21 6.2 p.25 and 5.2.
 LENGTHS = {
     "amm5": {
-        "A23_65KSC1_BISS": 47,
-        "A17_1SC1_BISS": 25,
-        "B21_65KSC1_BISS": 45,
-        "A23_65KBG1_SSI": 39,
-        "A17_1BG1_SSI": 17,
+        "BISS_A23_65KSC1": 47,
+        "BISS_A17_1SC1": 25,
+        "BISS_B21_65KSC1": 45,
+        "SSI_A23_65KBG1": 39,
+        "SSI_A17_1BG1": 17,
     },
     # With the 0 bit that the manual prints, and without it, as OnStepX reads it.
-    "asc85": {"25_SC1_BISS_AS_PRINTED": 34, "25_SC1_BISS_LEFT_OUT": 33, "20_SC2_BISS_LEFT_OUT": 28},
-    "am36": {"AM3616_4096_I7_BISS": 44, "AM3619_4096_BG_SSI": 31, "AMC3616_4096_GG_SSI": 28},
+    "asc85": {"BISS_25_SC1_AS_PRINTED": 34, "BISS_25_SC1_LEFT_OUT": 33, "BISS_20_SC2_LEFT_OUT": 28},
+    "am36": {"BISS_AM3616_4096_I7": 44, "SSI_AM3619_4096_BG": 31, "SSI_AMC3616_4096_GG": 28},
 }
 
 
@@ -469,10 +470,11 @@ def test_lengths_are_constants(
     compiler: str, standard: str, assertion: str, family: str, include: Path, tmp_path: Path
 ) -> None:
     """As sizes of arrays and in static asserts; a wrong one is an error, so that the assert is known to look."""
-    lines = [f'#include "lika/{family}.h"', '#include "codewheel/receive.h"']
+    kinds = {name.split("_")[0].lower() for name in LENGTHS[family]}
+    lines = [f'#include "lika/{family}_{kind}.h"' for kind in sorted(kinds)]
     for name, bits in LENGTHS[family].items():
         stem = f"LIKA_{family.upper()}_{name}"
-        around = 2 if name.endswith("SSI") else 2 + 40 + 1 + 1 + 1
+        around = 2 if name.startswith("SSI") else 2 + 40 + 1 + 1 + 1
         lines += [
             f"static uint8_t rx_{name.lower()}[{stem}_RX_BYTES];",
             f'{assertion}({stem}_BITS == {bits}U, "bits");',
@@ -498,25 +500,18 @@ def test_the_constants_are_what_the_functions_say(
     family: str, every_device: dict[str, Device], include: Path, tmp_path: Path
 ) -> None:
     device = every_device[family]
-    lines = [f'#include "lika/{family}.h"', "int main(void) {", "    int wrong = 0;"]
+    views = list(views_of(device))
+    lines = [f'#include "{view.header}"' for view in views] + ["int main(void) {", "    int wrong = 0;"]
     count = 0
-    for interface in device.interfaces:
-        for item in received(device, interface):
-            code = item.variant.code.upper().removeprefix(family.upper())
-            name = "".join(letter if letter.isalnum() else "_" for letter in code).strip("_")
-            text = (include / "lika" / f"{family}.h").read_text(encoding="ascii")
-            macro = next(
-                stem
-                for stem in (f"LIKA_{family.upper()}_{name}", f"LIKA_{family.upper()}_{family.upper()}{name}")
-                if f"#define {stem} " in text
-            )
-            bits = f"lika_{family}_{item.layout.name}_bits"
-            lines.append(f"    {{ static const lika_{family}_variant v = {macro};")
+    for view in views:
+        rows = {row.variant.code: row.macro for row in view.variants.rows}
+        for item in received(view.device, view.context.interface):
+            macro = rows[item.variant.code]
             # What the user decides is the last argument of the function, and the end of the name.
-            enum = f"LIKA_{family.upper()}"
-            given = [f", {enum}_{asked.name}_{answer.name}".upper() for asked, answer in answered(device, item)]
-            stem = "_".join((macro, interface.name, *(answer.name for answer in item.answers))).upper()
-            lines.append(f"      wrong += {bits}(&v{''.join(given)}) != {stem}_BITS; }}")
+            told = answered(view.device, item)
+            given = [f", {view.PREFIX}_{asked.name}_{answer.name}".upper() for asked, answer in told]
+            stem = "_".join((macro, *(answer.name for answer in item.answers))).upper()
+            lines.append(f"    wrong += {view.prefix}_bits(&{macro}{''.join(given)}) != {stem}_BITS;")
             count += 1
     lines += ["    return wrong;", "}"]
     program = compile_c(GCC, "\n".join(lines) + "\n", tmp_path, include)

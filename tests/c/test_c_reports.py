@@ -16,6 +16,7 @@ from codewheel.plan.reports import Told, reportings, reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Report, findings
 from codewheel.say.report import alarm_of, meaning
+from codewheel.targets.c.device import views_of
 from test_c_codec import Table, check, made, on_the_wire, samples
 
 pytestmark = pytest.mark.slow
@@ -42,13 +43,18 @@ def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
             yield name, variant, placed, made(device, placed, choices, fixed, random_)
 
 
+def by_interface(device: Device) -> list[Device]:
+    """The device with each of its interfaces alone, for which C has headers of their own."""
+    return [view.device for view in views_of(device)]
+
+
 def said_by(device: Device, told: Told) -> tuple[str, str]:
     """The field that makes a report, and what the report says: a flag can say another thing for other order codes."""
     return told.by.field.name, meaning(told.made_of, alarm_of(device, told.made_of))
 
 
 class Telling:
-    """Expected reports of the frames of a device, from the reference."""
+    """Expected reports of the frames of a device, from the reference. C numbers the reports of each interface."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -81,10 +87,10 @@ class Telling:
 
 def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, Run]) -> None:
     device, run = machine
-    telling = Telling(device)
     pairs = [
         (f"{variant.code} tells {name} {on_the_wire(placed, number)}", telling.row(variant, placed, number))
-        for name, variant, placed, number in frames(device)
+        for telling in map(Telling, by_interface(device))
+        for name, variant, placed, number in frames(telling.device)
         if telling.says_anything(name)
     ]
     check(run, pairs)
@@ -102,10 +108,14 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
 
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
     """One by one; and of several the text is that of the lowest bit."""
-    device, run = machine
+    whole, run = machine
+    for device in by_interface(whole):
+        if reports_of(device):
+            every_report_is_made(device, run)
+
+
+def every_report_is_made(device: Device, run: Run) -> None:
     everything = reports_of(device)
-    if not everything:
-        return
     texts: dict[int, list[str]] = {}
     telling = Telling(device)
     for name, variant, placed, number in frames(device):
@@ -146,22 +156,22 @@ def test_verdicts_by_hand(run: Run) -> None:
     complete = {
         "1A 00 A5A500 23 888800 00": f"{USABLE} 0",
         # BUSY, and EE_1 that sums it up; all position data are 0.
-        "1A 20 000000 23 000000 02": f"{NOT_USABLE} 90",
+        "1A 20 000000 23 000000 02": f"{NOT_USABLE} 24",
         # EE_1 sums up the battery alarm too, which leaves the position usable.
-        "1A 20 A5A500 23 888800 80": f"{WARNING} 1010",
-        "1A 20 A5A500 23 888800 00": f"{NOT_USABLE} 10",
+        "1A 20 A5A500 23 888800 80": f"{WARNING} 404",
+        "1A 20 A5A500 23 888800 00": f"{NOT_USABLE} 4",
         # Bits that the manual has as 0: of the status, and of the alarms.
-        "1A 01 A5A500 23 888800 10": f"{WARNING} 204",
+        "1A 01 A5A500 23 888800 10": f"{WARNING} 81",
     }
     code = "AMM5A23/65KJP1"
     pairs = [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {said}") for frame, said in complete.items()]
     # A reply from a public log: EE_1, and the reply does not tell what it is.
-    pairs.append((f"{code} tells singleturn_reply 0220C7D16A5E", f"0 {NOT_USABLE} 10"))
+    pairs.append((f"{code} tells singleturn_reply 0220C7D16A5E", f"0 {NOT_USABLE} 4"))
     # Singleturn models have no battery (4.3): what BATT and MTERR mean there is not said.
     singleturn = {
-        "1A 20 A5A500 23 000000 80": f"{WARNING} 20010",
-        "1A 20 A5A500 23 000000 40": f"{WARNING} 10010",
-        "1A 20 A5A500 23 000000 42": f"{NOT_USABLE} 10090",
+        "1A 20 A5A500 23 000000 80": f"{WARNING} 4004",
+        "1A 20 A5A500 23 000000 40": f"{WARNING} 2004",
+        "1A 20 A5A500 23 000000 42": f"{NOT_USABLE} 2024",
     }
     code = "AMM5A23/1JP1"
     pairs += [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {said}") for frame, said in singleturn.items()]
@@ -173,7 +183,7 @@ def test_the_only_printed_reply_to_data_id_5_has_its_position(programs: Mapping[
     code, frame = "SMA21-JP1-0001", "2A02DA040043250090"
     lines = {
         f"decode wide_position_reply {frame}": "0 0 0 160037864666 2",
-        f"tells wide_position_reply {frame}": f"0 {WARNING} 4",
+        f"tells wide_position_reply {frame}": f"0 {WARNING} 1",
         f"expected wide_position_reply {frame}": "0 0",
         "encode wide_position_reply 0 0 160037864666 2": f"0 {frame}",
         # A bit of a flag is none of the unused ones.
@@ -215,10 +225,11 @@ def test_texts_take_nothing_where_they_are_not_used(c_devices: tuple[Device, ...
     """Even where the compiler improves nothing, no text of a report is in a program that asks for none."""
     include = write(tmp_path, c_devices)
     remedy = b"Turn on the main power twice"
-    call = "lika_amm5_report_text(1U)->remedy"
+    call = "lika_amm5_rs485_report_text(2U)->remedy"
     sizes = {}
     for name, used in (("without", '""'), ("with", call)):
-        code = f'#include "lika/amm5.h"\nint main(void) {{ const char *const text = {used}; return (int)text[0]; }}\n'
+        code = '#include "lika/amm5_rs485_reports.h"\n'
+        code += f"int main(void) {{ const char *const text = {used}; return (int)text[0]; }}\n"
         program = compile_c([*GCC, "-O0"], code, tmp_path, include, name)
         sizes[name] = remedy in program.read_bytes()
     assert sizes == {"without": False, "with": True}

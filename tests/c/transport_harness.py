@@ -21,7 +21,7 @@ from typing import Any
 from c_harness import WARNINGS, write
 from codewheel.model import Device
 from codewheel.targets.c.access import Access
-from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
@@ -144,7 +144,7 @@ class Machine:
     """The compiled functions of a family."""
 
     device: Device
-    library: ctypes.CDLL
+    libraries: Sequence[ctypes.CDLL]
     #: Whether procedures go through the runner, which leaves waiting to its caller: a wait cannot fail then.
     stepped: bool = False
 
@@ -177,15 +177,19 @@ class Machine:
     def run_without_failure(self, procedure: str, code: str, encoder: Encoder) -> int:
         transport = encoder.transport()
         return int(
-            getattr(self.library, f"run_{procedure}")(
+            self._function(f"run_{procedure}")(
                 ctypes.byref(transport), code.encode(), None, (ctypes.c_uint8 * 64)(), None
             )
         )
 
+    def _function(self, name: str) -> Any:
+        """The function, from the library of the interface that has it."""
+        return next(getattr(item, name) for item in self.libraries if hasattr(item, name))
+
     def _call(self, name: str, encoder: Encoder, *arguments: object) -> Answer:
         transport, failure = encoder.transport(), Failure(*UNTOUCHED)
         data = (ctypes.c_uint8 * 65)(*[0xAA] * 65)
-        result = getattr(self.library, name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
+        result = self._function(name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
         # The first byte tells how many were filled.
         filled = bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b""
         return Answer(result, filled, failure.told(), encoder.record, failure.left_open)
@@ -195,8 +199,6 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
     """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched; ``stepped`` has a main
     loop around the runner carry out the procedures."""
     include = write(folder, (device,))
-    text, library = folder / "transport.c", folder / "transport.so"
-    text.write_text((_LOOP if stepped else "") + source(device), encoding="utf-8")
     command = [
         "gcc",
         "-std=c99",
@@ -207,14 +209,21 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
         "-fno-sanitize-recover=all",
         *WARNINGS,
     ]
-    done = subprocess.run([*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    for view in views_of(device):
+        text, library = folder / f"{view.stem}.c", folder / f"{view.stem}.so"
+        text.write_text((_LOOP if stepped else "") + source(view), encoding="utf-8")
+        done = subprocess.run([*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[:4000]
 
 
-def source(device: Device) -> str:
-    """A function with plain arguments for each of the header that takes a transport."""
-    view = DeviceView(device)
-    prefix, maker = view.prefix, device.manufacturer.name
+def machine_of(device: Device, folder: Path, stepped: bool) -> Machine:
+    """The functions compiled into this folder."""
+    return Machine(device, [ctypes.CDLL(str(path)) for path in sorted(folder.glob("*.so"))], stepped)
+
+
+def source(view: DeviceView) -> str:
+    """A function with plain arguments for each of the headers that takes a transport."""
+    prefix, device = view.prefix, view.device
     text = _HEAD
     for procedure in view.procedures:
         name = procedure.run.procedure.name
@@ -255,13 +264,14 @@ int identity(const cw_transport *transport, uint8_t *data, cw_failure *failure)
 int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure);
 int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
-    {prefix}_variant copy = *variant_of(code);
+    {prefix} copy = *variant_of(code);
     const cw_result result = {view.read_state}(transport, &copy, failure);
     data[0] = 8U * {len(device.set_parameters)}U;
 {members}    return (int)result;
 }}
 """
-    return text.replace("@maker@", maker).replace("@prefix@", prefix).replace("@device@", device.name)
+    headers = "".join(f'#include "{item}"\n' for item in view.headers)
+    return text.replace("@headers@", headers).replace("@prefix@", prefix)
 
 
 def _register(access: Access) -> str:
@@ -391,11 +401,11 @@ static inline cw_result in_a_loop(
 """
 
 _HEAD = r"""
-#include "@maker@/@device@.h"
+@headers@#include "codewheel/transport.h"
 #include <stdlib.h>
 #include <string.h>
 
-static inline const @prefix@_variant *variant_of(const char *code)
+static inline const @prefix@ *variant_of(const char *code)
 {
     uint32_t unlisted;
     const @prefix@_order_code *const found = @prefix@_find_order_code(code, &unlisted);

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _FUNCTION = re.compile(r"^static inline ([\w \*]+?)(\w+)\(([^()]*)\)\s*\{", re.MULTILINE)
+_CONSTANT = re.compile(r"^static const (\w+) (\w+) = \{", re.MULTILINE)
 _MACRO = re.compile(r"^#define (\w+)(\S*)(?: (.*))?$", re.MULTILINE)
 _ENUM = re.compile(r"^typedef enum \w* ?\{(.*?)\} (\w+);", re.MULTILINE | re.DOTALL)
 _STRUCT = re.compile(r"^typedef struct \w+ \{.*?^\} (\w+);", re.MULTILINE | re.DOTALL)
@@ -24,6 +25,8 @@ class Declared:
     functions: tuple[tuple[str, str, str], ...]
     macros: Sequence[tuple[str, str]]
     enumerators: tuple[str, ...]
+    #: The order codes: type and name of each.
+    constants: tuple[tuple[str, str], ...]
     types: tuple[str, ...]
     #: The lines that open the conditions under which a function is there at all.
     conditions: Mapping[str, tuple[str, ...]]
@@ -34,6 +37,7 @@ class Declared:
             *(name for _, name, _ in self.functions),
             *(name for name, _ in self.macros),
             *self.enumerators,
+            *(name for _, name in self.constants),
             *self.types,
         ]
 
@@ -65,7 +69,9 @@ def declared(texts: Iterable[str]) -> Declared:
     code = "\n".join(map(without_nodiscard, map(without_texts, texts)))
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
     # A name that the expressions above do not find would be unused without notice.
-    assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"
+    constants = tuple((kind, name) for kind, name in _CONSTANT.findall(code))
+    statics = len(re.findall(r"^static ", code, re.MULTILINE))
+    assert len(functions) + len(constants) == statics, "a static that is no inline function and no order code"
     macros = [
         (name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()
     ]
@@ -74,7 +80,12 @@ def declared(texts: Iterable[str]) -> Declared:
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
     enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))
     return Declared(
-        functions, macros, enumerators, (*(name for _, name in enums), *_STRUCT.findall(code)), dict(_conditions(code))
+        functions,
+        macros,
+        enumerators,
+        constants,
+        (*(name for _, name in enums), *_STRUCT.findall(code)),
+        dict(_conditions(code)),
     )
 
 
@@ -99,8 +110,9 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
 def included(header: str, include: Path) -> list[str]:
     """The header, given as below ``include``, after those that it includes."""
     text = (include / header).read_text(encoding="ascii")
-    found = re.findall(r'^#include "(?:codewheel/)?(\w+\.h)"', text, re.MULTILINE)
-    return [*(item for name in found for item in included(f"codewheel/{name}", include)), header]
+    found = re.findall(r'^#include "((?:\w+/)?\w+\.h)"', text, re.MULTILINE)
+    places = [name if "/" in name else f"codewheel/{name}" for name in found]
+    return [*(item for name in places for item in included(name, include)), header]
 
 
 def use_everything(headers: Sequence[str], include: Path) -> str:
@@ -115,20 +127,12 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         settings = found.conditions.get(name, ())
         lines += [*settings, *made, *("#endif" for _ in settings)]
     for name, value in found.macros:
-        if value.startswith("{"):
-            variant = max(
-                (
-                    item
-                    for item in found.types
-                    if item.endswith("_variant") and name.lower().startswith(item.removesuffix("variant"))
-                ),
-                key=len,
-            )
-            lines += _function(variant, name, "void", f"const {variant} value = {name};", "return value;")
-        elif value.startswith('"'):
+        if value.startswith('"'):
             lines += _function("const char *", name, "void", f"return {name};")
         else:
             lines += _function("int", name, "void", f"return {name} != 0;")
+    for kind, name in found.constants:
+        lines += _function(f"const {kind} *", name, "void", f"return &{name};")
     for name in found.enumerators:
         lines += _function("int", name, "void", f"return {name} != 0;")
     for name in found.types:

@@ -156,17 +156,19 @@ def test_editions_of_sma21() -> None:
 @pytest.mark.slow
 def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None:
     """Neither order of its bytes: there is no name for it, in no language."""
+    headers = sorted((generated / "c" / "include" / "lika").glob("amm5_1_6_*.h"))
+    in_c = "".join(path.read_text(encoding="utf-8") for path in headers)
+    assert "REG_MANUFACTURER_ID" in in_c
+    assert "REG_SERIAL_NUMBER" not in in_c
     texts = [
-        (generated / "c" / "include" / "lika" / "amm5_1_6.h").read_text(encoding="utf-8"),
         (generated / "python" / "lika_encoders" / "amm5_1_6.py").read_text(encoding="utf-8"),
         "".join(path.read_text(encoding="utf-8") for path in sorted((generated / "docs" / "amm5_1_6").glob("*.md"))),
     ]
     for text in texts:
         assert "The table does not give their earlier content" in " ".join(text.replace("\n *", "\n").split())
         assert not re.search(r"REG_SERIAL_NUMBER|class SerialNumber|register-serial_number", text)
-    assert "LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U" in (generated / "c/include/lika/amm5.h").read_text(
-        encoding="utf-8"
-    )
+    header = (generated / "c/include/lika/amm5_biss_registers.h").read_text(encoding="utf-8")
+    assert "LIKA_AMM5_BISS_REG_SERIAL_NUMBER_ADDRESS 0x44U" in header
 
 
 @pytest.mark.slow
@@ -176,7 +178,7 @@ def test_each_edition_is_in_each_output(generated: Path) -> None:
         device = edition(name, revision)
         xml = (generated / "biss" / f"lika-{stem}.xml").read_bytes()
         assert from_xml(xml) == device_dump(device)
-        for path in (f"c/include/lika/{stem}.h", f"python/lika_encoders/{stem}.py", f"docs/{stem}.md"):
+        for path in (f"c/include/lika/{stem}_biss.h", f"python/lika_encoders/{stem}.py", f"docs/{stem}.md"):
             flat = " ".join((generated / path).read_text(encoding="utf-8").replace("\n *", "\n").split())
             date = f" of {device.manual.date}" if device.manual.date else ""
             about = f"Describes encoders of edition {revision} of the manual{date}, as far as they are known"
@@ -188,7 +190,12 @@ def test_each_edition_is_in_each_output(generated: Path) -> None:
 
 @pytest.mark.slow
 def test_the_files_of_the_spec_stay_as_they_are(generated: Path) -> None:
-    for path in ("c/include/lika/amm5.h", "c/include/lika/am36.h", "python/lika_encoders/amm5.py", "docs/amm5.md"):
+    for path in (
+        "c/include/lika/amm5_biss.h",
+        "c/include/lika/am36_biss.h",
+        "python/lika_encoders/amm5.py",
+        "docs/amm5.md",
+    ):
         assert (generated / path).read_bytes() == (ROOT / "generated" / path).read_bytes(), path
 
 
@@ -220,13 +227,17 @@ def test_c_has_the_editions_side_by_side(generated: Path, tmp_path: Path) -> Non
     names = ["amm5", "am36", "am36_1_1", *(f"amm5_{item.replace('.', '_')}" for item in OLD)]
     program = tmp_path / "all.c"
     include = generated / "c" / "include"
-    program.write_text("".join(f'#include "lika/{name}.h"\n' for name in names) + "int main(void) { return 0; }\n")
+    headers = [path.name for name in names for path in sorted((include / "lika").glob(f"{name}_[bsr]*.h"))]
+    assert len(headers) > 100
+    program.write_text("".join(f'#include "lika/{name}"\n' for name in headers) + "int main(void) { return 0; }\n")
     strict = ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{include}", "-fsyntax-only"]
     subprocess.run([*strict, program], check=True)
-    program.write_text('#include "lika/amm5_1_6.h"\nint a = LIKA_AMM5_1_6_REG_SERIAL_NUMBER_ADDRESS;\n')
+    program.write_text(
+        '#include "lika/amm5_1_6_biss_registers.h"\nint a = LIKA_AMM5_1_6_BISS_REG_SERIAL_NUMBER_ADDRESS;\n'
+    )
     refused = subprocess.run([*strict, program], check=False, capture_output=True, text=True)
     assert refused.returncode != 0
-    assert "LIKA_AMM5_1_6_REG_SERIAL_NUMBER_ADDRESS" in refused.stderr
+    assert "LIKA_AMM5_1_6_BISS_REG_SERIAL_NUMBER_ADDRESS" in refused.stderr
 
 
 def test_am36_1_1_is_what_six_pages_say() -> None:

@@ -1,9 +1,8 @@
-#include "@maker@/@device@.h"
-
+@headers@
 static size_t feed(uint8_t *to, size_t count);
 static void emit(const uint8_t *from, size_t count);
 
-static void wipe(uint8_t *to, size_t count, uint8_t byte)
+static inline void wipe(uint8_t *to, size_t count, uint8_t byte)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -11,7 +10,7 @@ static void wipe(uint8_t *to, size_t count, uint8_t byte)
     }
 }
 
-static void copy(uint8_t *to, const uint8_t *from, size_t count)
+static inline void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -19,7 +18,7 @@ static void copy(uint8_t *to, const uint8_t *from, size_t count)
     }
 }
 
-static bool is_all(const uint8_t *from, size_t count, uint8_t byte)
+static inline bool is_all(const uint8_t *from, size_t count, uint8_t byte)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -30,7 +29,7 @@ static bool is_all(const uint8_t *from, size_t count, uint8_t byte)
     return true;
 }
 
-static void put(uint8_t *to, uint64_t value, size_t count)
+static inline void put(uint8_t *to, uint64_t value, size_t count)
 {
     size_t index;
     for (index = 0U; index < count; index++) {
@@ -38,7 +37,7 @@ static void put(uint8_t *to, uint64_t value, size_t count)
     }
 }
 
-static uint64_t number(const uint8_t *from, size_t count)
+static inline uint64_t number(const uint8_t *from, size_t count)
 {
     uint64_t value = 0U;
     size_t index;
@@ -73,8 +72,8 @@ static inline void put_word(uint8_t *to, uint64_t word)
 }
 @taken@@codecs@
 typedef struct codec {
-    void (*decode)(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to);
-    void (*encode)(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to);
+    void (*decode)(const @prefix@ *variant, const uint8_t *from, uint8_t *to);
+    void (*encode)(const @prefix@ *variant, const uint8_t *from, uint8_t *to);
     size_t answer;
     size_t members;
     size_t encoded;
@@ -84,7 +83,7 @@ static const codec codecs[] = {
 @rows@
 };
 
-static void set_variant(@prefix@_variant *variant, const uint8_t *bytes)
+static void set_variant(@prefix@ *variant, const uint8_t *bytes)
 {
     wipe((uint8_t *)variant, sizeof *variant, 0U);
     (void)bytes;
@@ -96,7 +95,7 @@ static int work(void)
     uint8_t values[@parameters@];
     uint8_t record[@largest@];
     uint8_t answer[@largest@ + 1];
-    @prefix@_variant variant;
+    @prefix@ variant;
     while (feed(head, sizeof head) == sizeof head && head[0] != 255U) {
         const codec *const chosen = &codecs[number(&head[1], 2U)];
         const bool decode = head[0] == 0U;

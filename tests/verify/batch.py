@@ -21,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from c_harness import Member, answers, codecs, members, short
+from c_harness import Member, answers, codecs, included, members, short
 from codewheel.model import Alternative, Choice, Device, Layout, PlacedLayout, Variant
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView
@@ -83,7 +83,7 @@ class Codec:
 
 
 class Batch:
-    """What the program over a device knows, and the bytes that it is told."""
+    """What the program over a device with one interface knows, and the bytes that it is told."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -135,8 +135,7 @@ class Batch:
             for index, (target, type_) in enumerate(targets)
         )
         values = {
-            "maker": view.maker.name,
-            "device": self.device.name,
+            "headers": included(self.device),
             "prefix": prefix,
             "entry": entry,
             "codecs": pieces,
@@ -171,6 +170,7 @@ class Batch:
             "prefix": prefix,
             "name": codec.name,
             "struct": view.name,
+            "type": view.type,
             "puts": puts,
             "gets": gets,
             "size": str(at),
@@ -226,9 +226,9 @@ int main(void) { return work(); }
 """
 
 _CODEC = """
-static void encode_@name@(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to)
+static void encode_@name@(const @prefix@ *variant, const uint8_t *from, uint8_t *to)
 {
-    @struct@ in;
+    @type@ in;
     cw_result result;
     @before@
     wipe((uint8_t *)&in, sizeof in, 0U);
@@ -239,9 +239,9 @@ static void encode_@name@(const @prefix@_variant *variant, const uint8_t *from, 
     }
 }
 
-static void decode_@name@(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to)
+static void decode_@name@(const @prefix@ *variant, const uint8_t *from, uint8_t *to)
 {
-    @struct@ out;
+    @type@ out;
     cw_result result;
     wipe((uint8_t *)&out, sizeof out, 0x5AU);
     result = @struct@_decode(variant, @decode@);

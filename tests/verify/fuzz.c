@@ -89,7 +89,7 @@ static inline const cw_transport *fuzzed_transport(void)
     return &made;
 }
 @calls@
-static void (*const calls[])(const @prefix@_variant *variant) = { @rows@ };
+static void (*const calls[])(const @prefix@ *variant) = { @rows@ };
 static const uint8_t exact[] = { @exact@ };
 static const uint8_t may_be_refused[] = { @refuse@ };
 static const uint8_t as_bits[] = { @bits@ };
@@ -106,7 +106,7 @@ static void require_of(int holds, const char *what, size_t number)
 }
 
 /* Decodes a record of exactly its length; the answer is as long as that of the batch. */
-static uint8_t *answer_of(const codec *chosen, const @prefix@_variant *variant, const uint8_t *bytes, size_t length, int bits)
+static uint8_t *answer_of(const codec *chosen, const @prefix@ *variant, const uint8_t *bytes, size_t length, int bits)
 {
     uint8_t *const record = malloc(1U + (bits ? 8U : length));
     uint8_t *const answer = calloc(1U, chosen->answer);
@@ -120,7 +120,7 @@ static uint8_t *answer_of(const codec *chosen, const @prefix@_variant *variant, 
     return answer;
 }
 
-static void check_codec(size_t number, const @prefix@_variant *variant)
+static void check_codec(size_t number, const @prefix@ *variant)
 {
     const codec *const chosen = &codecs[number];
     const size_t sent = chosen->encoded - 1U;
@@ -148,7 +148,7 @@ static void check_codec(size_t number, const @prefix@_variant *variant)
 }
 
 /* What can be encoded is decoded again as it was. */
-static void check_members(size_t number, const @prefix@_variant *variant)
+static void check_members(size_t number, const @prefix@ *variant)
 {
     const codec *const chosen = &codecs[number];
     uint8_t *const given = malloc(chosen->members);
@@ -197,7 +197,7 @@ static void check_label(void)
 }
 
 /* The variant of an order code; now and then with what its registers may hold. */
-static void take_over(@prefix@_variant *variant)
+static void take_over(@prefix@ *variant)
 {
     (void)variant;
 @takers@}
@@ -205,7 +205,7 @@ static void take_over(@prefix@_variant *variant)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    @prefix@_variant variant;
+    @prefix@ variant;
     size_t count;
     const @prefix@_order_code *const codes = @prefix@_order_codes(&count);
     size_t chosen;

@@ -55,9 +55,9 @@ def folded(text: str) -> str:
 
 
 def texts_of(batch: Batch, include: Path) -> list[str]:
-    """The code of the headers of the runtime that a family includes, and of its own."""
+    """The code of the headers of the runtime that an interface includes, and of its own."""
     paths = [include / "codewheel" / f"{name}.h" for name in SHARED]
-    paths.append(include / batch.view.maker.name / f"{batch.device.name}.h")
+    paths += [include / header for header in batch.view.headers]
     return [folded(path.read_text(encoding="ascii")) for path in paths]
 
 
@@ -112,7 +112,7 @@ class Header:
     }}"""
                 )
                 after.append(f"free({local});")
-            elif type_ == f"{self.prefix}_variant":
+            elif type_ == f"{self.prefix}":
                 before.append(f"{type_} {local} = *variant;")
                 arguments[-1] = f"&{local}"
             else:
@@ -123,7 +123,7 @@ class Header:
             + f"    (void){name}({', '.join(arguments)});\n"
             + "".join(f"    {line}\n" for line in after)
         )
-        return f"\nstatic void call_{name}(const {self.prefix}_variant *variant)\n{{\n    (void)variant;\n{lines}}}\n"
+        return f"\nstatic void call_{name}(const {self.prefix} *variant)\n{{\n    (void)variant;\n{lines}}}\n"
 
     @staticmethod
     def _split(item: str) -> tuple[str, bool, str]:
@@ -166,7 +166,6 @@ def source(batch: Batch, include: Path) -> str:
         for item in batch.view.takers
     )
     values = {
-        "maker": batch.view.maker.name,
         "prefix": header.prefix,
         "spelled": "1" if batch.device.order_code.also_written else "0",
         "calls": header.calls(),

@@ -189,10 +189,10 @@ class Variants:
         definitions = {item.name: item.equals for item in self.device.parameters if item.equals is not None}
         lines = "".join(f"static long long p_{name};\n" for name in self.names)
         lines += "".join(f"static {prefix}_{item.name} answer_{item.name};\n" for item in self.alternatives)
-        lines += f"""static {prefix}_variant variant;
+        lines += f"""static {prefix} variant;
 static void any_variant(void)
 {{
-    {prefix}_variant anything;
+    {prefix} anything;
     variant = anything;
 """
         lines += "".join(f"    p_{name} = nondet_number();\n" for name in self.names if name not in definitions)
@@ -220,7 +220,7 @@ static void any_variant(void)
             if equals is not None:
                 lines += f"    p_{name} = {in_c(equals)};\n"
             elif name not in answered:
-                member = header.member(f"{prefix}_variant", name)
+                member = header.member(f"{prefix}", name)
                 lines += f"    variant.{member.name} = ({member.type})p_{name};\n"
         return lines + "}\n"
 

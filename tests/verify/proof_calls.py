@@ -13,6 +13,7 @@ from functools import cached_property
 
 from c_harness import SHARED
 from codewheel.model import Device
+from codewheel.targets.c.device import DeviceView
 from proof import PARTLY, PRELUDE, UNDEFINED, Function, Header, Proof, Variants
 
 TRANSPORT, UNSUPPORTED = 5, 7
@@ -151,7 +152,7 @@ class _Given:
 
     def _pointer(self, plain: str, kind: str, local: str) -> None:
         of = self._of
-        if of.device is not None and plain == f"{of.prefix}_variant":
+        if of.device is not None and plain == of.prefix:
             self.lines.append(f"{plain} {local} = variant;")
         elif plain == "char":
             self.lines.append(f"char {local}[{LABEL + 1}]; {local}[{LABEL}] = 0;")
@@ -182,7 +183,7 @@ class CallProof:
 
     @property
     def prefix(self) -> str:
-        return f"{self.device.manufacturer.name}_{self.device.name}" if self.device is not None else "cw"
+        return DeviceView(self.device).prefix if self.device is not None else "cw"
 
     @cached_property
     def variants(self) -> Variants | None:

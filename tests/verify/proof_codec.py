@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from c_harness import included
 from codewheel.model.expressions import Expression
 from proof import PRELUDE, UNDEFINED, Proof, in_c
 from proof_layout import LENGTH, RANGE, Codec
@@ -38,17 +39,17 @@ def _places(name: str, count: int) -> list[str]:
 
 def _same(codec: Codec, names: Iterable[str]) -> str:
     """That members of ``out`` are what they were in ``before``."""
-    members = (item for item in codec.header.structs[codec.name] if item.name in set(names))
+    members = (item for item in codec.header.structs[codec.type] if item.name in set(names))
     return _all(f"out.{place} == before.{place}" for item in members for place in _places(item.name, item.count))
 
 
 def _every_name(codec: Codec) -> list[str]:
-    return [item.name for item in codec.header.structs[codec.name]]
+    return [item.name for item in codec.header.structs[codec.type]]
 
 
 def _harness(codec: Codec) -> str:
     codec.check_members()
-    text = f'#include "{codec.prefix.replace("_", "/", 1)}.h"\n{PRELUDE}'
+    text = f"{included(codec.device)}{PRELUDE}"
     text += f"typedef unsigned __CPROVER_bitvector[{max(codec.layout.widest, 64) + 8}] number;\n"
     text += codec.variants.declare(codec.prefix, codec.header) + reference(codec)
     text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected(codec) + _tells(codec)
@@ -78,7 +79,7 @@ def _codec(codec: Codec) -> str:
         passed = sent = f"wire, {codec.size}"
         number = " | ".join(f"((number)wire[{at}] << {8 * place})" for place, at in enumerate(codec.bytes_upwards))
         again, again_sent = f"uint8_t again[{codec.size}];", f"again, {codec.size}"
-    out, given = codec.header.anything(name, "out"), codec.header.anything(name, "in")
+    out, given = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
     answers = codec.variants.answers
     members = [
         _claim(item.same("out", f"({item.type})({item.value})"), "same member as the reference") for item in codec.items
@@ -94,7 +95,7 @@ def _codec(codec: Codec) -> str:
     decoded = (
         out,
         wire,
-        f"{name} before = out;",
+        f"{codec.type} before = out;",
         f"{result} found = {name}_decode(&variant, {answers}{passed}, &out);",
     )
     text = _function(
@@ -171,12 +172,12 @@ def _writable(codec: Codec) -> Iterator[str]:
 def _length(codec: Codec) -> str:
     if codec.by_word:
         return ""
-    out, given = codec.header.anything(codec.name, "out"), codec.header.anything(codec.name, "in")
+    out, given = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
     refused = f"{codec.name}_decode(&variant, {codec.variants.answers}none, length, &out) == {LENGTH}"
     return _function(
         "length",
         out,
-        f"{codec.name} before = out;",
+        f"{codec.type} before = out;",
         "size_t length = nondet_size();",
         f"__CPROVER_assume(length != {codec.size});",
         "uint8_t none[1];",
@@ -231,8 +232,8 @@ def _setter(codec: Codec, name: str, fits: str, parts: dict[str, str]) -> str:
     )
     return _function(
         f"set_{name}",
-        codec.header.anything(codec.name, "out"),
-        f"{codec.name} before = out;",
+        codec.header.anything(codec.type, "out"),
+        f"{codec.type} before = out;",
         f"{whole.type} given = ({whole.type})nondet_word();",
         f"int found = (int){codec.name}_set_{name}(&variant, given, &out);",
         _claim(f"found == (({fits}) ? 0 : {RANGE})", "takes exactly the numbers that fit"),
@@ -262,7 +263,7 @@ def _expected(codec: Codec) -> str:
             conditions.append(f"(number)in.{member} == {field.equals}")
     conditions += ["in.unused == 0"] if codec.layout.unused else []
     test = f"{codec.name}_is_expected(&variant, &in) == ({_all(conditions)})"
-    return _function("expected", codec.header.anything(codec.name, "in"), _claim(test, "reads as the manual states"))
+    return _function("expected", codec.header.anything(codec.type, "in"), _claim(test, "reads as the manual states"))
 
 
 def _tells(codec: Codec) -> str:
@@ -270,7 +271,7 @@ def _tells(codec: Codec) -> str:
     known = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
     assume = [f"__CPROVER_assume((in.unused & ~{known:#x}ULL) == 0);"] if codec.layout.unused else []
     claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in told_of(codec)]
-    return _function("tells", codec.header.anything(codec.name, "in"), *assume, *claims) if claims else ""
+    return _function("tells", codec.header.anything(codec.type, "in"), *assume, *claims) if claims else ""
 
 
 def functions(codec: Codec) -> Iterator[str]:

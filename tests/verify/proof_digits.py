@@ -6,6 +6,7 @@ Every value that an encoder may be given comes by on the way.
 
 from __future__ import annotations
 
+from c_harness import included
 from proof_layout import RANGE, Codec
 
 
@@ -18,8 +19,8 @@ def program(codec: Codec) -> str:
     assert codec.size * 8 == field.widest
     assert not codec.by_word
     limit = 10 ** sum(run.digits for run in field.runs)
-    names = [codec.header.member(codec.name, run.name).name for run in field.runs]
-    whole = codec.header.member(codec.name, field.name)
+    names = [codec.header.member(codec.type, run.name).name for run in field.runs]
+    whole = codec.header.member(codec.type, field.name)
     places = range(codec.size) if codec.layout.byte_order == "low_byte_first" else range(codec.size - 1, -1, -1)
     writes = " ".join(f"sent[{at}] = (uint8_t)(number >> {8 * place});" for place, at in enumerate(places))
     right_bytes = " && ".join(f"again[{at}] == sent[{at}]" for at in places)
@@ -31,16 +32,15 @@ def program(codec: Codec) -> str:
     def same(struct: str) -> str:
         return " && ".join(f"{struct}.{name} == count.{name}" for name in (*names, whole.name))
 
-    return f"""#include "{codec.prefix.replace("_", "/", 1)}.h"
-
+    return f"""{included(codec.device)}
 int main(void)
 {{
-    static {codec.prefix}_variant variant;
-    static {codec.name} count;
+    static {codec.prefix} variant;
+    static {codec.type} count;
     uint64_t number;
     for (number = 0U; number <= {(1 << field.widest) - 1}U; number++) {{
         uint8_t sent[{codec.size}], again[{codec.size}] = {{ 0U }};
-        {codec.name} out = {{ 0 }}, set = {{ 0 }};
+        {codec.type} out = {{ 0 }}, set = {{ 0 }};
         int decoded, chosen;
         {writes}
         decoded = (int){codec.name}_decode(&variant, sent, sizeof sent, &out);

@@ -57,6 +57,11 @@ class Codec:
     register: Register | None = None
     held: Mapping[str, int] = attribute(default_factory=dict)
 
+    @property
+    def type(self) -> str:
+        """The name of its struct in C."""
+        return f"{self.name}_frame" if self.name == self.prefix else self.name
+
     @cached_property
     def fields(self) -> tuple[Field, ...]:
         fixed = self.layout.selector if len(self.layout.selects) == 1 else ""
@@ -111,7 +116,7 @@ class Codec:
         return tuple(item.value for item in field.values) if isinstance(field.kind, Choice) else ()
 
     def member(self, name: str) -> Member:
-        return self.header.member(self.name, name)
+        return self.header.member(self.type, name)
 
     def join_width(self, join: Join) -> Expression:
         return sum((self.layout.field(name).width for name in join.fields), Expression(0))
@@ -146,7 +151,7 @@ class Codec:
 
     def check_members(self) -> None:
         """The struct has the members that the layout tells and no others."""
-        found = {item.name for item in self.header.structs[self.name]} - {"no_data"}
+        found = {item.name for item in self.header.structs[self.type]} - {"no_data"}
         expected = {item.member.name for item in self.items}
         assert found == expected, f"{self.name}: members {sorted(found ^ expected)}"
         counts = {item.member.name: item.member.count for item in self.items}

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from c_harness import included
 from codewheel.model import Crc, Device
+from codewheel.targets.c.device import DeviceView
 from proof import PRELUDE, UNDEFINED, Header, Proof
 from proof_reference import shift_in, shifted_out
 
@@ -111,18 +113,14 @@ def shared_proofs() -> Iterable[Proof]:
 
 def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
     """The CRC functions of a device against the shift register of the definition, over every length."""
-    prefix = f"{device.manufacturer.name}_{device.name}"
+    prefix = DeviceView(device).prefix
     for crc in device.crcs:
         for function in header.functions.values():
             if function.name.removeprefix(f"{prefix}_crc_") not in (crc.name, f"{crc.name}_bits", f"{crc.name}_bytes"):
                 continue
             kinds = [kind for kind, _ in function.arguments]
-            text = f'#include "{maker_header(device)}"\n{PRELUDE}' + _crc(crc, function.name, kinds)
+            text = f"{included(device)}{PRELUDE}" + _crc(crc, function.name, kinds)
             yield Proof(f"{function.name} of every input", text, "crc", 8 * BYTES + 2, tuple(UNDEFINED))
-
-
-def maker_header(device: Device) -> str:
-    return f"{device.manufacturer.name}/{device.name}.h"
 
 
 def _crc(crc: Crc, name: str, kinds: list[str]) -> str:

@@ -76,7 +76,7 @@ UNREACHED = (
         "a wait has no access; the case stands for readers",
     ),
     Unreached(
-        r"lika_am36_set_resolution_steps",
+        r"lika_am36_biss_set_resolution_steps",
         r"result != CW_OK|\{",
         4,
         "a resolution that encodes is one that the encoder can have, from the bytes just written",

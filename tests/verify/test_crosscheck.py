@@ -33,7 +33,7 @@ from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
 from test_c_reports import said_by
 from tools import tool
-from tree import generated_tree, library, number_from_environment
+from tree import generated_tree, interfaces, number_from_environment
 
 FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
 #: Frames held at once; a piece has one run of the C program.
@@ -164,8 +164,8 @@ def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, 
     """All frames of a layout; the number of them, how often each result came, and where C and Python differ."""
     if str(package) not in sys.path:
         sys.path.insert(0, str(package))
-    device = library()[family]
-    module = importlib.import_module(f"{device.manufacturer.python_package}.{family}")
+    device = interfaces()[family]
+    module = importlib.import_module(f"{device.manufacturer.python_package}.{device.name}")
     batch = Batch(device)
     codec = next(item for item in batch.codecs if item.name == name)
     peer = Peer(batch, codec, module)
@@ -209,18 +209,22 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The C program of a family."""
+    """The C program of an interface."""
     folder = tmp_path_factory.mktemp("programs")
     command = [tool("gcc"), "-std=c99", "-O2"]
     return cache(
         lambda family: compile_c(
-            command, Batch(library()[family]).source(stdio_entry()), folder, tree / "c" / "include", f"{family}_batch"
+            command,
+            Batch(interfaces()[family]).source(stdio_entry()),
+            folder,
+            tree / "c" / "include",
+            f"{family}_batch",
         )
     )
 
 
 @pytest.mark.parametrize(
-    ("family", "name"), [(device.name, codec.name) for device in library().values() for codec in Batch(device).codecs]
+    ("family", "name"), [(stem, codec.name) for stem, device in interfaces().items() for codec in Batch(device).codecs]
 )
 def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
     done, kinds, wrong = compare(family, name, programs(family), tree / "python")
@@ -234,8 +238,8 @@ def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Pa
 def of_encoders() -> list[tuple[str, str]]:
     """The frames that encoders send, as family and name."""
     return [
-        (device.name, codec.name)
-        for device in library().values()
+        (stem, codec.name)
+        for stem, device in interfaces().items()
         for codec in Batch(device).codecs
         if codec.layout.sender == "encoder"
     ]
@@ -267,7 +271,7 @@ class Oracle:
 
 @pytest.mark.parametrize(("family", "name"), of_encoders())
 def test_c_tells_what_the_reference_tells(family: str, name: str, programs: Callable[[str], Path]) -> None:
-    batch = Batch(library()[family])
+    batch = Batch(interfaces()[family])
     codec = next(item for item in batch.codecs if item.name == name)
     oracle, size = Oracle(batch.device, codec), struct.calcsize(codec.answer)
     unused = next((at for at, member in enumerate(codec.members, 1) if member.name == UNUSED), None)

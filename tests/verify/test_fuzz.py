@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 from batch import Batch
-from c_harness import FAMILIES
+from c_harness import INTERFACES
 from fuzz import HERE, PRECONDITIONS, Header, seeds, source, texts_of
 from machines import crc_tables
 from tools import tool
-from tree import generated_tree, library, number_from_environment
+from tree import generated_tree, interfaces, number_from_environment
 
 SECONDS = number_from_environment("CODEWHEEL_FUZZ_SECONDS", 20)
 #: Wrap-around of unsigned numbers and shifts that lose bits are what the code means;
@@ -29,7 +29,7 @@ SANITIZERS = [
 BY_HAND = ("biss", "receive", "runner", "motion")
 #: Headers of the manufacturer's, not of a family, have targets written by hand.
 #: The other form of the CRCs is tried for a quarter of the time.
-TARGETS = (*FAMILIES, *BY_HAND, *(f"{name}-crc-table" for name in FAMILIES))
+TARGETS = (*INTERFACES, *BY_HAND, *(f"{name}-crc-table" for name in INTERFACES))
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +86,8 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
         f"-I{HERE}",
         *(crc_tables(include) if table else ()),
     ]
-    if name in FAMILIES:
-        batch = Batch(library()[name])
+    if name in INTERFACES:
+        batch = Batch(interfaces()[name])
         text, inputs = source(batch, include), seeds(batch)
     else:
         text, inputs = (HERE / f"fuzz_{name}.c").read_text(encoding="utf-8"), iter(())
@@ -99,10 +99,10 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
     assert int(runs[1]) > 500 * seconds(target), said[-10:]
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", INTERFACES)
 def test_every_function_is_called(name: str, include: Path) -> None:
     """All but the helpers that are named with a reason: what the expressions overlook would not be fuzzed."""
-    batch = Batch(library()[name])
+    batch = Batch(interfaces()[name])
     header = Header(batch, include)
     called = re.findall(r"\(void\)(\w+)\(", header.calls())
     own = [f"{item.view.name}_decode" for item in batch.codecs]

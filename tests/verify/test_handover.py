@@ -157,7 +157,7 @@ def test_the_self_test_of_the_folder(folder: Path, tmp_path: Path) -> None:
     own = tmp_path / "own"
     own.mkdir()
     (own / "main.c").write_text(
-        '#include "selftest.h"\nint main(void) { return lika_amm5_selftest() == 0U ? 0 : 1; }\n'
+        '#include "selftest.h"\nint main(void) { return lika_amm5_biss_selftest() == 0U ? 0 : 1; }\n'
     )
     (own / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.14)\nproject(own C)\nset(LIKA_ENCODERS_SELFTEST ON)\n"
@@ -202,14 +202,15 @@ def test_pkg_config(installed: bool, folder: Path, user: Path, tmp_path: Path) -
 def test_cpp_takes_the_headers(folder: Path, tmp_path: Path) -> None:
     """A C++ program on the same headers, with the manual's serial number."""
     (tmp_path / "main.cpp").write_text(
-        r"""#include "lika/amm5.h"
+        r"""#include "lika/amm5_biss.h"
+#include "lika/amm5_biss_registers.h"
 #include <cstdio>
 int main()
 {
-    const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
+    const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
     const uint8_t bytes[] = { 0x0A, 0xE8, 0x69, 0xEE };
-    lika_amm5_reg_serial_number serial;
-    const cw_result result = lika_amm5_reg_serial_number_decode(&encoder, bytes, sizeof bytes, &serial);
+    lika_amm5_biss_reg_serial_number serial;
+    const cw_result result = lika_amm5_biss_reg_serial_number_decode(encoder, bytes, sizeof bytes, &serial);
     std::printf("%d %d %d %d\n", (int)result, serial.year, serial.week, (int)serial.number);
 }
 """

@@ -22,8 +22,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, SHARED
+from c_harness import INTERFACES, SHARED
 from codewheel.model import Device
+from codewheel.targets.c.device import DeviceView
 from proof import Checker, Header, Proof, Result, Told, limited
 from proof_calls import CallProof
 from proof_codec import functions, proofs
@@ -31,7 +32,7 @@ from proof_digits import program
 from proof_layout import Codec
 from proof_shared import FUNCTIONS, crc_proofs, shared_proofs
 from tools import tool
-from tree import generated_tree, library
+from tree import generated_tree, interfaces
 
 ALL = bool(os.environ.get("CODEWHEEL_PROVE_ALL"))
 #: Where get-cbmc puts the checker.
@@ -51,8 +52,8 @@ def checker() -> Checker:
 
 
 def header_of(device: Device, include: Path) -> Header:
-    own = include / device.manufacturer.name / f"{device.name}.h"
-    return Header.read(*(path.read_text(encoding="utf-8") for path in (*runtime(include), own)))
+    own = [include / header for header in DeviceView(device).headers]
+    return Header.read(*(path.read_text(encoding="utf-8") for path in (*runtime(include), *own)))
 
 
 def all_shared(include: Path) -> Header:
@@ -66,16 +67,22 @@ def runtime(include: Path) -> list[Path]:
 
 
 def header_named(stem: str, include: Path) -> Path:
-    """The header of a family, or of the runtime."""
-    device = library().get(stem)
+    """A header of an interface, or of the runtime."""
+    device = device_of(stem)
     return include / (device.manufacturer.name if device is not None else "codewheel") / f"{stem}.h"
+
+
+def device_of(stem: str) -> Device | None:
+    """The device with the interface of a header, None for a header of the runtime."""
+    return interfaces().get("_".join(stem.split("_")[:2]))
 
 
 def codecs(device: Device, header: Header) -> Iterator[Codec]:
     """Every frame, and every register that is more than one number in one byte."""
-    prefix = f"{device.manufacturer.name}_{device.name}"
-    for interface, layout in device.layouts():
-        yield Codec(device, interface.name, layout, header, prefix, f"{prefix}_{layout.name}")
+    view = DeviceView(device)
+    prefix = view.prefix
+    for codec in view.interface.codecs:
+        yield Codec(device, view.context.interface.name, codec.struct.layout, header, prefix, codec.name)
     for register in device.registers:
         plain = register.length == 1 and [item.width.render() for item in register.layout.fields] == ["8"]
         if not plain:
@@ -115,42 +122,50 @@ def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> 
     return run
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", INTERFACES)
 def test_codecs_are_equal_to_their_layout(family: str, include: Path, prove: Prove) -> None:
-    found = codecs(library()[family], header_of(library()[family], include))
+    found = codecs(interfaces()[family], header_of(interfaces()[family], include))
     prove(
         f"{family}, decoders and encoders",
         [proof for codec in found for held in states(codec) for proof in proofs(replace(codec, held=held))],
     )
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", INTERFACES)
 def test_crcs_are_those_of_the_definition(family: str, include: Path, prove: Prove) -> None:
-    prove(f"{family}, CRCs", crc_proofs(library()[family], header_of(library()[family], include)))
+    prove(f"{family}, CRCs", crc_proofs(interfaces()[family], header_of(interfaces()[family], include)))
 
 
 def test_shared_functions_on_bits(prove: Prove) -> None:
     prove("bits and positions", shared_proofs())
 
 
-@pytest.mark.parametrize("stem", ["bits", "encoder", "transport", *FAMILIES])
+def stems() -> list[str]:
+    """Every header of the interfaces, and those of the runtime that they include."""
+    own = [Path(header).stem for device in interfaces().values() for header in DeviceView(device).headers]
+    return ["bits", "encoder", "transport", *own]
+
+
+@pytest.mark.parametrize("stem", stems())
 def test_other_functions_keep_what_the_headers_promise(stem: str, include: Path, prove: Prove) -> None:
-    device = library().get(stem)
+    device = device_of(stem)
     path = header_named(stem, include)
     own = Header.read(path.read_text(encoding="utf-8"))
     header = header_of(device, include) if device is not None else all_shared(include)
     proved = {f"cw_{item}" for item in FUNCTIONS if stem == "bits"}
     if device is not None:
         proved = {name for codec in codecs(device, header) for name in functions(codec)}
-    assert proved <= own.functions.keys()
+    assert proved <= header.functions.keys()
     rest = [item for item in own.functions.values() if item.name not in proved]
+    if not rest:
+        return
     proofs_of_calls = CallProof(header, str(path.relative_to(include)), rest, device).proofs()
     prove(f"{stem}.h, {len(rest)} other functions", proofs_of_calls)
 
 
 def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None:
     found = 0
-    for device in library().values():
+    for device in interfaces().values():
         for codec in codecs(device, header_of(device, include)):
             if not codec.has_digits:
                 continue
@@ -169,103 +184,103 @@ def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None
 #: and the proof that has to see it.
 SEEDED = {
     "mask": (
-        "amm5",
-        "lika_amm5_single_cycle_data_crc",
+        "amm5_biss",
+        "lika_amm5_biss_crc",
         r"& 0xFFFU",
         "& 0xFFEU",
-        "amm5_single_cycle_data decode_result",
+        "amm5_biss decode_result",
     ),
     "polynomial bit": (
-        "amm5",
-        "lika_amm5_single_cycle_data_crc",
+        "amm5_biss",
+        "lika_amm5_biss_crc",
         r"(?s)<< 1U\)(?=;\s+return)",
         "<< 2U)",
-        "amm5_single_cycle_data encode_crc",
+        "amm5_biss encode_crc",
     ),
     "table entry": (
-        "amm5",
-        "lika_amm5_crc_biss_6_entry",
+        "amm5_biss",
+        "lika_amm5_biss_crc_biss_6_entry",
         r"0x30U",
         "0x31U",
-        "amm5_single_cycle_data decode_result with LIKA_CRC_TABLE",
+        "amm5_biss decode_result with LIKA_CRC_TABLE",
     ),
     "shift": (
-        "asc85",
-        "lika_asc85_single_cycle_data_decode",
-        r"8U \+ lika_asc85_zero_bits",
-        "7U + lika_asc85_zero_bits",
-        "asc85_single_cycle_data everything",
+        "asc85_biss",
+        "lika_asc85_biss_decode",
+        r"8U \+ lika_asc85_biss_zero_bits",
+        "7U + lika_asc85_biss_zero_bits",
+        "asc85_biss everything",
     ),
     "byte order": (
-        "asc85",
-        "lika_asc85_reg_serial_number_decode",
+        "asc85_biss_registers",
+        "lika_asc85_biss_reg_serial_number_decode",
         r"bytes\[3\]",
         "bytes[2]",
-        "asc85_reg_serial_number everything",
+        "asc85_biss_reg_serial_number everything",
     ),
     "byte order of an encoder": (
-        "asc85",
-        "lika_asc85_reg_serial_number_encode",
+        "asc85_biss_registers",
+        "lika_asc85_biss_reg_serial_number_encode",
         r"bytes\[0\]",
         "bytes[1]",
-        "asc85_reg_serial_number everything",
+        "asc85_biss_reg_serial_number everything",
     ),
     "limit": (
-        "am36",
-        "lika_am36_reg_information_per_revolution_encode",
+        "am36_biss_registers",
+        "lika_am36_biss_reg_information_per_revolution_encode",
         r"> \w+MAX\)",
         "> 0x200000U)",
-        "am36_reg_information_per_revolution everything",
+        "am36_biss_reg_information_per_revolution everything",
     ),
     "level of a flag": (
-        "asc85",
-        "lika_asc85_single_cycle_data_encode",
+        "asc85_biss_simulate",
+        "lika_asc85_biss_encode",
         r"\? 0U : 1U",
         "? 1U : 0U",
-        "asc85_single_cycle_data everything",
+        "asc85_biss everything",
     ),
     "choice left out": (
-        "sma21",
-        "lika_sma21_data_request_decode",
+        "sma21_rs485_simulate",
+        "lika_sma21_rs485_data_request_decode",
         r"return \w+RANGE",
         "return CW_OK",
-        "sma21_data_request everything",
+        "sma21_rs485_data_request everything",
     ),
     "unused bits at another place": (
-        "amm5",
-        "lika_amm5_complete_reply_decode",
+        "amm5_rs485",
+        "lika_amm5_rs485_complete_reply_decode",
         r"<< 8U;(?=\s+out->unused)",
         "<< 7U;",
-        "amm5_complete_reply everything",
+        "amm5_rs485_complete_reply everything",
     ),
     "flag left out of a verdict": (
-        "amm5",
-        "lika_amm5_complete_reply_verdict",
+        "amm5_rs485",
+        "lika_amm5_rs485_complete_reply_verdict",
         r"(?s) \|\|\s+\(\(variant->multiturn_bits != 0U\) && frame->mt_error\)",
         "",
-        "amm5_complete_reply everything",
+        "amm5_rs485_complete_reply everything",
     ),
     "report of another flag": (
-        "sma21",
-        "lika_sma21_position_reply_reports",
+        "sma21_rs485",
+        "lika_sma21_rs485_position_reply_reports",
         r"frame->overspeed",
         "frame->hardware_error",
-        "sma21_position_reply everything",
+        "sma21_rs485_position_reply everything",
     ),
     "undefined shift": ("bits", "cw_to_gray", r"low < 64U", "low <= 64U", "call cw_to_gray"),
     "result touched by a fault": (
-        "amm5",
-        "lika_amm5_singleturn_reply_decode",
+        "amm5_rs485",
+        "lika_amm5_rs485_singleturn_reply_decode",
         r"if \(length",
         "out->singleturn = 0U; if (length",
-        "amm5_singleturn_reply everything",
+        "amm5_rs485_singleturn_reply everything",
     ),
     "place too few": (
-        "sma21",
-        "lika_sma21_identify",
+        "sma21_biss_procedures",
+        "lika_sma21_biss_identify",
         r"sizeof\(bytes\)",
         "sizeof(bytes) - 1U",
-        "call lika_sma21_identify",
+        "call lika_sma21_biss_identify",
     ),
     "failure not reported": ("transport", "cw_write", r"error != 0", "error > 0", "call cw_write_byte"),
 }
@@ -285,7 +300,7 @@ def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
 
 def proof_called(name: str, stem: str, include: Path) -> Proof:
     """The proof of this name, of the header as it is."""
-    device = library().get(stem)
+    device = device_of(stem)
     header = header_of(device, include) if device is not None else all_shared(include)
     if device is None or name.startswith("call "):
         functions = [header.functions[name.removeprefix("call ")]]

@@ -25,7 +25,7 @@ from codewheel.targets.python.names import CLASS_NAMES, attribute
 from frames import chunks, input_of
 from test_crosscheck import LENGTH, NO_VERDICT, Peer
 from tools import tool
-from tree import generated_tree, library, number_from_environment
+from tree import generated_tree, interfaces, number_from_environment
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 
@@ -63,10 +63,10 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The C program of a family."""
+    """The C program of an interface."""
     folder, include = tmp_path_factory.mktemp("programs"), tree / "c" / "include"
     command = [tool("gcc"), "-std=c99", "-O2"]
-    sources = {name: Batch(device).source(stdio_entry()) for name, device in library().items()}
+    sources = {name: Batch(device).source(stdio_entry()) for name, device in interfaces().items()}
     return cache(lambda family: compile_c(command, sources[family], folder, include, f"{family}_columns"))
 
 
@@ -78,15 +78,15 @@ def frames_of(batch: Batch) -> list[Codec]:
 
 @pytest.mark.parametrize(
     ("family", "name"),
-    [(device.name, codec.name) for device in library().values() for codec in frames_of(Batch(device))],
+    [(stem, codec.name) for stem, device in interfaces().items() for codec in frames_of(Batch(device))],
 )
 def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
     if str(tree / "python") not in sys.path:
         sys.path.insert(0, str(tree / "python"))
-    device = library()[family]
+    device = interfaces()[family]
     batch = Batch(device)
     codec = next(item for item in batch.codecs if item.name == name)
-    peer = Peer(batch, codec, importlib.import_module(f"{device.manufacturer.python_package}.{family}"))
+    peer = Peer(batch, codec, importlib.import_module(f"{device.manufacturer.python_package}.{device.name}"))
     kinds: Counter[int] = Counter()
     for variant, records in chunks(batch, codec, FRAMES, "columns", PIECE):
         sent = input_of(batch, codec, [(variant, records)])

@@ -167,27 +167,27 @@ ENCODERS = (
 )
 POSITIONS = """
 #include "codewheel/receive.h"
-#include "lika/@family@.h"
+#include "lika/@family@_biss.h"
 
 /* 0, a position that is usable; 100, one that is not; else the fault. */
 int @name@_read(const uint8_t *rx, uint64_t *position);
 int @name@_read(const uint8_t *rx, uint64_t *position)
 {
-    static const lika_@family@_variant encoder = LIKA_@NAME@;
-    lika_@family@_single_cycle_data frame;
+    static const lika_@family@_biss *const encoder = &LIKA_@NAME@;
+    lika_@family@_biss_frame frame;
     uint64_t word;
-    cw_result result = cw_biss_receive(rx, LIKA_@NAME@_BISS_@ANSWER@RX_BYTES, LIKA_@NAME@_BISS_@ANSWER@BITS, &word);
+    cw_result result = cw_biss_receive(rx, LIKA_@NAME@_@ANSWER@RX_BYTES, LIKA_@NAME@_@ANSWER@BITS, &word);
     if (result == CW_OK) {
-        result = lika_@family@_single_cycle_data_decode(&encoder, @answer@word, &frame);
+        result = lika_@family@_biss_decode(encoder, @answer@word, &frame);
     }
     if (result != CW_OK) {
         return (int)result;
     }
     *position = frame.position;
-    return (lika_@family@_single_cycle_data_verdict(&encoder, &frame) == CW_NOT_USABLE) ? 100 : 0;
+    return (lika_@family@_biss_verdict(encoder, &frame) == CW_NOT_USABLE) ? 100 : 0;
 }
 int @name@_bytes(void);
-int @name@_bytes(void) { return (int)LIKA_@NAME@_BISS_@ANSWER@RX_BYTES; }
+int @name@_bytes(void) { return (int)LIKA_@NAME@_@ANSWER@RX_BYTES; }
 """
 
 
@@ -195,10 +195,10 @@ def positions(folder: Path) -> None:
     include = write(folder, devices_of())
     text = "".join(
         POSITIONS.replace("@family@", item.name.split("_")[0].lower())
-        .replace("@NAME@", item.name)
+        .replace("@NAME@", item.name.replace("_", "_BISS_", 1))
         .replace("@name@", item.called.lower())
         .replace("@ANSWER@", f"{item.zero_bit}_" if item.zero_bit else "")
-        .replace("@answer@", f"LIKA_ASC85_ZERO_BIT_{item.zero_bit}, " if item.zero_bit else "")
+        .replace("@answer@", f"LIKA_ASC85_BISS_ZERO_BIT_{item.zero_bit}, " if item.zero_bit else "")
         for item in ENCODERS
     )
     compile_c([*GCC, "-O1", "-shared", "-fPIC"], text, folder, include)

@@ -14,15 +14,16 @@ from pathlib import Path
 
 import pytest
 from batch import ENCODE, Batch, Codec
-from c_harness import FAMILIES, source
-from codewheel.model import PlacedLayout, Variant, number_from_bytes
+from c_harness import FAMILIES, INTERFACES, Run, as_one, source
+from codewheel.model import Device, PlacedLayout, Variant, number_from_bytes
 from codewheel.reference import codec as model
+from codewheel.targets.c.device import views_of
 from frames import chunks, input_of, variants, wires
 from machines import HOST, MACHINES, Machine
 from recorded import Recording, every_device, run_tests
 from test_c_codec import FAULTS, Table
 from test_c_reports import Telling
-from tree import generated_tree, include_of, number_from_environment
+from tree import generated_tree, include_of, interfaces, number_from_environment
 
 FRAMES = number_from_environment("CODEWHEEL_TARGET_FRAMES", 2_000)
 DEVICES = every_device()
@@ -45,13 +46,19 @@ def includes(folder: Path) -> dict[str, Path]:
 # -- what the tests of the C target ask
 
 
+def programs_on(machine: Machine, device: Device, folder: Path, include: Path) -> Run:
+    """The programs of a device, one for each interface, as one."""
+    made = {
+        view.context.interface.name: machine.compile_main(source(view), folder, include, view.stem).by_line()
+        for view in views_of(device)
+    }
+    return as_one(device, made)
+
+
 @pytest.fixture(scope="module")
 def recordings(folder: Path, includes: Mapping[str, Path]) -> dict[str, Recording]:
     """The lines and answers of the tests on the host, where each test has to pass."""
-    made = {
-        name: Recording(HOST.compile_main(source(device), folder, includes[name], name).by_line())
-        for name, device in DEVICES.items()
-    }
+    made = {name: Recording(programs_on(HOST, device, folder, includes[name])) for name, device in DEVICES.items()}
     called = run_tests(DEVICES, made)
     assert len(set(called)) >= 25
     assert "test_every_worked_example" in called
@@ -65,7 +72,7 @@ def test_every_answer_is_the_same_as_on_the_host(
     machine: Machine, name: str, recordings: Mapping[str, Recording], folder: Path, includes: Mapping[str, Path]
 ) -> None:
     asked = recordings[name].answers
-    run = machine.compile_main(source(DEVICES[name]), folder, includes[name], name).by_line()
+    run = programs_on(machine, DEVICES[name], folder, includes[name])
     answers = run(asked)
     assert len(answers) == len(asked) > (5_000 if name in FAMILIES else 10)
     wrong = [
@@ -97,14 +104,15 @@ def values_to_encode(batch: Batch) -> bytes:
     return found
 
 
-@pytest.fixture(scope="module", params=FAMILIES)
+@pytest.fixture(scope="module", params=INTERFACES)
 def on_the_host(
     request: pytest.FixtureRequest, folder: Path, includes: Mapping[str, Path]
 ) -> tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes]:
-    """Frames of a family, and what the host makes of them and of members at random."""
-    batch = Batch(DEVICES[request.param])
+    """Frames of an interface, and what the host makes of them and of members at random."""
+    batch = Batch(interfaces()[request.param])
     asked = questions(batch)
-    run = HOST.compile(batch.source(HOST.entry()), folder, includes[request.param], f"{request.param}_batch")
+    include = includes[batch.device.name]
+    run = HOST.compile(batch.source(HOST.entry()), folder, include, f"{request.param}_batch")
     return batch, asked, run(b"".join(input_of(batch, *item) for item in asked) + values_to_encode(batch))
 
 
@@ -116,8 +124,8 @@ def test_random_frames_are_decoded_and_encoded_as_on_the_host(
     includes: Mapping[str, Path],
 ) -> None:
     batch, asked, expected = on_the_host
-    name = batch.device.name
-    run = machine.compile(batch.source(machine.entry()), folder, includes[name], f"{name}_batch")
+    include = includes[batch.device.name]
+    run = machine.compile(batch.source(machine.entry()), folder, include, f"{batch.view.stem}_batch")
     answers = run(b"".join(input_of(batch, *item) for item in asked) + values_to_encode(batch))
     assert len(answers) == len(expected)
     different = next((at for at, (one, other) in enumerate(zip(answers, expected, strict=True)) if one != other), None)

@@ -11,7 +11,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from c_harness import devices_of, write
+from c_harness import devices_of, interfaces_of, write
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c
@@ -22,6 +22,12 @@ from codewheel.targets.python.files import generate as generate_python
 def library() -> Mapping[str, Device]:
     """The families of our specs, read once."""
     return {device.name: device for device in devices_of()}
+
+
+@functools.lru_cache
+def interfaces() -> Mapping[str, Device]:
+    """Each family with one of its interfaces alone, as C has it, by the stem of its headers."""
+    return interfaces_of(library().values())
 
 
 def generated_tree(folder: Path) -> Path:

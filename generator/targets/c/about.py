@@ -74,19 +74,23 @@ def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
     return _headed(title(item), alarm.alarm(device, item))
 
 
-_OF_BITS = "Return the CRC of bits. Bit 0 is the last one sent."
-
-
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC."""
     about = list(map(S.sentence, crc.crc(device, function.crc)))
     if function.carrier is Carrier.BYTES:
         by_xor = "With this polynomial, the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
         return ["Return the CRC of bytes in the order sent.", *about, by_xor]
-    if function.form is Form.FOLD:
-        zeros = "Leading zeros do not change the CRC."
-        return [_OF_BITS, *about, zeros, _derivation(function.crc)]
-    return [_OF_BITS, *about]
+    return ["Return the CRC of bits. Bit 0 is the last one sent.", *about]
+
+
+def about_word_crc(device: Device, item: Crc, folds: bool) -> list[Paragraph]:
+    """Return the comment on the function that computes a CRC over a whole word."""
+    use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
+    return [
+        f"Compute CRC {item.name} over a whole word. {use}",
+        *map(S.sentence, crc.crc(device, item)),
+        _derivation(item) if folds else "",
+    ]
 
 
 def _derivation(item: Crc) -> str:
@@ -126,9 +130,8 @@ def about_member(struct: Struct, item: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(item)
     about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
-    return " ".join(
-        filter(None, (S.paragraph(about), "No terminator." if isinstance(meaning_of(item), Characters) else ""))
-    )
+    ending = "No terminator." if isinstance(meaning_of(item), Characters) else ""
+    return " ".join(filter(None, (S.paragraph(about) or f"{title(item)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:

@@ -51,7 +51,8 @@ class Chosen:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
         given = [item for item in device.examples if self._is_here(item)]
-        counted = Counter(example_variant(device, item).code for item in given if not item.erratum)
+        # An example without an order code holds for every one.
+        counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
         variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
         # Without any example, take the one with the finest resolution.
         self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))

@@ -8,7 +8,7 @@ from functools import cached_property
 from ...model import Field
 from ...model.expressions import Expression
 from ...plan.refusals import OutsideLimits, depends
-from .about import about_member, about_unused
+from .about import about_member, about_unused, about_word_crc
 from .alternatives import AlternativeCode, asked
 from .comments import Paragraph
 from .decode import Decoder
@@ -28,20 +28,25 @@ class StructCodec:
         self.struct = struct
         self.plan = struct.plan
         self.scope = struct.scope
-        self.name = struct.name
+        self.name, self.type = struct.name, struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         self.asked = tuple(item for item in struct.context.alternatives if item.item in self.plan.alternatives)
+        #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
+        self.decodes = struct.register is not None or struct.layout.sender == "encoder"
+        self.encodes = struct.register is not None or not self.decodes
         #: The reports of a frame, None for a register.
-        self.reports = struct.context.reports.of(struct.layout, self.name) if struct.register is None else None
+        self.reports = (
+            struct.context.reports.of(struct.layout, self.name, self.type) if struct.register is None else None
+        )
 
     def declared(self) -> Iterator[Declared]:
         yield from ((name, self.struct.path) for name in self._names())
 
     def _names(self) -> Iterator[str]:
-        yield self.name
+        yield self.type
         yield from (f"{self.name}_{ending}" for ending in ("decode", "encode"))
         if not self.plan.in_bytes:
             yield f"{self.name}_bits"
@@ -51,6 +56,8 @@ class StructCodec:
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:
             yield self.word_crc.name
+        if self.name == self.struct.context.prefix and self.reports is not None and self.reports.verdict:
+            yield f"{self.name}_position"
         if self.tells_difference:
             yield f"{self.name}_is_expected"
             yield from (self.expected_macro(field) for field in self.expected if self.is_the_same(field))
@@ -76,7 +83,8 @@ class StructCodec:
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
         steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
-        return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps)
+        about = tuple(about_word_crc(self.struct.device, crc.crc, bool(steps)))
+        return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps, about)
 
     def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
         """Return the alternatives whose answers these expressions need."""

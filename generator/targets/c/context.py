@@ -14,12 +14,18 @@ from .types import unsigned
 
 
 class Context:
-    """The values that all parts of a header share. The class imports no part, and its values never change."""
+    """The values that all parts of the headers of an interface share. The class imports no part, and its values never
+    change.
+
+    The device has only this interface. ``prefix`` begins every name, and is the type of the order codes.
+    """
 
     def __init__(self, device: Device) -> None:
         self.device = device
         self.maker = device.manufacturer
-        self.prefix = f"{device.manufacturer.name}_{device.name}"
+        (self.interface,) = device.interfaces
+        self.stem = f"{device.name}_{self.interface.name}"
+        self.prefix = f"{device.manufacturer.name}_{self.stem}"
         self.PREFIX = self.prefix.upper()
         self.alternatives = tuple(AlternativeCode(device, self.prefix, item) for item in device.alternatives)
         held = {one.parameter.name: one.most for item in held_parameters(device) for one in item.parameters}

@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...model import Crc
-from ...plan.crc_tables import FoldStep, fold_plan, reflect, table, word_table
+from ...plan.crc_tables import reflect, table, word_table
 from ...plan.crcs import Carrier, CrcFunction, Form
 from .about import about_crc
+from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context
-from .folds import FoldOperation, folds
 from .names import Declared
 from .types import unsigned
 
 
 @dataclass(frozen=True)
 class CrcCode:
-    """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table."""
+    """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table.
+
+    The function is there only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
+    """
 
     name: str
     function: CrcFunction
     about: tuple[Paragraph, ...]
     table: tuple[int, ...]
+    is_called: bool
 
     def declared(self) -> Iterator[Declared]:
-        yield self.name, ("crcs", self.crc.name)
+        if self.is_called:
+            yield self.name, ("crcs", self.crc.name)
         if self.table:
             yield f"{self.name}_entry", ("crcs", self.crc.name)
 
@@ -64,23 +69,17 @@ class CrcCode:
         """True if that register must be reversed at the end."""
         return self.crc.refout != self.is_reflected
 
-    @property
-    def folds(self) -> Iterator[FoldOperation]:
-        """The steps that reduce 64 bits to their remainder."""
-        return folds(fold_plan(self.crc.width, self.crc.poly, 64), 64, "data")
 
-    @property
-    def raised(self) -> tuple[FoldStep, ...]:
-        """The steps that reduce that remainder again after it was shifted left by the width of the CRC."""
-        return fold_plan(self.crc.width, self.crc.poly, 2 * self.crc.width)
-
-
-def crc_code(context: Context, function: CrcFunction) -> CrcCode:
+def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     crc = function.crc
+    users = [item for item in codecs if item.plan.crc is not None and item.plan.crc.crc == crc]
+    users = [item for item in users if item.struct.layout.carried_as == function.carrier.value]
+    is_called = any(item.word_crc is None for item in users)
     name = context.crc_name(crc, function.carrier.value)
     values: tuple[int, ...] = ()
     if function.form is Form.TABLE:
         values = table(crc.width, crc.poly, function.carrier is Carrier.BYTES and crc.refin)
     elif function.form is Form.FOLD and function.in_words:
         values = word_table(crc.width, crc.poly)
-    return CrcCode(name, function, tuple(about_crc(context.device, function)), values)
+    values = values if users else ()
+    return CrcCode(name, function, tuple(about_crc(context.device, function)), values, is_called)

@@ -1,23 +1,22 @@
-"""The values that the template of a device prints."""
+"""The values that the templates of an interface of a family print."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
-from ...model import Biss, Device
+from ...model import Device
+from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.run_time_parameters import held_parameters
 from ...say.erratum import errata, erratum
 from ...say.origin import origin, other_editions, taken_away
-from ...say.text import BY_TITLE
 from .. import TargetError
-from .about import about_input
 from .access import state_registers
-from .alternatives import AlternativeCode
+from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context
 from .crcs import crc_code
@@ -35,46 +34,57 @@ from .run_time import Taker
 from .style import S
 from .variants import VariantCode
 
-#: The parts of a spec, of those that errata can affect, that a header contains.
-_IN_HEADER = (
-    *("alarms", "alternatives", "crcs", "field_groups", "inputs", "interfaces", "measurement", "order_code"),
-    *("parameters", "procedures", "registers", "timings"),
-)
 _Built = TypeVar("_Built")
+
+
+class _Declaring(Protocol):
+    def declared(self) -> Iterator[Declared]: ...
 
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """The names needed to read a position: the order code macro, the frame, its verdict function and the member."""
+    """The names for reading a position: an order code, the frame, its verdict function and the member."""
 
-    macro: str
-    frame: str
+    code: str
+    frame: StructCodec
     verdict: str
     member: str
-    asked: tuple[AlternativeCode, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A header for what only some users of an interface need, by its name. ``includes`` are those before it."""
+
+    name: str
+    file: str
+    about: str
+    includes: tuple[str, ...]
 
 
 class DeviceView:
-    """The parts of a device's header, each built from the previous ones."""
+    """One interface of a family: the parts of its headers, each built from the ones before it.
+
+    ``device`` has only this interface, and only its order codes.
+    """
 
     def __init__(self, device: Device) -> None:
         self.device = device
         self.context = context = Context(device)
-        self.maker, self.prefix, self.PREFIX = context.maker, context.prefix, context.PREFIX
+        self.maker, self.prefix, self.PREFIX, self.stem = context.maker, context.prefix, context.PREFIX, context.stem
         self.reports, self.alternatives = context.reports, context.alternatives
         self.variants = VariantCode(context)
-        self.crcs = [crc_code(context, item) for item in crc_functions(device)]
-        self.interfaces = [
-            _at(partial(InterfaceCode, context, item), "interfaces", item.name) for item in device.interfaces
-        ]
-        self.lengths = {item.name: LengthCode(context, item, self.variants.rows) for item in device.interfaces}
-        self.positions = list(positions(context))
+        self.interface = _at(partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name)
+        self.lengths = LengthCode(context, context.interface, self.variants.rows)
+        self.positions = positions(context)
         # A register that selects banks comes first: the functions of the registers in its banks use its address.
         selecting = {device.bank_selector(item) for item in device.registers}
         self.registers = [
             _at(partial(RegisterCode, context, item), "registers", item.name)
             for item in sorted(device.registers, key=lambda item: item.name not in selecting)
         ]
+        framed = [*self.interface.codecs, *(item.codec for item in self.registers if item.codec is not None)]
+        made = (crc_code(context, item, framed) for item in crc_functions(device))
+        self.crcs = [item for item in made if item.is_called or item.table]
         codes = {item.register.name: item for item in self.registers}
         self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
@@ -83,9 +93,34 @@ class DeviceView:
             _at(partial(ProcedureCode, context, codes, self.read_state, item), "procedures", item.name)
             for item in device.procedures
         ]
-        self.inputs = [about_input(device, item) for item in device.inputs]
         self.alarms = [AlarmCode(context, item) for item in device.alarms]
         self.timings = [macro for item in device.timings for macro in timing_macros(item, self.PREFIX)]
+
+    @property
+    def header(self) -> str:
+        """The header for reading positions, as it is included."""
+        return f"{self.maker.name}/{self.stem}.h"
+
+    @property
+    def parts(self) -> list[Part]:
+        """The other headers. Each includes the first one, and what else it needs."""
+        own, codes, steps = self.header, "codewheel/encoder.h", "codewheel/transport.h"
+        texts = self.reports.all or self.alarms or self.timings
+        labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
+        registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else own
+        found = (
+            ("labels", "order codes by the text on a label", True, (codes, own)),
+            ("reports", "texts of the reports, alarms and times", texts, (codes, own)),
+            ("registers", "registers, and identification by them", self.registers, (codes, steps, own, *labels)),
+            ("procedures", "procedures, step by step", self.procedures, (steps, registers)),
+            ("simulate", "the encoder's side, for simulators and tests", True, (own,)),
+        )
+        return [Part(name, f"{self.stem}_{name}.h", about, used) for name, about, here, used in found if here]
+
+    @property
+    def headers(self) -> list[str]:
+        """All headers of the interface, as they are included."""
+        return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
 
     @cached_property
     def names(self) -> Names:
@@ -93,18 +128,18 @@ class DeviceView:
 
     def _declared(self) -> Iterator[Declared]:
         yield f"{self.PREFIX}_H", ()
+        yield from ((f"{self.PREFIX}_{item.name}_H".upper(), ()) for item in self.parts)
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
-        parts = chain(
+        parts: Iterator[_Declaring] = chain(
             [self.variants],
             self.context.enumerations.all,
             self.crcs,
             [self.reports],
             self.alternatives,
-            self.interfaces,
-            self.lengths.values(),
-            self.positions,
+            [self.interface, self.lengths],
+            [self.positions] if self.positions is not None else (),
             self.registers,
             self.takers,
             self.identities,
@@ -115,6 +150,16 @@ class DeviceView:
             yield from part.declared()
         for item in self.device.timings:
             yield from ((macro.name, ("timings", item.name)) for macro in timing_macros(item, self.PREFIX))
+
+    @property
+    def measured(self) -> str:
+        """The field or join with the position, in the only frame of the interface. Empty if there is none."""
+        measurement = self.device.measurement_of(self.context.interface.name)
+        only = self.interface.codecs[0].struct.layout if len(self.interface.codecs) == 1 else None
+        if only is None or measurement is None:
+            return ""
+        names = {item.name for item in only.fields} | {item.name for item in only.joins}
+        return measurement.of if measurement.of in names else ""
 
     @property
     def manual(self) -> str:
@@ -139,32 +184,28 @@ class DeviceView:
 
     @property
     def usage(self) -> Usage | None:
-        """The example at the top of the header, for the interface with the best frames, or None without any verdict."""
-        for code in sorted(self.interfaces, key=lambda item: not isinstance(item.interface, Biss)):
-            measurement = self.device.measurement_of(code.interface.name)
-            row = next((row for row in self.variants.rows if row.variant.interface == code.interface.name), None)
-            for item in code.codecs if measurement is not None and row is not None else ():
-                names = {field.name for field in item.struct.layout.fields}
-                names |= {join.name for join in item.struct.layout.joins}
-                told = item.reports.verdict if item.reports is not None else ""
-                if told and not item.plan.in_bytes and measurement and measurement.of in names:
-                    return Usage(row.macro if row else "", item.name, told, c_name(measurement.of), item.asked)
+        """The example at the top of the header, None if no frame has a verdict and a position."""
+        measurement, row = self.device.measurement_of(self.context.interface.name), self.variants.rows[0]
+        for item in self.interface.codecs if measurement is not None else ():
+            names = {field.name for field in item.struct.layout.fields}
+            names |= {join.name for join in item.struct.layout.joins}
+            told = item.reports.verdict if item.reports is not None else ""
+            if told and measurement and measurement.of in names and item.struct.layout.sender == "encoder":
+                return Usage(row.macro, item, told, c_name(measurement.of))
         return None
 
     def errata(self, *paths: str) -> list[Paragraph]:
         return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
 
-    @property
-    def all_errata(self) -> list[Paragraph]:
-        """Return what is used instead of each erratum of the header, and the changes of other editions in full."""
-        made: list[Paragraph] = []
-        for item in errata(self.device, *_IN_HEADER):
-            head, *parts = BY_TITLE.lines(erratum(item, whole=True))
-            if item.overlay or item.edition:
-                made += [head, *(("  ", line) for line in parts)]
-            else:
-                made.append(f"{head} {next(line for line in parts if line.startswith('Used: '))}")
-        return made
+
+def views_of(device: Device) -> Iterator[DeviceView]:
+    """Yield each interface of a family, in the order of the spec."""
+    for interface in device.interfaces:
+        here = for_codes(device, {item.code for item in device.variants if item.interface == interface.name})
+        # A register that only another interface reaches cannot update a parameter.
+        known = {"", *(item.name for item in here.registers)}
+        parameters = (item if item.register in known else replace(item, read_from="") for item in here.parameters)
+        yield DeviceView(replace(here, parameters=tuple(parameters)))
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:

@@ -9,7 +9,7 @@ from ...language.problems import Path
 from ...model import Device, Field, Value
 from ...plan.values import Named, meaning_of
 from ...say.field import meaning
-from ...say.name import printed, title
+from ...say.name import printed, title, words
 from ...say.text import Said, told
 from .comments import Paragraph
 from .names import Declared
@@ -98,4 +98,4 @@ class Enumerations:
 def _note(item: Value) -> str:
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
     about = told(item.meaning) if printed(item).lower() == item.name else meaning(item, item.meaning)
-    return S.paragraph(replace(one, source=item.source) for one in about)
+    return S.paragraph(replace(one, source=item.source) for one in about) or words(item.name)

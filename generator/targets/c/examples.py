@@ -7,7 +7,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from ...model import (
-    Interface,
     ModifyStep,
     Register,
     RegisterStep,
@@ -107,10 +106,10 @@ class ExampleCode:
         NoFrame: There is no frame to show.
     """
 
-    def __init__(self, view: DeviceView, interface: Interface) -> None:
-        self.view, self.interface = view, interface
-        self._chosen = chosen = Chosen(view.device, interface)
-        self.name = f"{view.device.name}_{interface.name}"
+    def __init__(self, view: DeviceView) -> None:
+        self.view, self.interface = view, view.context.interface
+        self._chosen = chosen = Chosen(view.device, self.interface)
+        self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: Frame = chosen.frame
         self.run = self._run()
@@ -122,13 +121,13 @@ class ExampleCode:
     @property
     def asked(self) -> tuple[AlternativeCode, ...]:
         """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
-        codecs = (codec for item in self.view.interfaces for codec in item.codecs)
+        codecs = self.view.interface.codecs
         return next(codec.asked for codec in codecs if codec.struct is self.struct)
 
     @property
     def encoder(self) -> str:
         """The first arguments of the decoder."""
-        return ", ".join(("&encoder", *(item.constant for item in self.asked)))
+        return ", ".join(("encoder", *(item.constant for item in self.asked)))
 
     @property
     def received(self) -> list[Received]:
@@ -149,17 +148,12 @@ class ExampleCode:
     @property
     def struct(self) -> Struct:
         """The struct of the frame."""
-        return next(
-            codec.struct
-            for item in self.view.interfaces
-            for codec in item.codecs
-            if codec.struct.layout is self.frame.layout
-        )
+        return next(codec.struct for codec in self.view.interface.codecs if codec.struct.layout is self.frame.layout)
 
     @property
     def reports(self) -> FrameReports | None:
         """The reports in the frame, if any."""
-        return self.view.reports.of(self.frame.layout, self.struct.name)
+        return self.view.reports.of(self.frame.layout, self.struct.name, self.struct.type)
 
     @property
     def worth(self) -> tuple[str, ...]:
@@ -180,7 +174,7 @@ class ExampleCode:
         mine = next((item for item in self.received if item.variant is self._chosen.variant), None)
         if mine is None or not isinstance(self.interface, Ssi):
             return None
-        bits, size = (item.name for item in self.view.lengths[self.interface.name].macros_of(mine))
+        bits, size = (item.name for item in self.view.lengths.macros_of(mine))
         around = (1 << mine.bits | self.frame.wire) << 1
         left = 8 * mine.bytes - mine.bits - SSI_AROUND
         return Sampled(bits, size, (around << left).to_bytes(mine.bytes, "big"))
@@ -191,7 +185,7 @@ class ExampleCode:
         known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
         name = next(sent, "")
-        return f"{self.view.PREFIX}_{self.interface.name}_CONTROL_{name}".upper() if name else ""
+        return f"{self.view.PREFIX}_CONTROL_{name}".upper() if name else ""
 
     @property
     def longest_reply(self) -> int:
@@ -211,16 +205,14 @@ class ExampleCode:
     @property
     def position(self) -> Positions | None:
         """The functions that convert the position in the frame."""
-        prefixes = (self.view.prefix, f"{self.view.prefix}_{self.interface.name}")
-        found = (item for item in self.view.positions if item.prefix in prefixes)
-        return next(found, None) if self._chosen.has_position(self.frame.layout) else None
+        return self.view.positions if self._chosen.has_position(self.frame.layout) else None
 
     @property
     def modulus(self) -> str:
         """The counts after which the position wraps around, for a tracker."""
         where = self.position
         rolls = where is not None and "modulus" in where.names
-        return f"{where.prefix}_modulus(&encoder)" if where is not None and rolls else "0U"
+        return f"{where.prefix}_modulus(encoder)" if where is not None and rolls else "0U"
 
     @property
     def counts(self) -> str:
@@ -233,6 +225,14 @@ class ExampleCode:
         """True if the shared function can compare two positions, which must not be negative."""
         measured = (item for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
         return bool(self.counts) and not any(isinstance(item.meaning, TwosComplement) for item in measured)
+
+    @property
+    def headers(self) -> Iterator[str]:
+        """The headers of the interface that the program includes."""
+        used = {"reports"} if self.reports is not None and self.reports.reports else set()
+        used |= ({"registers"} if self.reads else set()) | ({"procedures"} if self.run is not None else set())
+        yield self.view.header
+        yield from (f"{self.view.maker.name}/{item.file}" for item in self.view.parts if item.name in used)
 
     # -- registers and procedures
 
@@ -315,8 +315,7 @@ def _known(values: Iterable[Value]) -> str:
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
-    """Yield a program for each interface, unless there is no frame to show for it."""
-    for interface in view.device.interfaces:
-        if any(layout.sender == "encoder" for layout in interface.layouts):
-            with suppress(NoFrame):
-                yield ExampleCode(view, interface)
+    """Yield the program of an interface, unless there is no frame to show for it."""
+    if any(layout.sender == "encoder" for layout in view.context.interface.layouts):
+        with suppress(NoFrame):
+            yield ExampleCode(view)

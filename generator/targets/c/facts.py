@@ -27,7 +27,7 @@ def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
     if bits:
         yield Macro(f"{stem}_MASK", number(bits, hexadecimal=True), note)
     if alarm.below_mv is not None:
-        yield Macro(f"{stem}_BELOW_MV", number(alarm.below_mv))
+        yield Macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "raised below this, in millivolts")
 
 
 def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:

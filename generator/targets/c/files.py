@@ -1,4 +1,4 @@
-"""The C target: headers for firmware, one for each family, and the runtime that they include.
+"""The C target: headers for firmware, some for each interface of a family, and the runtime that they include.
 
 The headers need C99 or C++11 and no library. The templates have their statements. Names, types and expressions are
 built here.
@@ -20,11 +20,12 @@ from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
 from ..licence import licence_in
 from .assumptions import TEMPLATE, Assumptions, assumptions_files
-from .device import DeviceView
+from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
 from .lines import documented, laid_out
 from .names import called, clashes
+from .only import ONLY, narrowed
 from .package import FILES, Package, package_files
 from .receivers import ReceiverCode
 from .runtime import FOLDER, runtime_headers, runtime_version
@@ -36,13 +37,16 @@ class Shared(TypedDict):
     PREFIX: Annotated[str, "the prefix of its macros"]
 
 
-class FamilyHeader(Shared):
-    d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
-    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the lowest minor version"]
-
-
 class Family(Shared):
-    d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
+    d: Annotated[DeviceView, "one interface of a family and the parts of its headers, their names and expressions"]
+
+
+class FamilyHeader(Family):
+    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the least minor one"]
+
+
+class PartHeader(Family):
+    part: Annotated[Part, "which of the further headers it is"]
 
 
 class Receiver(Family):
@@ -56,21 +60,18 @@ class Program(Family):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path."""
     files: dict[str, str] = {}
-    views: dict[str, DeviceView] = {}
-    for maker, devices in library.by_manufacturer():
-        for device in devices:
-            views[device.name] = DeviceView(device)
-            files[f"c/include/{maker.name}/{device.name}.h"] = _family(library, views[device.name])
-        for device, clash in clashes((item, views[item.name].names) for item in devices):
-            raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
-    if library.devices:
-        makers = library.by_manufacturer()
+    views = [view for device in narrowed(library.devices, options.get("only", "")) for view in views_of(device)]
+    for view in views:
+        files |= {f"c/include/{path}": text for path, text in _headers(library, view)}
+    for device, clash in clashes((view.device, view.names) for view in views):
+        raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
+    if views:
 
         def rendered(template: str, values: Mapping[str, object]) -> str:
             return _render(library, template, values)
 
-        tests = selftest_files(makers, views, rendered)
-        package = package_files(makers, views, tests, rendered)
+        tests = selftest_files(views, rendered)
+        package = package_files(views, tests, rendered)
         package |= dict(assumptions_files(library, rendered))
         files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
@@ -79,30 +80,25 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 def problems(library: Library) -> Iterator[TargetProblem]:
     """Yield the first item in each device that C cannot express, and every C name that two parts of specs share."""
-    for _, devices in library.by_manufacturer():
-        headers = []
-        for device in devices:
-            try:
-                headers.append((device, DeviceView(device).names))
-            except TargetError as error:
-                said = f"{error}; use 'generate --target' to write the other outputs"
-                yield TargetProblem(device, "c-target", error.place or ("device",), said)
-        for device, clash in clashes(headers):
-            other = () if clash.other[:1] == ("device",) else clash.other
-            message = clash.message(" on line {line}" if other else "")
-            yield TargetProblem(device, "c-name", clash.path, message, other)
+    headers = []
+    for device in library.devices:
+        try:
+            headers += [(device, view.names) for view in views_of(device)]
+        except TargetError as error:
+            said = f"{error}; use 'generate --target' to write the other outputs"
+            yield TargetProblem(device, "c-target", error.place or ("device",), said)
+    for device, clash in clashes(headers):
+        other = () if clash.other[:1] == ("device",) else clash.other
+        message = clash.message(" on line {line}" if other else "")
+        yield TargetProblem(device, "c-name", clash.path, message, other)
 
 
-def _family(library: Library, view: DeviceView) -> str:
-    """Return the header of a family."""
-    maker = view.maker
-    values: FamilyHeader = {
-        "maker": maker,
-        "PREFIX": maker.name.upper(),
-        "d": view,
-        "runtime": runtime_version(),
-    }
-    return _render(library, "device.h.jinja", values)
+def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
+    """Yield the headers of an interface, by their path as they are included."""
+    values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
+    yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
+    for part in view.parts:
+        yield f"{view.maker.name}/{part.file}", _render(library, "part.h.jinja", values | {"part": part})
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
@@ -121,6 +117,7 @@ TEMPLATES = Templates(
     our_templates("c"),
     values={
         "device.h.jinja": FamilyHeader,
+        "part.h.jinja": PartHeader,
         "example.c.jinja": Program,
         "poller.c.jinja": Program,
         "receiver.c.jinja": Receiver,
@@ -139,5 +136,6 @@ TARGET = Target(
     summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO and Zephyr",
     files=generate,
     problems=problems,
+    options=(ONLY,),
     templates=TEMPLATES,
 )

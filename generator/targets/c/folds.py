@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from ...model import Crc
 from ...plan.crc_tables import FoldStep, fold_plan
+from .comments import Paragraph
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,7 @@ class WordCrc:
     crc: Crc
     bits: int
     folds: tuple[FoldOperation, ...]
+    about: tuple[Paragraph, ...]
 
     @property
     def at_once(self) -> int:

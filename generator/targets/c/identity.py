@@ -34,6 +34,5 @@ class IdentityCode:
 
 def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
     for item in identities(context.device):
-        prefix = context.prefix if item.alone else f"{context.prefix}_{item.interface}"
         compared = tuple(codes[entry.register.name] for entry in item.compared)
-        yield IdentityCode(prefix, context.device.interface(item.interface), compared)
+        yield IdentityCode(context.prefix, context.device.interface(item.interface), compared)

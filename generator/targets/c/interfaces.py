@@ -9,6 +9,7 @@ from ...plan.frames import Branch, Dispatch, dispatches
 from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, settings
 from ...say.interface import interface as said_of
+from ...say.name import words
 from ...say.text import Said
 from ...say.timing import timing
 from .about import about_layout
@@ -52,7 +53,7 @@ class InterfaceCode:
 
     def __init__(self, context: Context, interface: Interface) -> None:
         self.device, self.interface = context.device, interface
-        self.prefix = f"{context.prefix}_{interface.name}"
+        self.prefix = context.prefix
         self.upper = self.prefix.upper()
         self.cable = [item for item in interface.facts() if isinstance(item, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
@@ -94,7 +95,10 @@ class InterfaceCode:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
     def _codec(self, context: Context, layout: Layout) -> StructCodec:
-        struct = Struct(context, layout, f"{context.prefix}_{layout.name}", context.length_macro(layout))
+        # The functions of the only frame of an interface need no further name.
+        alone = len(self.interface.layouts) == 1 and not self.tellers
+        name = context.prefix if alone else f"{context.prefix}_{layout.name}"
+        struct = Struct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _about(self) -> Iterator[Paragraph]:
@@ -121,7 +125,7 @@ class InterfaceCode:
     def _macro(self, name: str, value: int, about: Said | None = None, hexadecimal: bool = False) -> Macro:
         if about is not None:
             self._said.append(about)
-        note = S.sentence(about) if about is not None else ""
+        note = S.sentence(about) if about is not None else words(name.lower())
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _macros(self) -> Iterator[Macro]:
@@ -148,7 +152,7 @@ class InterfaceCode:
     def _port(self, port: Port, about: Said) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
         yield self._macro("DATA_BITS", port.data_bits)
-        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity])
+        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], "parity")
         yield self._macro("STOP_BITS", port.stop_bits)
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:

@@ -29,18 +29,31 @@ class LengthCode:
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(interface, found))
         self._stems = {id(row.variant): row.macro for row in rows}
+        self._prefix = f"{context.PREFIX}_"
         self.macros = [macro for item in found for macro in self.macros_of(item)]
 
+    @property
+    def receive(self) -> str:
+        """The macro that receives with the lengths of an order code, empty if there are several frames."""
+        return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
+
+    @property
+    def named(self) -> str:
+        """Say how the macro names an order code."""
+        code = self.macros[0].name.removeprefix(self._prefix).removesuffix("_BITS")
+        return f"For code, write {code} for example, as in {self.macros[0].name}."
+
     def declared(self) -> Iterator[Declared]:
-        yield from ((item.name, ("interfaces", self.interface.name)) for item in self.macros)
+        names = (*(item.name for item in self.macros), self.receive)
+        yield from ((name, ("interfaces", self.interface.name)) for name in names if name)
 
     def macros_of(self, item: Received) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         names = [item.layout.name] if len(self.layouts) > 1 else []
         names += [answer.name for answer in item.answers]
-        stem = "_".join((self._stems[id(item.variant)], self.interface.name, *names))
-        yield Macro(f"{stem}_BITS".upper(), number(item.bits))
-        yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
+        stem = "_".join((self._stems[id(item.variant)], *names))
+        yield Macro(f"{stem}_BITS".upper(), number(item.bits), "bits of its frame")
+        yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes), "bytes of its buffer")
 
 
 def _register_access(interface: Interface, found: Sequence[Received]) -> Iterator[str]:

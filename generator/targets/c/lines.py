@@ -88,7 +88,7 @@ def laid_out(text: str) -> str:
     in_comment = False
     for line in text.splitlines():
         in_comment = in_comment or line.lstrip().startswith("/*")
-        if in_comment or len(line) <= COLUMNS or line.endswith("};"):
+        if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
             lines += _lines(line, goes_on=bool(lines) and lines[-1].endswith(_OPEN))

@@ -25,4 +25,4 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
     for bound, value in bounds.items():
         if value is not None:
             yield Macro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
-            note = ""
+            note = f"see {timing.name} above"

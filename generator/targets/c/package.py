@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Device, Manufacturer
+from ...model import Biss, Manufacturer
 from .comments import ascii_text
 from .crcs import CrcCode
 from .device import DeviceView
@@ -42,7 +43,8 @@ class Package(TypedDict):
     version: Annotated[str, "its version"]
     title: Annotated[str, "its description in one line of plain letters"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
-    devices: Annotated[list[Device], "the families"]
+    families: Annotated[list[str], "the names of the families"]
+    views: Annotated[Sequence[DeviceView], "the interfaces of the families"]
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
     with_bitwise: Annotated[list[str], "the same for manufacturers with a CRC that can do without its table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
@@ -51,29 +53,25 @@ class Package(TypedDict):
     tests: Annotated[list[str], "the C files of the self-test, keyed by their path within the folder"]
 
 
-def package_files(
-    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]],
-    views: Mapping[str, DeviceView],
-    tests: Iterable[str],
-    render: Render,
-) -> dict[str, str]:
+def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Render) -> dict[str, str]:
     """Return the files of the package other than headers and ``tests``, by their path in the C folder."""
-    programs = [example for _, devices in makers for device in devices for example in example_codes(views[device.name])]
+    programs = [example for view in views for example in example_codes(view)]
     shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
-    names = [maker.name for maker, _ in makers]
-    package = "-".join((*names, "encoders"))
+    makers = makers_of(views)
+    package = "-".join((*makers, "encoders"))
     values: Package = {
         "package": package,
-        "namespace": "-".join(names),
+        "namespace": "-".join(makers),
         "option": package.replace("-", "_").upper(),
-        "version": max((maker.version for maker, _ in makers), key=_order),
-        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker, _ in makers)}"),
+        "version": max((maker.version for maker in makers.values()), key=_order),
+        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers.values())}"),
         "guide": guide(programs),
-        "devices": [device for _, devices in makers for device in devices],
-        "with_tables": _with_crcs(makers, views, lambda crc: crc.is_fold and bool(crc.table)),
-        "with_bitwise": _with_crcs(makers, views, lambda crc: crc.by_bits),
+        "families": list(dict.fromkeys(view.device.name for view in views)),
+        "views": views,
+        "with_tables": _with_crcs(views, lambda crc: not crc.by_bits and bool(crc.table)),
+        "with_bitwise": _with_crcs(views, lambda crc: crc.by_bits),
         "longest": max(
-            (item for view in views.values() for item in view.procedures if item.arguments),
+            (item for view in views for item in view.procedures if item.arguments),
             key=lambda item: item.count,
             default=None,
         ),
@@ -89,23 +87,20 @@ def package_files(
     return files
 
 
+def makers_of(views: Iterable[DeviceView]) -> Mapping[str, Manufacturer]:
+    """Return the manufacturers by name, in order of their names."""
+    return dict(sorted((view.maker.name, view.maker) for view in views))
+
+
 def _template(program: ExampleCode | ReceiverCode) -> str:
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
     return "poller.c.jinja" if program.polls else "example.c.jinja"
 
 
-def _with_crcs(
-    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]],
-    views: Mapping[str, DeviceView],
-    wanted: Callable[[CrcCode], bool],
-) -> list[str]:
+def _with_crcs(views: Iterable[DeviceView], wanted: Callable[[CrcCode], bool]) -> list[str]:
     """Return the uppercase names of the manufacturers that have a wanted CRC."""
-    return [
-        maker.name.upper()
-        for maker, devices in makers
-        if any(wanted(crc) for device in devices for crc in views[device.name].crcs)
-    ]
+    return sorted({view.maker.name.upper() for view in views if any(map(wanted, view.crcs))})
 
 
 @dataclass(frozen=True)
@@ -124,9 +119,8 @@ class Guide:
     @property
     def bits(self) -> str:
         """The macro of the length of its frame, for a receiver."""
-        view, interface = self.example.view, self.example.interface
         mine = next(item for item in self.example.received if item.variant is self.example.row.variant)
-        return next(view.lengths[interface.name].macros_of(mine)).name
+        return next(self.example.view.lengths.macros_of(mine)).name
 
     @property
     def member(self) -> str:
@@ -140,7 +134,8 @@ def guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program of the family with the most interfaces whose procedure has the most steps."""
     if not examples:
         return None
-    example = max(examples, key=lambda item: (len(item.view.interfaces), item.run.code.count if item.run else 0))
+    shown = Counter(item.view.device.name for item in examples)
+    example = max(examples, key=lambda item: (shown[item.view.device.name], item.run.code.count if item.run else 0))
     whole = [item for item in example.reads if item.access.struct]
     run = example.run if example.run is not None and not example.run.code.reads else None
     return Guide(example, max(whole, key=lambda item: item.members, default=None), run)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from ...model import Measurement, cite
 from ...model.expressions import Expression
-from ...plan.measurement import measured
 from .context import Context
 from .expr import Cast, Expr, Number
 from .functions import Function, wide_number_of
@@ -16,13 +15,9 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions in angles. They wrap around to 0 after ``turns``, or after a single turn if ``one_turn`` is True.
-
-    ``over`` names the interface in words. It is empty if positions mean the same for all interfaces.
-    """
+    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn``: a single one."""
 
     prefix: str
-    over: str
     where: str
     per_turn: Function
     turns: Expr | None
@@ -43,7 +38,6 @@ class LengthPositions:
     """Positions along a scale. They wrap around to 0 after ``modulus``, if the manual says so."""
 
     prefix: str
-    over: str
     where: str
     modulus: Function | None
     step: Expr
@@ -62,33 +56,27 @@ class LengthPositions:
 Positions = AnglePositions | LengthPositions
 
 
-def positions(context: Context) -> Iterator[Positions]:
-    """Yield the functions of each interface, or one set if all interfaces measure in the same way."""
-    for group in measured(context.device):
-        if group.everywhere:
-            yield from _positions(context, context.prefix, "", group.measurement)
-            continue
-        for interface in group.interfaces:
-            own = context.device.measurement_of(interface.name) or group.measurement
-            over = f" received over {interface.title}"
-            yield from _positions(context, f"{context.prefix}_{interface.name}", over, own)
+def positions(context: Context) -> Positions | None:
+    """Return the functions that convert the positions of the interface, if the manual says what these are."""
+    measurement = context.device.measurement_of(context.interface.name)
+    return _positions(context, measurement) if measurement is not None else None
 
 
-def _positions(context: Context, prefix: str, over: str, measurement: Measurement) -> Iterator[Positions]:
-    scope, where = context.scope, f"[{cite(measurement.source)}]"
+def _positions(context: Context, measurement: Measurement) -> Positions | None:
+    scope, prefix, where = context.scope, context.prefix, f"[{cite(measurement.source)}]"
     steps, turns, step = measurement.counts_per_turn, measurement.turns, measurement.step_um
     if steps is not None:
-        of = f" of a position{over}" if over else ""
-        about = f"Return the number of counts in one revolution{of} {where}."
+        about = f"Return the number of counts in one revolution {where}."
         per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
         one_turn = turns == Expression(1)
-        yield AnglePositions(prefix, over, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
-    elif step is not None:
+        return AnglePositions(prefix, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
+    if step is not None:
         wide = Number(step.constant, signed=True) if step.is_constant else Cast("int64_t", scope.of(step))
         modulus = None
         if measurement.modulus is not None:
-            about = f"Return the number of counts after which the position{over} wraps around to 0 {where}."
+            about = f"Return the number of counts after which the position wraps around to 0 {where}."
             if measurement.highest is not None:
                 about += f" An offset raises all positions, up to {measurement.highest.render()}."
             modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.modulus, about)
-        yield LengthPositions(prefix, over, where, modulus, wide, not step.is_constant)
+        return LengthPositions(prefix, where, modulus, wide, not step.is_constant)
+    return None

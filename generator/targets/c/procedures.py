@@ -28,6 +28,7 @@ from ...plan.steps import (
 )
 from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
+from .comments import Paragraph
 from .context import Context
 from .expr import Cast, Expr, Name, Number, left, masked, right
 from .names import Declared
@@ -134,7 +135,8 @@ class ProcedureCode:
         self.count = sum(1 if isinstance(item, (Waits, Sends)) else len(item.pieces) for item in run.operations)
         self.reads = list(self._reads())
         self.about = about_procedure(context.device, procedure)
-        self.run_about = about_run(context.device, run, read_state)
+        #: The comment on the function that carries it out.
+        self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._parameters()]
 
     @property
     def filled(self) -> list[Filled]:
@@ -182,6 +184,16 @@ class ProcedureCode:
     def declared(self) -> Iterator[Declared]:
         names = (self.steps, self.count_macro, self.function, self.read_type)
         yield from ((name, ("procedures", self.run.procedure.name)) for name in names if name)
+
+    def _parameters(self) -> Iterator[Paragraph]:
+        """Yield the parameters of the function that carries it out, if it has any of its own."""
+        if self.arguments:
+            yield "@param transport ", "Your bus access functions."
+            yield "@param variant ", "The order code."
+            yield from ((f"@param {item.name} ", item.about) for item in self.arguments)
+            if self.reads:
+                yield "@param out ", "The bytes read, unchanged on error."
+            yield "@param failure ", "Details of a failed step, or NULL."
 
     # -- arguments
 

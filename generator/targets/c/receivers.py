@@ -15,14 +15,16 @@ class ReceiverCode:
     def __init__(self, example: ExampleCode) -> None:
         view = example.view
         self.view, self.example = view, example
-        self.name = f"{view.device.name}_biss_dma"
-        self.struct = example.struct.name
+        self.name = f"{view.stem}_dma"
+        self.struct = example.struct
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
         self.longest = max(example.received, key=lambda item: item.bits)
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
-        self.bits, self.size = (item.name for item in view.lengths[example.interface.name].macros_of(self.longest))
+        self.bits, self.size = (item.name for item in view.lengths.macros_of(self.longest))
+        code = self.bits.removeprefix(f"{view.PREFIX}_").removesuffix("_BITS")
+        self.receive = f"{view.lengths.receive}({code}, rx, &word)"
         self.modulus = example.modulus
 
 
@@ -30,6 +32,6 @@ def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
     """Yield a program for each family whose BiSS frames have a verdict."""
     for item in examples:
         told = item.reports is not None and item.reports.verdict
-        lengths = item.view.lengths[item.interface.name]
+        lengths = item.view.lengths
         if isinstance(item.interface, Biss) and told and item.counts and item.position and len(lengths.layouts) == 1:
             yield ReceiverCode(item)

@@ -25,8 +25,8 @@ _UNUSED = Name("frame->unused")
 class FrameReports:
     """The functions ``verdict`` and ``reports`` of a frame. The name of a missing function is empty."""
 
-    def __init__(self, family: Reports, reporting: Reporting, frame: str) -> None:
-        self.family, self.reporting, self.frame = family, reporting, frame
+    def __init__(self, family: Reports, reporting: Reporting, frame: str, type_: str) -> None:
+        self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
         self.reports = f"{frame}_reports" if reporting.told else ""
@@ -116,10 +116,10 @@ class Reports:
         for report, entry in zip(self.all, self.enumeration.entries, strict=True):
             yield entry.name, self._path(report)
 
-    def of(self, layout: Layout, frame: str) -> FrameReports | None:
+    def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
         """Return the functions of a frame, if it has any."""
         reporting = self._by_frame.get(layout.name)
-        return FrameReports(self, reporting, frame) if reporting is not None else None
+        return FrameReports(self, reporting, name, type_) if reporting is not None else None
 
     def constant(self, report: Report) -> Expr:
         """Return the bit of a report."""

@@ -11,7 +11,6 @@ from typing import Annotated, TypedDict
 
 from ...model import (
     CrcExample,
-    Device,
     Example,
     FrameExample,
     Manufacturer,
@@ -101,7 +100,7 @@ class Check:
 
 
 class SelfTest:
-    """The checks of a family. Examples that test no function of the header are omitted."""
+    """The checks of an interface, without examples that concern no function of its headers."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view
@@ -125,15 +124,20 @@ class SelfTest:
             yield from ((about, work) for work in self._works(example))
 
     def _vectors(self) -> Iterator[tuple[str, Work]]:
-        for crc in self.view.crcs:
-            for vector in vectors_of(crc.crc) if crc.is_fold else ():
-                about = f"{crc.crc.name}: {vector.title} [{vector.source}]"
-                yield about, CrcCheck(crc.name, (), _hex(vector.data, 64), _hex(vector.crc))
-        for interface in self.view.interfaces:
-            for item in interface.interface.data_ids if isinstance(interface.interface, Rs485) else ():
-                if item.id in CONTROL_FIELDS:
-                    macro = f"{interface.upper}_CONTROL_{item.name}".upper()
-                    yield f"control field of data ID {item.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[item.id]))
+        for codec in self.view.interface.codecs:
+            crc = codec.word_crc
+            if crc is None:
+                continue
+            for vector in vectors_of(crc.crc):
+                sent = vector.data << crc.crc.width | vector.crc
+                if sent.bit_length() <= crc.bits:
+                    about = f"{crc.crc.name}: {vector.title} [{vector.source}]"
+                    yield about, CrcCheck(crc.name, (), _hex(sent, 64), _hex(0))
+        interface = self.view.context.interface
+        for item in interface.data_ids if isinstance(interface, Rs485) else ():
+            if item.id in CONTROL_FIELDS:
+                macro = f"{self.view.PREFIX}_CONTROL_{item.name}".upper()
+                yield f"control field of data ID {item.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[item.id]))
 
     def _works(self, example: Example) -> Iterator[Work]:
         match example:
@@ -161,11 +165,10 @@ class SelfTest:
         return self.view.variants.rows[at].macro
 
     def _codecs(self, example: FrameExample) -> Iterator[StructCodec]:
-        for interface in self.view.interfaces:
-            for item in interface.codecs:
-                layout = item.struct.layout
-                if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
-                    yield item
+        for item in self.view.interface.codecs:
+            layout = item.struct.layout
+            if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
+                yield item
 
     def _frames(self, example: FrameExample) -> Iterator[Work]:
         for item in self._codecs(example):
@@ -226,25 +229,13 @@ class SelfTest:
 
     def _crc(self, example: CrcExample) -> Iterator[Work]:
         for item in self.view.crcs:
-            if item.crc.name != example.crc:
-                continue
-            if item.in_bytes:
+            if item.crc.name == example.crc and item.is_called and item.in_bytes:
                 yield CrcCheck(item.name, _bytes(example.bytes), "", _hex(example.check))
-            elif item.is_fold:
-                word = _hex(int.from_bytes(example.bytes, "big"), 64)
-                yield CrcCheck(item.name, (), word, _hex(example.check))
 
     def _measure(self, example: MeasureExample) -> Iterator[Work]:
-        variant = next(item for item in self.view.device.variants if item.code == example.order_code)
-        for item in self.view.positions:
-            if isinstance(item, LengthPositions) and item.prefix in (
-                self.view.prefix,
-                f"{self.view.prefix}_{variant.interface}",
-            ):
-                macro = self._variant(example.order_code)
-                yield MeasureCheck(
-                    f"{item.prefix}_micrometres", macro, number(example.counts), number(example.micrometres)
-                )
+        if isinstance(self.view.positions, LengthPositions):
+            function, macro = f"{self.view.prefix}_micrometres", self._variant(example.order_code)
+            yield MeasureCheck(function, macro, number(example.counts), number(example.micrometres))
 
 
 def _members(of: StructCodec) -> Iterator[str]:
@@ -273,24 +264,18 @@ class AllTests(TypedDict):
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
 
 
-def selftest_files(
-    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]],
-    views: Mapping[str, DeviceView],
-    render: Callable[[str, Mapping[str, object]], str],
-) -> dict[str, str]:
+def selftest_files(views: Sequence[DeviceView], render: Callable[[str, Mapping[str, object]], str]) -> dict[str, str]:
     """Return the files of the self-test, by their path in the C folder."""
-    tests = {device.name: SelfTest(views[device.name]) for _, devices in makers for device in devices}
-    tests = {name: test for name, test in tests.items() if test.checks}
+    tests = [test for test in map(SelfTest, views) if test.checks]
     files = {}
-    for maker, devices in makers:
-        for test in (tests[device.name] for device in devices if device.name in tests):
-            family: FamilyTest = {"maker": maker, "t": test}
-            files[f"selftest/{test.view.device.name}.c"] = render("selftest.c.jinja", family)
-    names = [maker.name for maker, _ in makers]
+    for test in tests:
+        family: FamilyTest = {"maker": test.view.maker, "t": test}
+        files[f"selftest/{test.view.stem}.c"] = render("selftest.c.jinja", family)
+    names = sorted({view.maker.name for view in views})
     values: AllTests = {
         "namespace": "_".join(names),
         "option": "_".join((*names, "encoders")).upper(),
-        "tests": list(tests.values()),
+        "tests": tests,
     }
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)

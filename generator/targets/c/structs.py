@@ -37,7 +37,9 @@ class Struct:
         self.device = context.device
         self.scope = context.scope
         self.layout = layout
+        #: Stem of its functions, and name of its type.
         self.name = name
+        self.type = f"{name}_frame" if name == context.prefix else name
         self.length_macro = length_macro
         self.register = register
         self.plan: Codec = codec_of(context.device, layout)

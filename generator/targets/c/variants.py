@@ -37,14 +37,15 @@ class VariantCode:
         known = set(unknown_parts(self.device))
         left_open = [part for part in self.device.order_code.parts if part.open and part.name not in known]
         self.unlisted = [
-            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True))
+            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True), part.name)
             for index, part in enumerate(left_open)
         ]
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[Declared]:
-        for name in ("variant", "order_code", "order_codes", "find_order_code"):
+        yield self.context.prefix, ()
+        for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
         for item in self._named:
             yield f"{self.context.prefix}_{item.name}", ("parameters", item.name)

@@ -127,7 +127,7 @@ static inline uint64_t cw_received_word(
     if ((size < 8U) || (bits == 0U) || (bits > 57U)) {
         return cw_received_bits(rx, first, bits);
     }
-    /* Take the 8 bytes from that of the first bit on, or the last ones, and drop the bits before. */
+    /* Take 8 bytes from that of the first bit on, or the last 8, and drop the bits before. */
     const size_t end = (wanted > size) ? size : wanted;
     const size_t before = (first + 64U) - (8U * end);
     uint32_t high = cw_received_4_bytes(&rx[end - 8U]);

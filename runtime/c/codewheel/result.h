@@ -34,9 +34,8 @@ extern "C" {
 #endif
 
 /**
- * Called with the pointers that receive.h and tracker.h are given, as a condition that must be true.
- * It does nothing. To check them, define it before including the first header, for example as
- * assert(condition).
+ * Checks the pointers that are passed to receive.h and tracker.h. By default it does nothing. To
+ * check them, define it before including the first header, for example as assert(condition).
  */
 #ifndef CW_ASSERT
 #define CW_ASSERT(condition) ((void)0)

@@ -1,0 +1,61 @@
+"""The option that narrows the output to some families, interfaces and order codes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ...language.problems import meant
+from ...model import Device, Variant
+from ...order_codes.narrowing import for_codes
+from .. import Option, OptionError
+
+ONLY = Option(
+    "only",
+    "order codes, interfaces (biss, amm5_biss) and families to generate, separated by commas; empty for all",
+    "",
+)
+
+
+def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
+    """Return the devices with the order codes that ``only`` names, and all of them if it is empty.
+
+    Raises:
+        OptionError: A name is that of no order code, interface or family.
+    """
+    words = [item.strip() for item in only.split(",") if item.strip()]
+    if not words:
+        return tuple(devices)
+    known = {name for device in devices for item in device.variants for name in _names(device, item)}
+    for word in words:
+        if word.upper() not in known:
+            raise OptionError(_unknown(devices, word))
+    wanted = {word.upper() for word in words}
+    found = []
+    for device in devices:
+        codes = {item.code for item in device.variants if wanted & set(_names(device, item))}
+        found += [for_codes(device, codes)] if codes else []
+    return tuple(found)
+
+
+def _names(device: Device, variant: Variant) -> tuple[str, ...]:
+    """Return the names that stand for an order code, in upper case."""
+    family, kind = device.name.upper(), variant.interface.upper()
+    return variant.code.upper(), kind, family, f"{family}_{kind}"
+
+
+def _words(devices: Sequence[Device]) -> Iterator[str]:
+    for device in devices:
+        yield device.name
+        yield from (f"{device.name}_{item.name}" for item in device.interfaces)
+    yield from sorted({item.name for device in devices for item in device.interfaces})
+
+
+def _unknown(devices: Sequence[Device], word: str) -> str:
+    """Return the message, with the order codes of the family if the word begins like one of them."""
+    families = [device for device in devices if word.upper().startswith(device.name.upper())]
+    codes = [item.code for device in families for item in device.variants]
+    near = meant(word, [*_words(devices), *codes, *map(str.lower, codes)])
+    first = next((item.code for device in devices for item in device.variants), "")
+    others = codes or [f"order codes, such as {first}", *_words(devices)]
+    hint = f"did you mean '{near}'?" if near else f"valid are {', '.join(others)}"
+    return f"c.only: there is no order code, interface or family '{word}'; {hint}"

@@ -1,0 +1,54 @@
+"""The option that narrows C to some families, interfaces and order codes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.model import Device
+from codewheel.targets import Library, OptionError
+from codewheel.targets.c.files import generate
+
+
+def headers(devices: tuple[Device, ...], only: str) -> dict[str, str]:
+    """The headers for reading positions, by their stems."""
+    files = generate(Library(devices), {"only": only})
+    found = {path.removeprefix("c/include/lika/").removesuffix(".h"): text for path, text in files.items()}
+    return {stem: text for stem, text in found.items() if stem.count("_") == 1 and "/" not in stem}
+
+
+@pytest.mark.parametrize(("only", "stems"), [
+    ("AMM5A21/65KSC1", {"amm5_biss"}),
+    (" amm5a21/65ksc1 , SMA21_SSI", {"amm5_biss", "sma21_ssi"}),
+    ("amm5", {"amm5_biss", "amm5_ssi", "amm5_rs485"}),
+    ("rs485", {"amm5_rs485", "sma21_rs485"}),
+])  # fmt: skip
+def test_only_what_is_named_is_there(only: str, stems: set[str], c_devices: tuple[Device, ...]) -> None:
+    assert set(headers(c_devices, only)) == stems
+
+
+def test_only_the_order_code_is_there(c_devices: tuple[Device, ...]) -> None:
+    text = headers(c_devices, "AMM5A21/65KSC1,AMM5B17/1SC1")["amm5_biss"]
+    codes = [line.split()[3] for line in text.splitlines() if line.startswith("static const lika_amm5_biss LIKA")]
+    assert codes == ["LIKA_AMM5_BISS_A21_65KSC1", "LIKA_AMM5_BISS_B17_1SC1"]
+    whole = headers(c_devices, "")["amm5_biss"]
+    assert text.splitlines()[-200:] == whole.splitlines()[-200:], "the functions are the same"
+
+
+@pytest.mark.parametrize(("only", "hint"), [
+    ("AMM5A21/65KSC2", "valid are AMM5A17/1BG1, AMM5A17/1SC1, "),
+    ("sma21_bis", "did you mean 'sma21_biss'?"),
+    ("amm5,profinet", "valid are order codes, such as AM3616/4096-I7, am36, am36_ssi, am36_biss, amm5"),
+])  # fmt: skip
+def test_an_unknown_name_is_refused(only: str, hint: str, c_devices: tuple[Device, ...]) -> None:
+    with pytest.raises(OptionError, match=r"c\.only: there is no order code, interface or family") as error:
+        generate(Library(c_devices), {"only": only})
+    assert hint in str(error.value)
+
+
+def test_wrong_usage_ends_with_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    specs = str(Path(__file__).resolve().parents[1] / "specs" / "bits22.yaml")
+    assert main(["generate", specs, "--target", "c", "-o", str(tmp_path), "--option", "c.only=rs485"]) == 2
+    assert "valid are order codes, such as T22SC, bits22, bits22_biss, biss" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
