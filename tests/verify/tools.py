@@ -29,7 +29,6 @@ PACKAGES = {
     "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",
     "sdcc": "apt-get install sdcc",
-    "sstm8": "apt-get install sdcc-ucsim",
     "chromium": "apt-get install chromium",
 }
 
