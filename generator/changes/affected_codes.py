@@ -6,11 +6,10 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 from ..model import Device, Variant
-from ..say.words import counted
+from ..say.numbers import counted, first_of
 
 _BRACES = re.compile(r"\{(\w+)\}")
 _ALL = "…"
-_MOST_LISTED = 3
 
 
 def reach(device: Device, codes: Collection[str]) -> str:
@@ -24,7 +23,7 @@ def reach(device: Device, codes: Collection[str]) -> str:
         own = [item.code for item in every if item.interface == interface.name]
         if len(own) > 1 and set(own) == set(codes):
             return f"all {len(own)} {interface.short} order codes"
-    return pattern(device, codes) or listed([item.code for item in every if item.code in codes])
+    return pattern(device, codes) or first_of([item.code for item in every if item.code in codes])
 
 
 def pattern(device: Device, codes: Collection[str]) -> str:
@@ -53,9 +52,3 @@ def _part(used: tuple[str, ...], every: tuple[str, ...]) -> str:
     if len(used) == 1:
         return used[0]
     return _ALL if len(used) == len(every) else f"{{{','.join(used)}}}"
-
-
-def listed(codes: Sequence[str]) -> str:
-    """Name the first order codes and count the others."""
-    more = len(codes) - _MOST_LISTED
-    return ", ".join(codes[:_MOST_LISTED]) + (f" and {more} more" if more > 0 else "")

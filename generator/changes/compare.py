@@ -8,9 +8,11 @@ from typing import Any, TypeVar
 
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
+from ..say.numbers import first_of
 from .change import Change, Thing
 from .expressions import Differing
 from .family_pair import FamilyPair
+from .names_in_code import named_in_code
 from .pairs import Pair, name_of
 from .value_text import arrow, differing_items, plain, shown, without_words
 
@@ -31,7 +33,8 @@ def members(both: FamilyPair, thing: Thing, old: Any, new: Any, scope: str = "")
 
 
 def _member(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any, scope: str) -> Iterator[Change]:
-    if member.is_limit or isinstance(old, Expression) or isinstance(new, Expression):
+    kinds = {type(old), type(new)}
+    if member.is_limit or (Expression in kinds and str not in kinds):
         yield from _number(both, place, member, old, new)
         return
     if member.refers_to:
@@ -72,16 +75,16 @@ def numbers(found: Differing, old: Expression | None, new: Expression | None, fo
     texts = shown(old, form), shown(new, form)
     if texts[0] != texts[1]:
         return " → ".join(texts)
-    more = len(found.values) - 2
-    listed = ", ".join(arrow(*pair, form) for pair in found.values[:2])
-    return listed + (f" and {more} more" if more > 0 else "")
+    return first_of([arrow(*pair, form) for pair in found.values], 2)
 
 
 def things(
     both: FamilyPair,
     kind: str,
     pairs: Iterable[Pair[_Item]],
-    place: Callable[[Pair[_Item]], Thing],
+    path: str,
+    label: str | Callable[[Pair[_Item]], str],
+    interface: str | Callable[[Pair[_Item]], str] = "",
     inside: Callable[[FamilyPair, Thing, _Item, _Item], Iterator[Change]] | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
@@ -90,11 +93,14 @@ def things(
         both: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
         pairs: The things with their counterparts.
-        place: Return the subject of a change of a thing.
+        path: Path of the section that has them.
+        label: Words that precede the name of a thing, or a function that returns them.
+        interface: Interface that a thing concerns, or a function that returns it.
         inside: Compare everything in a thing that is not a member of its own.
     """
     for pair in pairs:
-        thing = place(pair)
+        words, over = (each if isinstance(each, str) else each(pair) for each in (label, interface))
+        thing = named_in_code(both, pair, path, words, over)
         yield from both.presence(kind, thing, pair.old, pair.new)
         if pair.old is not None and pair.new is not None:
             yield from members(both, thing.unnamed, pair.old, pair.new, name_of(pair.new))

@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import is_dataclass, replace
 from typing import Any, TypeVar
 
-from ..model import (
-    Alternative,
-    CodePart,
-    Device,
-    Field,
-    Layout,
-    Procedure,
-    Register,
-    RegisterStep,
-    Rs485,
-    Step,
-)
-from ..model.members import PARTS_BY_CLASS
+from ..model import Field, Layout, Procedure, Register, RegisterStep, Rs485, Step
+from ..model.members import PARTS_BY_CLASS, Member
 from .family_pair import FamilyPair
 from .pairs import Pair, both_of, paired
 
@@ -28,9 +17,9 @@ _Part = TypeVar("_Part")
 def note_all(both: FamilyPair) -> None:
     """Remember every renaming, so that references to the renamed thing do not count as changed."""
     old, new = both.old, both.new
-    both.note("part", parts(old, new))
+    both.note("part", recognised(both, old.order_code.parts, new.order_code.parts))
     both.note("crc", recognised(both, old.crcs, new.crcs))
-    both.note("decision", alternatives(old, new))
+    both.note("decision", recognised(both, old.alternatives, new.alternatives))
     both.note("register", recognised(both, old.registers, new.registers))
     for one, other in both_of(recognised(both, old.registers, new.registers)):
         _note_layout(both, one.layout, other.layout, other.interface, other.name)
@@ -73,15 +62,18 @@ def recognised(
     def identity(is_old: bool) -> Callable[[Any], Hashable | None]:
         def of(item: Any) -> Hashable | None:
             part = PARTS_BY_CLASS[type(item).__name__]
-            values = [getattr(item, name) for name in part.identity]
-            for index, name in enumerate(part.identity):
-                kind = part.by_attribute[name].refers_to
-                if is_old and kind:
-                    values[index] = both.to_new(kind, values[index], scope)
+            values = [value(part.by_attribute[name], getattr(item, name)) for name in part.identity]
             layout = item.layout if isinstance(item, Register) else item
             if isinstance(layout, Layout):
                 values.append(both.places(layout, interface or item.interface, is_old))
             return tuple(values) if any(values) else None
+
+        def value(member: Member, found: Any) -> Any:
+            if isinstance(found, Mapping):
+                return tuple(sorted(found.values()))
+            if isinstance(found, tuple) and any(map(is_dataclass, found)):
+                return tuple(map(of, found))
+            return both.to_new(member.refers_to, found, scope) if is_old and member.refers_to else found
 
         return of
 
@@ -98,20 +90,6 @@ def fields(both: FamilyPair, old: Layout, new: Layout, interface: str) -> list[P
 
     olds, news = ([item for item in layout.fields if not item.fills_gap] for layout in (old, new))
     return paired(olds, news, identity(old, True), identity(new, False))
-
-
-def alternatives(old: Device, new: Device) -> list[Pair[Alternative]]:
-    def identity(item: Alternative) -> Hashable:
-        return tuple(tuple(sorted(answer.sets.values())) for answer in item.answers)
-
-    return paired(old.alternatives, new.alternatives, identity)
-
-
-def parts(old: Device, new: Device) -> list[Pair[CodePart]]:
-    def identity(item: CodePart) -> Hashable | None:
-        return tuple(value.text for value in item.values) or None
-
-    return paired(old.order_code.parts, new.order_code.parts, identity)
 
 
 def procedure_pairs(both: FamilyPair) -> list[Pair[Procedure]]:

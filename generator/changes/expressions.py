@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..model import Device, Variant
 from ..model.expressions import Expression, ExpressionError
-from ..order_codes.run_time import resolve_parameters
+from ..order_codes.run_time import with_changed
 
 Parameters = Mapping[str, int]
 
@@ -75,10 +75,8 @@ def _settings(device: Device) -> Iterator[dict[str, int]]:
 
 
 def _at(device: Device, variant: Variant, setting: Parameters) -> Parameters:
-    base = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
-    known = {name: value for name, value in setting.items() if name in base}
-    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
-    return resolve_parameters(base | known, definitions) if known else variant.parameters
+    known = {name: value for name, value in setting.items() if name in variant.parameters.keys() - device.definitions}
+    return with_changed(device, variant, known) if known else variant.parameters
 
 
 def differing(old: Expression | None, new: Expression | None, points: tuple[Point, ...]) -> Differing | None:

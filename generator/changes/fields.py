@@ -19,13 +19,12 @@ from ..model import (
     Text,
     Unused,
 )
-from ..model.expressions import Expression
 from .change import Change, Thing
 from .compare import members, things
 from .counterparts import fields, recognised
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .value_text import arrow, shown
+from .value_text import shown
 
 _WORDS = {
     Number: "number",
@@ -67,36 +66,17 @@ def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short:
         return
     old, new = pair.old, pair.new
     yield from members(both, place, old, new, scope)
-    yield from _expected(both, place, old, new)
     yield from _kind(both, place, old, new, scope)
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(both.new, new):
         label = place.label.replace(": field ", ".")
-        yield from things(
-            both,
-            "value",
-            recognised(both, old.values, new.values),
-            lambda value: place.inside(value.item.name, f"{label}: value {value.item.name}"),
-        )
+        values = recognised(both, old.values, new.values)
+        yield from things(both, "value", values, path, f"{label}: value", place.interface)
 
 
 def _of_data_ids(device: Device, field: Field) -> bool:
     """Return whether its values are the data IDs of an interface, which are compared separately."""
     found = [item.data_ids for item in device.interfaces if isinstance(item, Rs485)]
     return any({value.name for value in field.values} == {data_id.name for data_id in each} for each in found)
-
-
-def _expected(both: FamilyPair, place: Thing, old: Field, new: Field) -> Iterator[Change]:
-    """Compare the documented value."""
-    before, after = (Expression(item) if isinstance(item, int) else item for item in (old.equals, new.equals))
-    codes = None
-    if isinstance(before, str) or isinstance(after, str):
-        differs = before != after
-    else:
-        found = both.differing(place.interface, before, after)
-        differs, codes = found is not None, found.codes if found is not None else None
-    if differs:
-        said = f": documented value {arrow(old.equals, new.equals)}"
-        yield both.change("field-expected", place, said, old.equals, new.equals, codes or None)
 
 
 def _kind(both: FamilyPair, place: Thing, old: Field, new: Field, scope: str) -> Iterator[Change]:

@@ -4,53 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Biss, ControlField, DataId, Interface, Layout, Rs485, Timing
+from ..model import Biss, ControlField, Interface, Layout, Rs485, Timing
 from .change import Change, Thing
 from .compare import members, things
 from .counterparts import recognised
 from .family_pair import FamilyPair
 from .fields import layout
-from .names_in_code import named_in_code
-from .pairs import Pair, paired
+from .pairs import paired
 
 
 def interfaces(both: FamilyPair) -> Iterator[Change]:
-    yield from things(
-        both,
-        "interface",
-        paired(both.old.interfaces, both.new.interfaces),
-        lambda pair: Thing(f"interfaces.{pair.item.name}", pair.item.short, pair.item.name),
-        _interface,
-    )
+    for pair in paired(both.old.interfaces, both.new.interfaces):
+        thing = Thing(f"interfaces.{pair.item.name}", pair.item.short, pair.item.name)
+        yield from both.presence("interface", thing, pair.old, pair.new)
+        if pair.old is not None and pair.new is not None:
+            yield from members(both, thing, pair.old, pair.new)
+            yield from _interface(both, thing, pair.old, pair.new)
 
 
 def _interface(both: FamilyPair, thing: Thing, old: Interface, new: Interface) -> Iterator[Change]:
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         yield from members(both, thing.inside("port", thing.label), old.port, new.port)
-        yield from things(
-            both,
-            "data-id",
-            recognised(both, old.data_ids, new.data_ids),
-            lambda pair: _data_id(both, thing, pair),
-        )
+        ids = recognised(both, old.data_ids, new.data_ids)
+        yield from things(both, "data-id", ids, f"{thing.path}.data_ids", "data ID", new.name)
     elif not isinstance(new, Rs485) and not isinstance(old, Rs485):
         yield from members(both, thing.inside("clock", thing.label), old.clock, new.clock)
     if isinstance(old, Biss) and isinstance(new, Biss):
-        found = paired(old.control_data, new.control_data, lambda item: (item.bits, item.crc, len(item.values)))
-        yield from things(both, "control-field", found, lambda pair: _control_field(thing, pair), _control_values)
+        found, path = recognised(both, old.control_data, new.control_data), f"{thing.path}.control_data"
+        yield from things(both, "control-field", found, path, "control frame: field", new.name, _control_values)
     yield from timings(both, thing, old.timings, new.timings)
-    path = f"interfaces.{new.name}.layouts"
-    yield from things(
-        both,
-        "frame",
-        recognised(both, old.layouts, new.layouts, new.name),
-        lambda pair: named_in_code(both, pair, path, "frame", new.name),
-        _frame,
-    )
-
-
-def _data_id(both: FamilyPair, thing: Thing, pair: Pair[DataId]) -> Thing:
-    return named_in_code(both, pair, f"{thing.path}.data_ids", "data ID", thing.interface)
+    frames = recognised(both, old.layouts, new.layouts, new.name)
+    yield from things(both, "frame", frames, f"{thing.path}.layouts", "frame", new.name, _frame)
 
 
 def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator[Change]:
@@ -65,24 +49,12 @@ def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator
         yield both.change("frame-decision", inner, f": needs the decision {name}", None, name)
 
 
-def _control_field(thing: Thing, pair: Pair[ControlField]) -> Thing:
-    return thing.inside(f"control_data.{pair.item.name}", f"control frame: field {pair.item.name}")
-
-
 def _control_values(both: FamilyPair, thing: Thing, old: ControlField, new: ControlField) -> Iterator[Change]:
-    yield from things(
-        both,
-        "value",
-        recognised(both, old.values, new.values),
-        lambda pair: thing.inside(pair.item.name, f"control frame: {new.name}: value {pair.item.name}"),
-    )
+    values = recognised(both, old.values, new.values)
+    yield from things(both, "value", values, thing.path, f"control frame: {new.name}: value", thing.interface)
 
 
 def timings(both: FamilyPair, thing: Thing, olds: tuple[Timing, ...], news: tuple[Timing, ...]) -> Iterator[Change]:
     """Compare times of an interface or of the device."""
-    yield from things(
-        both,
-        "timing",
-        recognised(both, olds, news),
-        lambda pair: thing.inside(f"timings.{pair.item.name}", f"{thing.label} time {pair.item.name}".strip()),
-    )
+    place = thing.inside("timings", f"{thing.label} time".strip())
+    yield from things(both, "timing", recognised(both, olds, news), place.path, place.label, place.interface)

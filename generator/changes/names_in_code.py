@@ -24,11 +24,11 @@ _NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 
 def named_in_code(both: FamilyPair, pair: Pair[Any], path: str, label: str, interface: str) -> Thing:
-    """Return a thing with its names in code if users have these already. ``label`` precedes its name."""
+    """Return a thing, with its names in code if it has some that users have already. ``label`` precedes its name."""
     section = path.rpartition(".")[2]
     thing = Thing(f"{path}.{pair.item.name}", f"{label} {pair.item.name}", interface)
     # A new data ID is a new member of an enumeration that users already have.
-    if pair.old is None and section != "data_ids":
+    if section not in _NAMES or (pair.old is None and section != "data_ids"):
         return thing
     device = both.new if pair.old is None else both.old
     words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
 
-from ..model import Alternative, CodePart, CodeValue, Measurement, Parameter, Spelling, Supply, Variant
-from .affected_codes import listed, pattern
+from ..model import Alternative, CodePart, CodeValue, Device, Measurement, Parameter, Spelling, Supply, Variant
+from ..say.numbers import first_of
+from .affected_codes import pattern
 from .change import Change, Thing
 from .compare import members, things
-from .counterparts import alternatives, parts
+from .counterparts import recognised
 from .family_pair import FamilyPair
-from .pairs import Pair, both_of, paired
+from .pairs import both_of, paired
 from .value_text import arrow
 
 
@@ -41,9 +42,8 @@ def order_codes(both: FamilyPair) -> Iterator[Change]:
     yield from _codes(both, "new", [item for item in new.variants if item.code not in kept])
     renamed = {before: after for before, after in both.shared.items() if before != after}
     if renamed:
-        first = " → ".join(next(iter(renamed.items())))
-        more = f" and {len(renamed) - 1} more" if len(renamed) > 1 else ""
-        label = f"order code{'s' if more else ''} {first}{more} (the same parts)"
+        said = first_of([" → ".join(names) for names in renamed.items()], 1)
+        label = f"order code{'s' * (len(renamed) > 1)} {said} (the same parts)"
         yield both.change("order-code-renamed", Thing("order_codes", label), "", list(renamed), list(renamed.values()))
     yield from _same_codes(both)
     before = old.order_code if renamed else replace(old.order_code, pattern=_in_new(both, old.order_code.pattern))
@@ -52,9 +52,10 @@ def order_codes(both: FamilyPair) -> Iterator[Change]:
     yield from things(
         both,
         "part",
-        parts(old, new),
-        lambda pair: Thing(f"order_code.parts.{pair.item.name}", f"part {pair.item.name}"),
-        _part,
+        recognised(both, old.order_code.parts, new.order_code.parts),
+        "order_code.parts",
+        "part",
+        inside=_part,
     )
     yield from _spellings(both)
 
@@ -71,7 +72,7 @@ def _codes(both: FamilyPair, word: str, found: list[Variant]) -> Iterator[Change
         return
     codes = [item.code for item in found]
     is_gone = word == "gone"
-    said = pattern(both.old if is_gone else both.new, codes) or listed(codes)
+    said = pattern(both.old if is_gone else both.new, codes) or first_of(codes)
     label = f"order codes {said}: {len(codes)} {word}" if len(codes) > 1 else f"order code {said} is {word}"
     old, new = (codes, None) if is_gone else (None, codes)
     yield both.change(f"order-code-{word}", Thing("order_codes", label), "", old, new, codes)
@@ -148,17 +149,15 @@ def supply(
 
 def quantities(both: FamilyPair) -> Iterator[Change]:
     """Compare parameters, decisions and the measurement."""
-    yield from things(
-        both,
-        "parameter",
-        both.parameters(),
-        lambda pair: Thing(f"parameters.{pair.item.name}", f"parameter {pair.item.name}", pair.item.interface),
-    )
+    numbers = both.parameters()
+    yield from things(both, "parameter", numbers, "parameters", "parameter", lambda pair: pair.item.interface)
     yield from things(
         both,
         "decision",
-        alternatives(both.old, both.new),
-        lambda pair: _place_of_decision(both, pair),
+        recognised(both, both.old.alternatives, both.new.alternatives),
+        "alternatives",
+        "decision",
+        lambda pair: _interface_of(both.old if pair.new is None else both.new, pair.item),
         _answers,
     )
     thing = Thing("measurement", "measurement")
@@ -175,18 +174,12 @@ def _measurement(both: FamilyPair, thing: Thing, old: Measurement | None, new: M
         yield from both.presence("measurement", thing, old, new)
 
 
-def _place_of_decision(both: FamilyPair, pair: Pair[Alternative]) -> Thing:
-    name = pair.item.name
-    device = both.old if pair.new is None else both.new
-    interfaces = {item.interface for item in device.parameters if item.alternative == name}
-    only = interfaces.pop() if len(interfaces) == 1 else ""
-    return Thing(f"alternatives.{name}", f"decision {name}", only)
+def _interface_of(device: Device, decision: Alternative) -> str:
+    """Return the only interface whose parameters a decision sets, or "" if there are several."""
+    interfaces = {item.interface for item in device.parameters if item.alternative == decision.name}
+    return interfaces.pop() if len(interfaces) == 1 else ""
 
 
 def _answers(both: FamilyPair, thing: Thing, old: Alternative, new: Alternative) -> Iterator[Change]:
-    yield from things(
-        both,
-        "answer",
-        paired(old.answers, new.answers, lambda item: tuple(sorted(item.sets.values()))),
-        lambda pair: thing.inside(pair.item.name, f"{thing.label}: answer {pair.item.name}"),
-    )
+    answers = recognised(both, old.answers, new.answers)
+    yield from things(both, "answer", answers, thing.path, f"{thing.label}: answer", thing.interface)

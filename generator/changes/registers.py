@@ -15,7 +15,6 @@ from .compare import members, things
 from .counterparts import bare, procedure_pairs, recognised, step_in_new
 from .family_pair import FamilyPair
 from .fields import layout
-from .names_in_code import named_in_code
 from .pairs import Pair
 from .value_text import arrow, plain, shown
 
@@ -23,10 +22,15 @@ _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write"
 
 
 def registers(both: FamilyPair) -> Iterator[Change]:
-    def place(pair: Pair[Register]) -> Thing:
-        return named_in_code(both, pair, "registers", register_at(pair.first), pair.item.interface)
-
-    yield from things(both, "register", recognised(both, both.old.registers, both.new.registers), place, _register)
+    yield from things(
+        both,
+        "register",
+        recognised(both, both.old.registers, both.new.registers),
+        "registers",
+        lambda pair: register_at(pair.first),
+        lambda pair: pair.item.interface,
+        _register,
+    )
 
 
 def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
@@ -36,12 +40,8 @@ def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> I
         said = f": {access(old)} → {access(new)}"
         rule, thing = ("access-lost", place) if is_lost else ("access-gained", unnamed)
         yield both.change(rule, thing.inside("access", place.label), said, old.access, new.access)
-    yield from things(
-        both,
-        "meaning",
-        recognised(both, old.meanings, new.meanings),
-        lambda pair: unnamed.inside(pair.item.name, f"{place.label}: meaning {pair.item.name}"),
-    )
+    meanings = recognised(both, old.meanings, new.meanings)
+    yield from things(both, "meaning", meanings, place.path, f"{place.label}: meaning", place.interface)
     # Everything else in the layout of a register follows from the register, which is compared separately.
     own = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
     before = replace(new.layout, **own)
@@ -50,11 +50,10 @@ def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> I
 
 
 def crcs(both: FamilyPair) -> Iterator[Change]:
-    def place(pair: Pair[Crc]) -> Thing:
-        device = both.new if pair.old is None else both.old
-        return named_in_code(both, pair, "crcs", "CRC", _interface_of(device, pair.first))
+    def interface(pair: Pair[Crc]) -> str:
+        return _interface_of(both.new if pair.old is None else both.old, pair.first)
 
-    yield from things(both, "crc", recognised(both, both.old.crcs, both.new.crcs), place)
+    yield from things(both, "crc", recognised(both, both.old.crcs, both.new.crcs), "crcs", "CRC", interface)
 
 
 def _interface_of(device: Device, crc: Crc) -> str:
@@ -75,7 +74,9 @@ def procedures(both: FamilyPair) -> Iterator[Change]:
         both,
         "procedure",
         procedure_pairs(both),
-        lambda pair: named_in_code(both, pair, "procedures", "procedure", pair.first.interface),
+        "procedures",
+        "procedure",
+        lambda pair: pair.first.interface,
         _procedure,
     )
 

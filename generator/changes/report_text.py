@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..say.lines import WIDTH, wrapped
-from ..say.words import counted
+from ..say.numbers import counted, first_of
 from .change import Change
 from .impact import Impact
 from .report import Found, about, totals, versions
 
 _COLUMN = 17
-_MOST_LISTED = 3
 
 
 def as_text(found: Found) -> str:
@@ -40,10 +39,8 @@ def _words(changes: Sequence[Change]) -> Iterator[str]:
     """Yield the documentation changes: the places of the first few, and the number of the others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         here = [change for change in changes if change.rule is rule]
-        texts = [_place(change) for change in here[:_MOST_LISTED]]
-        more = len(here) - len(texts)
-        listed = "; ".join(texts) + (f" and {more} more" if more > 0 else "")
-        yield wrapped(f"{listed} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
+        texts = first_of([_place(change) for change in here], between="; ")
+        yield wrapped(f"{texts} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
 
 
 def _place(change: Change) -> str:

@@ -27,11 +27,10 @@ _DISPLAYED = (
 
 
 def alarms(both: FamilyPair) -> Iterator[Change]:
-    def place(pair: Pair[Alarm]) -> Thing:
-        interface = _interface_of(both.new if pair.new else both.old, pair.item)
-        return Thing(f"alarms.{pair.item.name}", f"alarm {pair.item.name}", interface)
+    def interface(pair: Pair[Alarm]) -> str:
+        return _interface_of(both.new if pair.new else both.old, pair.item)
 
-    yield from things(both, "alarm", recognised(both, both.old.alarms, both.new.alarms), place)
+    yield from things(both, "alarm", recognised(both, both.old.alarms, both.new.alarms), "alarms", "alarm", interface)
 
 
 def _interface_of(device: Device, alarm: Alarm) -> str:
@@ -50,22 +49,13 @@ def wiring(both: FamilyPair) -> Iterator[Change]:
     yield from things(
         both,
         "connector",
-        paired(old.connectors, new.connectors, lambda item: tuple((one.contact, one.signal) for one in item.contacts)),
-        _connector,
+        recognised(both, old.connectors, new.connectors),
+        "connectors",
+        lambda pair: pair.item.kind,
+        lambda pair: pair.item.interfaces[0] if len(pair.item.interfaces) == 1 else "",
         _contacts,
     )
-    yield from things(
-        both,
-        "input",
-        recognised(both, old.inputs, new.inputs),
-        lambda pair: Thing(f"inputs.{pair.item.name}", f"input {pair.item.name}"),
-    )
-
-
-def _connector(pair: Pair[Connector]) -> Thing:
-    item = pair.item
-    only = item.interfaces[0] if len(item.interfaces) == 1 else ""
-    return Thing(f"connectors.{item.name}", f"{item.kind} {item.name}", only)
+    yield from things(both, "input", recognised(both, old.inputs, new.inputs), "inputs", "input")
 
 
 def _contacts(both: FamilyPair, thing: Thing, old: Connector, new: Connector) -> Iterator[Change]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
@@ -253,6 +253,8 @@ def _add_master(commands: _Commands) -> None:
     parser.add_argument(
         "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"
     )
+    parser.add_argument("--format", metavar="FORMAT", help="print a file for this master in one of its formats")
+    parser.add_argument("--device", metavar="DEVICE", help="device of the master for --format (default: the first)")
     parser.add_argument(
         "--masters",
         action="append",
@@ -399,8 +401,8 @@ def _cache(chosen: argparse.Namespace) -> Cache:
     return Cache(None if chosen.no_cache else default_folder())
 
 
-def _print_json(data: Mapping[str, Any]) -> None:
-    print(json.dumps(data, indent=2, ensure_ascii=False))
+def _print(as_json: bool, data: Callable[[], Mapping[str, Any]], text: Callable[[], str]) -> None:
+    print(json.dumps(data(), indent=2, ensure_ascii=False) if as_json else text())
 
 
 def _targets_for_help() -> str:
@@ -456,10 +458,8 @@ def _check(chosen: argparse.Namespace) -> int:
     known = None if chosen.coverage or chosen.target else before.get()
     if known is not None:
         report = before.report(known["files"])
-        if chosen.json:
-            _print_json({"version": JSON_VERSION} | as_data(report))
-        else:
-            print(as_text(known["families"], report, paths))
+        data = {"version": JSON_VERSION} | as_data(report)
+        _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths))
         return 0
     from . import check, coverage
     from .outputs import are_built_in, targets_named
@@ -468,13 +468,11 @@ def _check(chosen: argparse.Namespace) -> int:
     found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
     names = [family.device.name for family in found.families]
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
-    if chosen.json:
-        counts = coverage.as_data(covered) if chosen.coverage else {}
-        _print_json({"version": JSON_VERSION} | as_data(found.report) | counts)
-    else:
-        print(as_text(names, found.report, paths))
-        if chosen.coverage:
-            print(coverage.as_text(covered, found))
+    counts = coverage.as_data(covered) if chosen.coverage else {}
+    data = {"version": JSON_VERSION} | as_data(found.report) | counts
+    _print(chosen.json, lambda: data, lambda: as_text(names, found.report, paths))
+    if chosen.coverage and not chosen.json:
+        print(coverage.as_text(covered, found))
     if not found.report and are_built_in(targets):
         before.put({"families": names, "files": found.report.files})
     return 0 if coverage.is_complete(covered, found.report) else 1
@@ -489,10 +487,7 @@ def _list(chosen: argparse.Namespace) -> int:
     if families is None:
         families = rows(look_up.load(chosen.specs))
         before.put(families)
-    if chosen.json:
-        _print_json(as_data(families))
-    else:
-        print(as_text(families))
+    _print(chosen.json, lambda: as_data(families), lambda: as_text(families))
     return 0
 
 
@@ -505,7 +500,8 @@ def _show(chosen: argparse.Namespace) -> int:
     if chosen.json:
         from ..dump.plain import device_dump, variant_dump
 
-        _print_json(device_dump(device) if match is None else variant_dump(device, match))
+        data = device_dump(device) if match is None else variant_dump(device, match)
+        print(json.dumps(data, indent=2, ensure_ascii=False))
         return 0
     from .show import device_text, variant_text
 
@@ -516,14 +512,12 @@ def _show(chosen: argparse.Namespace) -> int:
 def _reread(chosen: argparse.Namespace) -> int:
     from .reread import run
 
-    chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
     return run(chosen)
 
 
 def _facts(chosen: argparse.Namespace) -> int:
     from .reread import run_facts
 
-    chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
     return run_facts(chosen)
 
 
@@ -554,10 +548,7 @@ def _master(chosen: argparse.Namespace) -> int:
     from .master import run
 
     code, data = run(chosen, _cache(chosen))
-    if isinstance(data, str):
-        print(data)
-    else:
-        _print_json(data)
+    print(data if isinstance(data, str) else json.dumps(data, indent=2, ensure_ascii=False))
     return code
 
 

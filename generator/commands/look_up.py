@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..say.numbers import counted, first_of
 from .terminal import Stop
 
 if TYPE_CHECKING:
@@ -67,24 +68,21 @@ def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
 
     own = list(paths) or own_specs(Path())
     if say and own and not paths:
-        print(f"codewheel: using the specs in this folder: {_listed([str(path) for path in own])}", file=sys.stderr)
+        print(
+            f"codewheel: using the specs in this folder: {first_of([str(path) for path in own], _MOST_FILES)}",
+            file=sys.stderr,
+        )
     return own
 
 
 def read_line(paths: Sequence[Path], families: Iterable[str], report: Report) -> str:
     """Return one line that names the specs that were read, so that users notice a forgotten path."""
-    from ..say.numbers import counted
 
     if not paths:
         return f"read the specs shipped with codewheel: {', '.join(families)}"
     passed_over = [file for file in report.passed_over if file not in report.files]
-    others = f"; skipped: {_listed(passed_over)}" if passed_over else ""
-    return f"read {counted(len(report.files), 'spec')}: {_listed(report.files)}{others}"
-
-
-def _listed(files: Sequence[str]) -> str:
-    more = len(files) - _MOST_FILES
-    return ", ".join(files[:_MOST_FILES]) + (f" and {more} more" if more > 0 else "")
+    others = f"; skipped: {first_of(passed_over, _MOST_FILES)}" if passed_over else ""
+    return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{others}"
 
 
 def order_code(specs: Sequence[Path], text: str, cache: Cache) -> tuple[Device, Match]:
@@ -202,16 +200,15 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
             raise problems(report) from None
         raise
     if report:
-        from ..say.numbers import counted
-
         files = list(dict.fromkeys(problem.file for problem in report.problems))
-        left_out = f"skipped, with {counted(len(report), 'problem')}: {_listed(files)}; run codewheel check"
+        left_out = (
+            f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+        )
         print(f"codewheel: {left_out}", file=sys.stderr)
 
 
 def problems(report: Report) -> Stop:
     """Print all problems to standard error, and return the ``Stop`` to raise."""
-    from ..say.numbers import counted
 
     for problem in report.problems:
         print(problem.format(), file=sys.stderr)

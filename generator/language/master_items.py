@@ -1,8 +1,9 @@
-"""Names used in master descriptions, and their meaning: the items of a master record, and data types."""
+"""Names used in master descriptions, and their meaning: the items of a master record, data types, file formats."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 #: Items that are words, with their possible values.
 WORDS: Mapping[str, tuple[str, ...]] = {
@@ -46,8 +47,8 @@ NUMBERS: Mapping[str, str] = {
 TYPES: Mapping[str, tuple[str, int | None]] = {
     **dict.fromkeys(("BOOLEAN", "BOOL", "bool"), ("boolean", 1)),
     **dict.fromkeys(("UINT8", "USINT", "Unsigned8", "uint8_t"), ("unsigned", 8)),
-    **dict.fromkeys(("UINT16", "UINT", "Unsigned16", "uint16_t"), ("unsigned", 16)),
-    **dict.fromkeys(("UINT32", "UDINT", "uint32_t"), ("unsigned", 32)),
+    **dict.fromkeys(("UINT16", "UINT", "Unsigned16", "uint16_t", "u16"), ("unsigned", 16)),
+    **dict.fromkeys(("UINT32", "UDINT", "uint32_t", "u32"), ("unsigned", 32)),
     **dict.fromkeys(("UINT64",), ("unsigned", 64)),
     **dict.fromkeys(("INT64",), ("signed", 64)),
     **dict.fromkeys(("int32_t",), ("signed", 32)),
@@ -55,4 +56,57 @@ TYPES: Mapping[str, tuple[str, int | None]] = {
     "signed_number": ("signed", None),
     "float": ("float", None),
     "text": ("text", None),
+}
+
+#: Kinds of place that a file format can write, with what a place of the kind has.
+PLACE_KINDS: Mapping[str, str] = {
+    "object": "index, subindex and a width in whole bytes",
+    "symbol": "symbol",
+    "bits": "register or address, with the bits",
+    "name": "name in the file",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FileFormat:
+    """A file that a tool loads.
+
+    Attributes:
+        title: The tool, in running text.
+        suffix: Suffix of the file, with its dot.
+        comment: Beginning of a comment line, or ``<!--`` in XML.
+        needs: Kind of place that the format can write, a key of ``PLACE_KINDS``.
+        reader: Program of the tool that was seen to read such files, or empty if none is public.
+        highest: Highest number that the reader can take, or None.
+    """
+
+    title: str
+    suffix: str
+    comment: str
+    needs: str
+    reader: str
+    highest: int | None = None
+
+
+_XML = "<!--"
+#: The file formats by name. Each has a template of the same name.
+FILE_FORMATS: Mapping[str, FileFormat] = {
+    "ethercat_driver_ros2": FileFormat(
+        "ethercat_driver_ros2, key sdo of a slave", ".yaml", "#", "object", "ec_sdo_manager.hpp", (1 << 31) - 1
+    ),
+    "linuxcnc_ethercat": FileFormat(
+        "linuxcnc-ethercat, inside a slave of type generic", ".xml", _XML, "object", "lcec_conf.c"
+    ),
+    "ecmc": FileFormat(
+        "ecmc, commands for the slave ECMC_EC_SLAVE_NUM", ".cmd", "#-", "object", "the scripts of ecmccomp"
+    ),
+    "twincat": FileFormat("TwinCAT, start-up list for ITcSmTreeItem.ConsumeXml", ".xml", _XML, "object", ""),
+    "fastcat": FileFormat("fastcat, a device of its list", ".yaml", "#", "name", "el5042.cc"),
+    "conf_set": FileFormat("the configuration tool, commands conf set", ".cfg", "#", "symbol", "aux_common.h"),
+    "hal": FileFormat("the HAL, commands loadrt and setp", ".hal", "#", "symbol", "abs_encoder.c"),
+    "xcf": FileFormat("the configuration tool, an XCF file", ".xcf", _XML, "symbol", "ingenialink"),
+    "c_struct": FileFormat("C, initializers of structures", ".h", "//", "symbol", ""),
+    "c_registers": FileFormat("C, register values and masks", ".h", "//", "bits", ""),
+    "soe_structure": FileFormat("a servo drive parameter, fields of its structure", ".csv", "#", "bits", ""),
+    "dmc": FileFormat("DMC, a command line", ".dmc", "REM", "name", ""),
 }

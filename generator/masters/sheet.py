@@ -30,7 +30,7 @@ _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as described in its file. ``limits``, ``settings``, ``writing`` and ``notes`` are checked data."""
+    """A master as described in its file. The last five members are checked data."""
 
     name: str
     title: str
@@ -42,6 +42,7 @@ class Master:
     settings: tuple[Raw, ...]
     writing: tuple[Raw, ...]
     notes: tuple[Raw, ...]
+    files: tuple[Raw, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,8 @@ class Sheet:
     """Settings of one master for one order code, empty if there are refusals.
 
     ``writing`` are the conditions for writing the settings.
-    ``speaks`` is false if the master is not described for the interface.
+    ``speaks`` is false if the master is not described for the interface. ``barred`` are devices that cannot use the
+    order code although others can.
     """
 
     master: Master
@@ -90,6 +92,12 @@ class Sheet:
     notes: tuple[str, ...]
     writing: tuple[Writing, ...] = ()
     speaks: bool = True
+    barred: frozenset[str] = frozenset()
+
+    def devices_with(self, file: Raw) -> list[str]:
+        """Return the devices of the master that a file of its description is for."""
+        names = [item.name for item in self.master.devices if item.name not in self.barred]
+        return [name for name in names if name in file.get("on", names)]
 
     def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
         """Return the conditions for this setting alone."""
@@ -152,7 +160,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 def _master(data: Raw) -> Master:
     documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
-    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes"))
+    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes", "files"))
     return Master(
         data["master"],
         data["title"],
@@ -181,13 +189,18 @@ def sheet(master: Master, record: Record) -> Sheet:
         if _applies(item, record) and not _keeps(item, record)
     ]
     settings: list[Setting] = []
+    refused: list[tuple[Refusal, set[str]]] = []
     for item in master.settings:
         if not _applies(item, record):
             continue
         try:
             settings.append(_setting(item, master, record))
         except _Refused as reason:
-            refusals.append(Refusal(f"{reason}.", item.get("standing", master.standing), item["source"]))
+            refusal = Refusal(f"{reason}.", item.get("standing", master.standing), item["source"])
+            refused.append((refusal, _devices_of(item, master)))
+    barred = frozenset[str]().union(*(devices for _, devices in refused))
+    if len(barred) == len(master.devices):
+        refusals += [refusal for refusal, _ in refused]
     if not refusals:
         wrongs = ((misfit(item.name, item.value, item.places), item) for item in settings)
         refusals = [Refusal(f"{wrong}.", item.standing, item.source) for wrong, item in wrongs if wrong]
@@ -196,7 +209,14 @@ def sheet(master: Master, record: Record) -> Sheet:
     notes = tuple(_filled(item["text"], record) for item in master.notes if _applies(item, record))
     rules = [_named(item, record) for item in master.writing if _applies(item, record)]
     writing = writing_of(rules, [item.name for item in settings], master.devices, master.standing)
-    return Sheet(master, (), tuple(settings), notes, writing)
+    unusable = (f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in refused)
+    return Sheet(master, (), tuple(settings), (*unusable, *notes), writing, barred=barred)
+
+
+def _devices_of(item: Raw, master: Master) -> set[str]:
+    """Return the devices that have a setting."""
+    names = [device.name for device in master.devices]
+    return {name for place in item["places"] for name in place.get("on", names)}
 
 
 def _named(rule: Raw, record: Record) -> Raw:

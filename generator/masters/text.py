@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
 from ..say.lines import WIDTH, pairs, wrapped
@@ -219,6 +220,9 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
         lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
         lines += _written(rule, sheet.master, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
+    if with_documents and sheet.master.files:
+        formats = listed((item["format"] for item in sheet.master.files), "or")
+        lines.append(wrapped(f"file: --format {formats}", WIDTH, "      ", "  "))
     for document in sheet.master.documents if with_documents else ():
         where = f"{document.title}, {document.url}" if document.url else document.title
         lines.append(wrapped(where, WIDTH, "      ", f"  {document.key}: "))
@@ -279,6 +283,10 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
                 "settings": [asdict(setting) for setting in item.settings],
                 "writing": [asdict(rule) for rule in item.writing],
                 "write_order": list(write_order([setting.name for setting in item.settings], item.writing)),
+                "files": [
+                    {"format": rule["format"], "devices": item.devices_with(rule)}
+                    for rule in (() if item.refusals else item.master.files)
+                ],
                 "notes": list(item.notes),
                 "documents": [asdict(document) for document in item.master.documents],
             }

@@ -325,6 +325,11 @@ class Device:
         """Independent parameters: those that an order code sets or a register holds."""
         return tuple(item for item in self.parameters if item.equals is None and not item.alternative)
 
+    @cached_property
+    def definitions(self) -> Mapping[str, Expression]:
+        """Expressions of the parameters that follow from others, by name."""
+        return {item.name: item.equals for item in self.parameters if item.equals is not None}
+
     def sample_of(self, layout: Layout) -> Sample | None:
         """Return the sample frame of a layout, or None if none could be made up."""
         return next((item for item in self.samples if item.layout == layout.name), None)

@@ -64,10 +64,9 @@ def _used(device: Device, kind: str) -> set[str]:
     expressions = list(_expressions(device, kind))
     found = {name for item in expressions for name in item.parameters}
     found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
-    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
     left = list(found)
     while left:
-        definition = definitions.get(left.pop())
+        definition = device.definitions.get(left.pop())
         new = set(definition.parameters) - found if definition is not None else set()
         found |= new
         left += new

@@ -32,6 +32,12 @@ def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expre
     return MappingProxyType(parameters)
 
 
+def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -> Mapping[str, int]:
+    """Return the parameters of a variant with some values changed, and those that follow from them."""
+    given = {name: value for name, value in variant.parameters.items() if name not in device.definitions}
+    return resolve_parameters({**given, **changed}, device.definitions)
+
+
 #: Highest number of combinations of extremes. If there are more, only pairs of parameters are combined.
 _MOST_CORNERS = 64
 
@@ -57,13 +63,11 @@ def _joint(names: Sequence[str], extremes: Mapping[str, Sequence[int]]) -> Itera
 
 def at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
     """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
-    given = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
-    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
     bounds = {
         item.name: [bound for bound in (item.min, item.max) if bound is not None] for item in device.run_time_parameters
     }
     for changed in ({}, *corners(bounds)):
-        yield resolve_parameters({**given, **changed}, definitions)
+        yield with_changed(device, variant, changed)
 
 
 def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) -> Variant:
@@ -77,7 +81,7 @@ def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) ->
     Raises:
         RegisterError: There is no parameter at an address, or a value is invalid.
     """
-    parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    parameters: dict[str, int] = {}
     used: set[int] = set()
     for item in device.run_time_parameters:
         register = device.register(item.register)
@@ -95,8 +99,7 @@ def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) ->
             or "none"
         )
         raise RegisterError(f"register 0x{unknown[0]:02X} does not change how a frame is read; those that do: {known}")
-    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
-    return replace(variant, parameters=resolve_parameters(parameters, definitions))
+    return replace(variant, parameters=with_changed(device, variant, parameters))
 
 
 def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
@@ -105,12 +108,11 @@ def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Var
     Raises:
         KeyError: There is no such alternative or answer.
     """
-    parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    parameters: dict[str, int] = {}
     known = {item.name: {answer.name: answer.sets for answer in item.answers} for item in device.alternatives}
     for name, answer in answers.items():
         parameters |= known[name][answer]
-    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
-    return replace(variant, parameters=resolve_parameters(parameters, definitions))
+    return replace(variant, parameters=with_changed(device, variant, parameters))
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
@@ -118,12 +120,11 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
     held = {item.name: item for item in device.run_time_parameters if item.register == register.name}
     if not held:
         return variant
-    parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    parameters: dict[str, int] = {}
     for name, item in held.items():
         field = register.layout.field(item.field)
         parameters[name] = number >> field.low.constant & ((1 << field.widest) - 1) or field.number.zero_means
-    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
-    return replace(variant, parameters=resolve_parameters(parameters, definitions))
+    return replace(variant, parameters=with_changed(device, variant, parameters))
 
 
 def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) -> int:

@@ -141,7 +141,7 @@ def explained(field: Field) -> Only | None:
     return next(only for _, only in _by_code(field))
 
 
-def worth_of(field: Field) -> Verdict | None:
+def verdict_of(field: Field) -> Verdict | None:
     """Return the verdict on the position while a flag is active or unused bits differ, or None without a position."""
     match field.kind:
         case Flag(makes_position=verdict) | Unused(makes_position=verdict):
@@ -164,11 +164,6 @@ def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
 
 def _unexplained(field: Field) -> Field:
     return replace(field.unexplained, name=f"{field.name}_unexplained")
-
-
-def verdict_of(field: Field) -> Verdict | None:
-    """Return the verdict while a flag is active or unused bits differ from the manual, or None."""
-    return field.kind.makes_position if isinstance(field.kind, (Flag, Unused)) else None
 
 
 def sums_up(field: Field) -> tuple[str, ...]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import partial
 from typing import Any
 
 from ..changes.pairs import paired
 from ..language.problems import Path
+from ..say.numbers import first_of
 from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .frame_bits import continues, run
 from .mistaken_names import are_settled, mistaken
@@ -65,17 +67,15 @@ class Comparison:
 def compare(spec: Facts, second: Facts) -> Comparison:
     """Compare the facts of a spec with those of its second reading."""
     made = Comparison(settled=are_settled(spec, second))
-    for pair in paired(list(spec.facts.items()), list(second.facts.items()), name=_key):
-        key, fact = pair.first
-        if pair.old is None:
-            is_free = fact.mild and not (made.settled and key[0] in _OWN)
-            if not is_free and _has_holder(fact, spec):
-                near = _near(fact, spec, second)
-                _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
-        elif pair.new is not None:
-            _compare_values(made, fact, pair.new[1])
-        elif key[0] not in _OWN:
-            made.note(fact.sort, fact.place, Read.ONCE)
+
+    def near(fact: Fact) -> Path | None:
+        is_free = fact.mild and not (made.settled and fact.key[0] in _OWN)
+        # If the subject is missing, only that is reported.
+        has_holder = not fact.under or fact.under in spec.facts
+        return _near(fact, spec, second) if has_holder and not is_free else None
+
+    for found in _compare_facts(made, spec.facts, second.facts, near):
+        _differ(made, found)
     for found in _codes_too_many(spec, second):
         _differ(made, found)
     for found in _compare_names(made, spec.names, second.names):
@@ -111,11 +111,6 @@ def _same_order(own: Fact | None, other: Fact | None) -> bool:
     return own is None or other is None or own.value == other.value
 
 
-def _has_holder(fact: Fact, spec: Facts) -> bool:
-    """Return True if the spec has the subject of the fact. Otherwise only the missing subject is reported."""
-    return not fact.under or fact.under in spec.facts
-
-
 def _near(fact: Fact, spec: Facts, second: Facts) -> Path:
     """Return the place where the spec would state the fact.
 
@@ -146,50 +141,57 @@ def _differ(made: Comparison, found: Disagreement) -> None:
         made.disagreements.append(found)
 
 
-def _alias(sort: Sort, one: str, other: str) -> bool:
-    return sort is Sort.PRINTED and same_name(one, other)
-
-
 def _everywhere(value: Value) -> Value:
     """Return the common value if all cases have the same one, otherwise all values."""
     found = {value} if isinstance(value, str) else set(value.values())
     return found.pop() if len(found) == 1 else value
 
 
-def _compare_values(made: Comparison, fact: Fact, other: Fact) -> None:
+def _compare_facts(
+    made: Comparison, own: Mapping[Key, Fact], other: Mapping[Key, Fact], near: Callable[[Fact], Path | None]
+) -> Iterator[Disagreement]:
+    """Compare facts by their keys. ``near`` returns the place of one that the spec lacks, or None if it may do so."""
+    for pair in paired(list(own.items()), list(other.items()), name=_key):
+        key, fact = pair.first
+        theirs = pair.new[1] if pair.new is not None else None
+        if pair.old is None:
+            place = near(fact) if not fact.implied else None
+            if place is not None:
+                yield Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, place)
+        elif fact.implied:
+            if theirs is not None and not theirs.implied:
+                yield Disagreement(fact.sort, fact.what, NOTHING, _shown(theirs.value), (), theirs.place, fact.place)
+        elif theirs is not None:
+            yield from _compare_values(made, fact, theirs)
+        elif key[0] not in _OWN:
+            made.note(fact.sort, fact.place, Read.ONCE)
+
+
+def _compare_values(made: Comparison, fact: Fact, other: Fact) -> Iterator[Disagreement]:
     own, theirs = _everywhere(fact.value), _everywhere(other.value)
+    places = fact.place, other.place, ()
     if isinstance(own, str) or isinstance(theirs, str):
-        if own == theirs or _alias(fact.sort, _shown(own), _shown(theirs)):
+        values = _shown(own), _shown(theirs)
+        if own == theirs or (fact.sort is Sort.PRINTED and same_name(*values)):
             made.note(fact.sort, fact.place, Read.TWICE)
         else:
-            values = _shown(own), _shown(theirs)
-            _differ(made, Disagreement(fact.sort, fact.what, *values, fact.place, other.place, ()))
+            yield Disagreement(fact.sort, fact.what, *values, *places)
         return
     common = [case for case in own if case in theirs]
     missing = [case for case in own if case not in theirs and not (case[1] and own[case] == own.get((case[0], "")))]
     wrong = [case for case in common if own[case] != theirs[case]]
     if wrong:
-        said = Disagreement(
-            fact.sort,
-            fact.what + _with(wrong),
-            own[wrong[0]],
-            theirs[wrong[0]],
-            fact.place,
-            other.place,
-            (),
-            len(wrong),
-        )
-        _differ(made, said)
+        values = own[wrong[0]], theirs[wrong[0]]
+        yield Disagreement(fact.sort, fact.what + _with(wrong), *values, *places, len(wrong))
     made.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
 
 
 def _with(cases: list[Case]) -> str:
     """Return the text on the order codes and the state of the registers."""
-    code, state = cases[0]
+    state = cases[0][1]
     held = f" while {state}" if state else ""
-    codes = len({code for code, _ in cases})
-    more = f" and {codes - 1} more" if codes > 1 else ""
-    return f", for {code}{more}{held}"
+    codes = dict.fromkeys(code for code, _ in cases)
+    return f", for {first_of([*codes], 1)}{held}"
 
 
 #: Identity of a disagreement across cases: places, class, and its index among those with the same ones.
@@ -245,8 +247,12 @@ def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterat
             made.note(Sort.POSITION, one.place, Read.TWICE)
     for span, properties in own.fields.items():
         near = next((fact.place for fact in properties.values()), word.place)
-        yield from _compare_properties(made, properties, other.fields.get(span, {}), near)
+        yield from _compare_facts(made, properties, other.fields.get(span, {}), partial(_if_not_mild, near))
     yield from _compare_names(made, own.names, other.names)
+
+
+def _if_not_mild(near: Path, fact: Fact) -> Path | None:
+    return None if fact.mild else near
 
 
 def _alike(one: Bit, other: Bit) -> bool:
@@ -271,25 +277,3 @@ def _runs(own: tuple[Bit, ...], other: tuple[Bit, ...]) -> Iterator[tuple[int, i
             high = index
     if high is not None:
         yield high, 0
-
-
-def _compare_properties(
-    made: Comparison, own: Mapping[Key, Fact], other: Mapping[Key, Fact], near: Path
-) -> Iterator[Disagreement]:
-    """Compare the properties of a field. ``near`` is the place for those that only the second reading has."""
-    for pair in paired(list(own.items()), list(other.items()), name=_key):
-        _, fact = pair.first
-        theirs = pair.new[1] if pair.new is not None else None
-        value = _shown(fact.value)
-        if pair.old is None:
-            if not fact.mild and not fact.implied:
-                yield Disagreement(fact.sort, fact.what, NOTHING, value, (), fact.place, near)
-        elif fact.implied:
-            if theirs is not None and not theirs.implied:
-                yield Disagreement(fact.sort, fact.what, NOTHING, _shown(theirs.value), (), theirs.place, fact.place)
-        elif theirs is None:
-            made.note(fact.sort, fact.place, Read.ONCE)
-        elif value == _shown(theirs.value) or _alias(fact.sort, value, _shown(theirs.value)):
-            made.note(fact.sort, fact.place, Read.TWICE)
-        else:
-            yield Disagreement(fact.sort, fact.what, value, _shown(theirs.value), fact.place, theirs.place, ())

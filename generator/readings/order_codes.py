@@ -28,7 +28,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
             facts.add(_measured(reading, interface, measurement))
     movement = reading.device.movement
     facts.add(iter((Fact(Sort.MEASUREMENT, ("movement",), movement, "movement", ("movement",)),)))
-    facts.follows(Sort.LIMIT, len(reading.definitions))
+    facts.follows(Sort.LIMIT, len(reading.device.definitions))
 
 
 def _codes(reading: Reading) -> Iterator[Fact]:

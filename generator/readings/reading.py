@@ -10,7 +10,7 @@ from ..language.document import Document
 from ..language.problems import Path
 from ..model import INTERFACES, Device, Field, Layout, Parameter, Register
 from ..model.expressions import Expression
-from ..order_codes.run_time import resolve_parameters
+from ..order_codes.run_time import with_changed
 from .fact import Case, Key
 
 Parameters = Mapping[str, int]
@@ -44,14 +44,12 @@ class Reading:
 
     def _found(self, interface: str) -> Iterator[tuple[Case, Parameters]]:
         changes = list(self._changes(interface))
-        definitions = self.definitions
         for variant in self.device.variants:
             if variant.interface != interface:
                 continue
             yield (variant.code, ""), variant.parameters
-            given = {name: value for name, value in variant.parameters.items() if name not in definitions}
             for state, changed in changes:
-                yield (variant.code, state), resolve_parameters({**given, **changed}, definitions)
+                yield (variant.code, state), with_changed(self.device, variant, changed)
 
     def _changes(self, interface: str) -> Iterator[tuple[str, Parameters]]:
         for item in self.device.run_time_parameters:
@@ -61,11 +59,6 @@ class Reading:
         for number, alternative in enumerate(self.device.alternatives, 1):
             for index, answer in enumerate(alternative.answers[1:], 2):
                 yield f"answer {index} of alternative {number}", answer.sets
-
-    @cached_property
-    def definitions(self) -> Mapping[str, Expression]:
-        """Expressions of the parameters that are derived from others."""
-        return {item.name: item.equals for item in self.device.parameters if item.equals is not None}
 
     def sources_of(self, layout: Layout) -> tuple[str, ...]:
         """Return the parameters that determine places, contents and code of the fields of a layout."""

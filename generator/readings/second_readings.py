@@ -93,12 +93,8 @@ def compare_readings(
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Count the disagreements explained by errata of the spec, and report the others."""
-    _report(Errata(spec), outcome, spec, second, report)
-
-
-def _report(errata: Errata, outcome: Comparison, spec: Document, second: Document, report: Report) -> None:
-    """Report both locations of each disagreement that no erratum explains."""
+    """Count the disagreements explained by errata of the spec, and report both locations of each of the others."""
+    errata = Errata(spec)
     for item in outcome.disagreements:
         if errata.explain(item):
             outcome.read[item.sort, item.place or ("second", *item.second)] = Read.EXPLAINED

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 
 def number(value: int) -> str:
     """Return a number in groups of three digits."""
@@ -17,3 +19,9 @@ def with_unit(value: int | str, unit: str) -> str:
     """Return a value with a unit that specs give in the plural: ``1 revolution``, ``8 revolutions``, ``50 µm``."""
     is_word = len(unit) > 3  # unlike ms, µs and ns
     return f"{value} {unit.removesuffix('s') if is_word and str(value) == '1' else unit}".rstrip()
+
+
+def first_of(items: Sequence[str], most: int = 3, between: str = ", ") -> str:
+    """Join the first items, and count the others: ``a, b, c and 5 more``."""
+    more = len(items) - most
+    return between.join(items[:most]) + (f" and {more} more" if more > 0 else "")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
 #: request.
-BUILT_IN = ("python", "c", "biss", "docs", "browser")
+BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 GROUP = "codewheel.targets"
 _Given = TypeVar("_Given")
 

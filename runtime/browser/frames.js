@@ -9,19 +9,21 @@ function placed(family, layout, parameters) {
   const fields = (layout.fields ?? []).map((place) => explained(family.shared[place]))
     .map((field) => ({ field, name: field.name, low: at(field.low), width: at(field.width) }))
     .filter((item) => item.width > 0);
-  const gray = layout.gray && parameters[layout.gray[2]] ? layout.gray : null;
+  const gray = layout.gray && parameters[layout.gray.when] ? layout.gray : null;
+  const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
   return {
     family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
-    gray: gray && { low: at(gray[0]), width: at(gray[1]) },
-    joins: (layout.joins ?? []).map(([name, parts]) => ({
-      name, parts: parts.map(([part, low]) => ({ item: fields.find((one) => one.name === part), low: at(low) })),
+    gray: gray && { low: at(gray.low), width: at(gray.width) },
+    joins: (layout.joins ?? []).map((join) => ({
+      name: join.name,
+      parts: join.fields.map(([part, low]) => ({ item: fields.find((one) => one.name === part), low: at(low) })),
     })),
     checks: (layout.checks ?? []).map((place) => family.shared[place])
-      .map((check) => ({ check, low: at(check.at[0]), width: at(check.at[1]),
-        of: check.of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
+      .map((check) => ({ check, low: at(check.low), width: at(check.width),
+        of: check.parity_of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
       .filter((item) => item.width > 0),
-    tells: (layout.tells ?? []).map((place) => family.shared[place])
-      .filter((item) => (!item.only || parameters[item.only]) && (!item.others || !parameters[item.others])),
+    tells: (layout.tells ?? []).map((place) => family.shared[place]).filter((item) => holds(item.only)),
+    speaks: (layout.speaks ?? []).filter((item) => holds(item.only)),
   };
 }
 
@@ -57,7 +59,7 @@ function otherLength(at, needed, count) {
 /** A frame or register of bytes. */
 function decodeBytes(at, bytes) {
   if (8 * bytes.length !== at.bits) return otherLength(at, counted(at.bits / 8, "byte"), bytes.length);
-  return decode(at, numberOf(at.layout.bytes, bytes));
+  return decode(at, numberOf(at.layout.order, bytes));
 }
 
 function fromGray(at, number) {
@@ -102,11 +104,14 @@ function meantBy(field, raw, width) {
     case "signed":
       return { value: BigInt.asIntN(width, raw) };
     case "text": {
-      const codes = bytesOf(2, raw, width / 8);
+      const codes = bytesOf("big", raw, width / 8);
       return { value: String.fromCharCode(...codes) };
     }
+    case "digits":
+    case undefined:
+      return { value: raw || big(field.zero_means) };
     default:
-      return { value: raw || big(field.zero) };
+      throw new TypeError(`unknown kind ${field.kind}`);
   }
 }
 
@@ -132,8 +137,8 @@ function crcOf(at, number) {
 /** The CRC with these parameters over the bits before the CRC of a frame. */
 function computedBy(crc, at, number) {
   const { width } = crcField(at);
-  if (!at.layout.bytes) return crcOfBits(crc, number >> BigInt(width), at.bits - width);
-  return crcOfBytes(crc, bytesOf(at.layout.bytes, number, at.bits / 8).slice(0, -width / 8));
+  if (!at.layout.order) return crcOfBits(crc, number >> BigInt(width), at.bits - width);
+  return crcOfBytes(crc, bytesOf(at.layout.order, number, at.bits / 8).slice(0, -width / 8));
 }
 
 function problemOf(item, number, plain) {
@@ -158,12 +163,11 @@ function tell(found) {
   const { at, number } = found;
   const active = new Set(at.fields.filter((item) => speaks(item, bits(number, item.low, item.width)))
     .map((item) => item.name));
-  found.reports = at.tells.filter((item) => active.has(item.field));
+  found.reports = at.tells.filter((item) => active.has(item.flag));
   if (at.layout.otherwise) {
-    const holds = (only, is) => !only || Boolean(at.parameters[only]) === Boolean(is);
-    const worst = (at.layout.speaks ?? []).find(([, by, unless, only, is]) =>
-      active.has(by) && !(unless ?? []).some((name) => active.has(name)) && holds(only, is));
-    found.verdict = worst ? worst[0] : at.layout.otherwise;
+    const worst = at.speaks.find(({ flag, unless = [] }) =>
+      active.has(flag) && !unless.some((name) => active.has(name)));
+    found.verdict = worst ? worst.verdict : at.layout.otherwise;
   }
   found.differences = [...at.fields.flatMap((item) => differenceOf(found, item)), ...strangeIn(found)];
 }
@@ -220,11 +224,11 @@ function rawOf(item, values) {
   const given = values[field.name];
   if (field.kind === "flag" || field.kind === "not_flag") return BigInt(given === (field.kind === "flag"));
   if (field.kind === "text") return rawOfText(item, given);
-  const raw = field.zero && given === big(field.zero) ? 0n : BigInt.asUintN(width, given);
-  if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : "" }, raw, width).value !== given) {
+  const raw = field.zero_means && given === big(field.zero_means) ? 0n : BigInt.asUintN(width, given);
+  if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== given) {
     throw new Refusal(said("too_wide", field.name, given, width));
   }
-  if (field.power && given & (given - ONE)) throw new Refusal(said("no_power_of_two", field.name, given));
+  if (field.power_of_two && given & (given - ONE)) throw new Refusal(said("no_power_of_two", field.name, given));
   return raw;
 }
 
@@ -233,7 +237,7 @@ function rawOfText({ field, width }, given) {
   if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
     throw new Refusal(said("too_wide", field.name, `"${given}"`, width));
   }
-  return numberOf(2, codes);
+  return numberOf("big", codes);
 }
 
 /** Rejects a number outside the limits of its register. */
@@ -252,7 +256,7 @@ function refuseOutside(at, number, limits) {
 function bytesFor(at, values, limits) {
   const number = encode(at, values);
   refuseOutside(at, number, limits);
-  return shownBytes(bytesOf(at.layout.bytes, number, at.layout.length));
+  return shownBytes(bytesOf(at.layout.order, number, at.layout.length));
 }
 
 const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");

@@ -17,7 +17,7 @@ const badge = (text, kind) => element("span", { class: `${CLASS}-badge ${CLASS}-
 function remarkOf({ found, error }) {
   if (error) return error;
   const problems = found.problems.map((item) => item.message);
-  return [...problems, ...found.reports.map((item) => item.meaning || item.field), ...found.differences].join(". ");
+  return [...problems, ...found.reports.map((item) => item.meaning || item.flag), ...found.differences].join(". ");
 }
 
 /** The field that the position is read from, or the first number of a frame. */

@@ -72,18 +72,18 @@ function crcOfBits(crc, number, count) {
 
 function crcOfBytes(crc, bytes) {
   const turned = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
-  return crcOfBits(crc, numberOf(2, turned), 8 * bytes.length);
+  return crcOfBits(crc, numberOf("big", turned), 8 * bytes.length);
 }
 
-/** The number that bytes form: ``order`` 1 is low byte first, 2 is high byte first. */
+/** The number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
 function numberOf(order, bytes) {
-  const highFirst = order === 1 ? [...bytes].reverse() : bytes;
+  const highFirst = order === "little" ? [...bytes].reverse() : bytes;
   return highFirst.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n);
 }
 
 function bytesOf(order, number, count) {
   const lowFirst = Array.from({ length: count }, (_, place) => Number(bits(number, 8 * place, 8)));
-  return order === 1 ? lowFirst : lowFirst.reverse();
+  return order === "little" ? lowFirst : lowFirst.reverse();
 }
 
 /** The parity of the bits of a number at these places. */

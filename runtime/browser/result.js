@@ -21,7 +21,7 @@ const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 function placeOf(at, { high, low }) {
   if (high < 0) return "";
   const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
-  if (!at.layout.bytes) return range(high, low);
+  if (!at.layout.order) return range(high, low);
   const ends = [byteOf(at, low), byteOf(at, high)].sort((one, other) => one - other);
   const isWhole = low % 8 === 0 && high % 8 === 7;
   if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
@@ -44,7 +44,7 @@ function fieldTable(found) {
       element("td", {}, `${shownValue(item.value)}${unit}`, raw));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
-  const size = found.at.layout.bytes ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
+  const size = found.at.layout.order ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
   return element("table", {},
     element("caption", {}, `${found.at.layout.title}, ${size}`),
     element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
@@ -75,7 +75,7 @@ function crcLine({ crc, received, computed }) {
 function reportsOf(found) {
   if (!found.reports.length) return [];
   const items = found.reports.map((item) => [
-    element("strong", {}, item.field), `: ${sentence(item.meaning)}`,
+    element("strong", {}, item.flag), `: ${sentence(item.meaning)}`,
     item.remedy ? ` ${sentence(item.remedy)}` : "", item.source ? part("span", "source", ` [${item.source}]`) : "",
   ]);
   return [element("p", {}, "The encoder reports:"), list(items)];
@@ -117,8 +117,8 @@ function whyOf(found, command) {
   return [...noise, ...told, ...more];
 }
 
-const byteOf = (at, bit) => (at.layout.bytes === 1 ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
-const bitName = (at, bit) => (at.layout.bytes ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
+const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
+const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
 
 const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
 
@@ -142,7 +142,7 @@ function guessesOf(groups, pick) {
   const withCrc = groups.filter((group) => group.decoded.crc);
   const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
     const { at } = group.decoded;
-    const size = at.layout.bytes ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
+    const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
     const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
     const codes = group.codes.map((code) => {
       const button = element("button", { type: "button" }, code);

@@ -89,7 +89,7 @@ function decodeFrame(found, sender, text, held, answers) {
     throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
   }
   const trimmed = checked(text);
-  if (!layouts[0].bytes) {
+  if (!layouts[0].order) {
     const at = placedFor(found, layouts[0], held, answers);
     return decodeBits(at, numberIn(trimmed, at.bits));
   }

@@ -28,7 +28,7 @@
     if (!item.layout) return wheel.decodeFrame(found, item.sender, text);
     const layout = found.interface.frames.find((one) => one.name === item.layout);
     const at = wheel.placedFor(found, layout);
-    return layout.bytes ? wheel.decodeBytes(at, wheel.bytesIn(text)) : wheel.decodeBits(at, wheel.numberIn(text, at.bits));
+    return layout.order ? wheel.decodeBytes(at, wheel.bytesIn(text)) : wheel.decodeBits(at, wheel.numberIn(text, at.bits));
   }
 
   function textOf(decoded_) {
@@ -38,7 +38,7 @@
       ...decoded_.problems.map((one) => row("problem", one.fault, one.field, one.message)),
       ...decoded_.fields.map((one) => row(one.name, one.raw, one.value, one.unit, one.meaning, one.high, one.low)),
       decoded_.crc ? row("crc", decoded_.crc.received, decoded_.crc.computed) : "no crc",
-      ...decoded_.reports.map((one) => row("report", one.field, one.meaning, one.remedy ?? "", one.source ?? "")),
+      ...decoded_.reports.map((one) => row("report", one.flag, one.meaning, one.remedy ?? "", one.source ?? "")),
       row("verdict", decoded_.verdict ?? ""),
       ...decoded_.differences.map((one) => row("difference", one)),
     ].join("\n");
@@ -73,7 +73,7 @@
       layout: found.at ? found.at.name : "",
       faults: found.problems.map((one) => one.fault),
       fields: Object.fromEntries(found.fields.map((one) => [one.name, `${one.value}`])),
-      reports: found.reports.map((one) => one.field),
+      reports: found.reports.map((one) => one.flag),
       verdict: found.verdict,
     };
   }

@@ -14,8 +14,13 @@ from jinja2 import FileSystemBytecodeCache
 
 ROOT = Path(__file__).resolve().parents[2]
 INDEX = "docs/index.md.jinja"
-#: Specs for templates that are used for RS-485 encoders only.
-SPEC_OF = {"poller.c.jinja": str(ROOT / "specs" / "lika" / "sma21.yaml")}
+#: Specs for templates that are used for RS-485 or BiSS encoders only.
+SPEC_OF = {"poller.c.jinja": str(ROOT / "specs" / "lika" / "sma21.yaml")} | dict.fromkeys(
+    ("conf_set.jinja", "xcf.jinja", "c_struct.jinja", "c_registers.jinja", "soe_structure.jinja", "dmc.jinja"),
+    str(ROOT / "specs" / "lika" / "amm5.yaml"),
+)
+#: Files for one order code, because bulk files contain the result of a template several times.
+OPTIONS = {"masters": ("--option", "masters.order-codes=each")}
 
 
 @pytest.fixture
@@ -156,11 +161,12 @@ def test_every_rendered_template_can_be_overridden(
     maker = place / "manufacturer.yaml"
     maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
     spec = SPEC_OF.get(template, "demo.yaml")
-    assert main(["generate", spec, "--target", target]) == 0
+    options = ("--target", target, *OPTIONS.get(target, ()))
+    assert main(["generate", spec, *options]) == 0
     before = {path: path.read_text() for path in (place / "generated").rglob("*") if path.is_file()}
     mine = '{% include "shipped/' + template + '" %}\nmine\n'
     (place / "t" / target / template).write_text(mine)
-    assert generate(capsys, "--target", target, spec=spec) == (0, "")
+    assert generate(capsys, *options, spec=spec) == (0, "")
     changed = {path for path, text in before.items() if path.read_text() != text}
     assert changed
     for path in changed:

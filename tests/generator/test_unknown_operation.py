@@ -34,7 +34,7 @@ OUTPUTS = {
     "rust": ("codewheel_rust", "codewheel_rust"),
     "biss": ("codewheel.targets.biss", "codewheel.targets.biss.files"),
     "python": ("codewheel.targets.python", "codewheel.targets.python.files"),
-    "browser": ("codewheel.targets.browser", "codewheel.targets.browser.files"),
+    "browser": ("codewheel.plan.description", "codewheel.targets.browser.files"),
 }
 Place = tuple[str, str]
 #: Functions that ask for one operation, by module and name: for texts, named values or signed numbers. They take all
@@ -98,7 +98,7 @@ def patched(monkeypatch: pytest.MonkeyPatch, output: str, meant: Callable[[Field
             assert frame.f_back is not None
             frame = frame.f_back
         module = str(frame.f_globals["__name__"])
-        if not module.startswith(f"{package}."):
+        if not f"{module}.".startswith(f"{package}."):
             return TRUE(field)
         return meant(field, (module.removeprefix(f"{package}."), frame.f_code.co_name))
 

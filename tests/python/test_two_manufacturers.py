@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import importlib.metadata
 import os
 import re
@@ -89,7 +90,12 @@ def test_the_example(both: Path) -> None:
 
 @pytest.mark.slow
 def test_the_readme_of_the_runtime(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
-    (program,) = re.findall(r"```python\n(.*?)```", (RUNTIME / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    program, *examples = re.findall(
+        r"```python\n(.*?)```", (RUNTIME / "README.md").read_text(encoding="utf-8"), re.DOTALL
+    )
+    test = doctest.DocTestParser().get_doctest("\n".join(examples), {}, "README.md", None, 0)
+    assert len(test.examples) > 4
+    assert doctest.DocTestRunner().run(test).failed == 0
     names: dict[str, Any] = {}
     exec(program, names)
     encoder = generated_python[1].lookup("AMM5A21/65KSC1")

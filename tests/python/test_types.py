@@ -160,12 +160,15 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
 def examples() -> dict[str, str]:
     """The Python of each README of this repository that uses the package; every block is a program of its own."""
     found = {}
-    for path in [ROOT / "README.md", ROOT / "generated" / "python" / "README.md"]:
+    for folder in (ROOT, ROOT / "generated" / "python", ROOT / "runtime" / "python"):
+        path = folder / "README.md"
         blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
         for number, block in enumerate(blocks):
             lines = [line[4:] for line in block.splitlines() if line.startswith((">>> ", "... "))]
             text = "\n".join(lines)
-            found[f"{path.parent.name}_{number}"] = text if "import" in text else f"{_imports(blocks[0])}\n{text}"
+            found[f"{folder.parent.name}_{folder.name}_{number}"] = (
+                text if "import" in text else f"{_imports(blocks[0])}\n{text}"
+            )
     return found
 
 

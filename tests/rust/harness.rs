@@ -11,6 +11,7 @@ trait Frame: Sized {
     fn sent(&self, variant: &Variant) -> Result<String, Fault>;
     fn shown(&self, variant: &Variant) -> String;
     fn of(words: &mut Words) -> Self;
+    fn placed(variant: &Variant) -> Result<String, Fault>;
 }
 
 fn number(words: &mut Words) -> i128 {
@@ -71,6 +72,10 @@ fn answer(variant: &mut Variant, words: &mut Words) -> String {
         },
         "s" => match words.next().unwrap() {
 @dispatch@
+            _ => panic!(),
+        },
+        "p" => match words.next().unwrap() {
+@placed@
             _ => panic!(),
         },
         "h" => match words.next().unwrap() {

@@ -126,6 +126,7 @@ class Program:
             "types": "".join(map(_implementation, self.structs)),
             "decode": _arms(f"decoded::<{_type(item)}>(variant, words)" for item in self.structs),
             "encode": _arms(f"encoded::<{_type(item)}>(variant, words)" for item in self.structs),
+            "placed": _arms(f"told(<{_type(item)} as Frame>::placed(variant))" for item in self.structs),
             "dispatch": _arms(_TELL.format(type=name, arms=_told(name, layouts)) for name, layouts in self.senders()),
             "held": _arms(_TAKE.format(name=item.register.name) for item in family.held),
             "crcs": _arms(f'format!("{{:X}}", {crc_name(item)}({_crc_arguments(item)}))' for item in family.crcs),
@@ -238,6 +239,10 @@ impl Frame for @type@ {
     }
     fn of(words: &mut Words) -> Self {
         Self { @given@ }
+    }
+    fn placed(variant: &Variant) -> Result<String, Fault> {
+        let shown = |one: &(&str, u32, u32)| format!("{} {} {}", one.0, one.1, one.2);
+        Ok(Self::fields(variant)?.iter().filter(|one| one.2 > 0).map(shown).collect::<Vec<_>>().join(","))
     }
 }
 """

@@ -31,6 +31,16 @@ def test_frames_and_registers(program: Program) -> None:
     assert "crc" in kinds or not any(struct.crc for struct in program.structs)
 
 
+def test_places_of_fields(program: Program) -> None:
+    """Fields that an order code does not have are left out."""
+    pairs = []
+    for index, _ in enumerate(program.structs):
+        for case in cases(program, index):
+            placed = ",".join(f"{item.name} {item.low} {item.width}" for item in case.placed.fields)
+            pairs += [(case.set, ""), (f"p {index}", placed)]
+    check(program, pairs)
+
+
 def test_what_does_not_fit_is_refused(program: Program) -> None:
     """Each member in turn at the ends of its type and at random, the others sound."""
     random_ = random.Random("refused")

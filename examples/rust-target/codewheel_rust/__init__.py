@@ -8,6 +8,7 @@ from typing import Annotated, TypedDict
 
 from codewheel.model import Device, Manufacturer, assert_never
 from codewheel.plan.codec import Check, Fixed, Given, ParityOf, Turned, characters
+from codewheel.plan.description import describe
 from codewheel.plan.refusals import Refusal, refusals
 from codewheel.render import Templates, tests_for
 from codewheel.say.crc import crc
@@ -56,7 +57,7 @@ TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
     filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
-    functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, refusals)},
+    functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, describe, refusals)},
     tests=tests_for(Check, Refusal, Fixed, Given, ParityOf, Turned),
 )
 TARGET = Target(

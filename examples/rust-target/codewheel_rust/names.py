@@ -18,7 +18,7 @@ KEYWORDS = frozenset(
 #: Names that every module declares or relies on.
 OF_MODULE = tuple("Crc Err Fault Interface None Ok Option OrderCode Result Some Variant".split())
 #: Names that every type of a frame or register has.
-OF_STRUCT = ("bits", "decode", "encode")
+OF_STRUCT = ("bits", "decode", "encode", "fields")
 
 
 def snake(name: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from ...model.expressions import Expression, ExpressionError
 from ...say.words import counted
-from ..master_items import NUMBERS, WORDS
+from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, listed, quoted, suggestion
 
 Raw = Mapping[str, Any]
@@ -20,7 +20,7 @@ _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _WRITING = ("needs", "after", "then", "takes_effect")
 _PLACES = ("index", "symbol", "register", "address", "where")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
-_BITS = re.compile(r"[0-9]{1,2}(:[0-9]{1,2})?")
+_BITS = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
@@ -40,6 +40,12 @@ def check_master(data: Raw, report: DocumentReport) -> None:
     for index, setting in enumerate(data.get("settings", ())):
         _setting(setting, _written(index, report), ("settings", index), report)
     _writing(data, report)
+    formats: set[str] = set()
+    for index, file in enumerate(data.get("files", ())):
+        if file["format"] in formats:
+            report.add("duplicate-name", ("files", index, "format"), f"{quoted(file['format'])} is listed twice")
+        formats.add(file["format"])
+        _file(file, ("files", index), data, report)
 
 
 def _written(index: int, report: DocumentReport) -> Raw:
@@ -181,6 +187,26 @@ def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     symbols = place.get("symbol", [])
     for text in symbols if isinstance(symbols, list) else [symbols]:
         _braces(text, _ITEMS, (*path, "symbol"), report)
+
+
+def _file(file: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+    """Check that a file names existing devices and settings, and has the names that its format needs."""
+    devices = [item["name"] for item in data.get("devices", ())] or [data.get("title", "")]
+    for index, name in enumerate(file.get("on", ())):
+        if name not in devices:
+            wrong = f"there is no device {quoted(name)}{suggestion(name, devices)}"
+            report.add("undefined-reference", (*path, "on", index), wrong)
+    names = tuple(dict.fromkeys(item["name"] for item in data.get("settings", ())))
+    for key in ("names", "words"):
+        for name in file.get(key, ()):
+            if name not in names:
+                wrong = f"there is no setting {quoted(name)}{suggestion(name, names)}"
+                report.add("undefined-reference", (*path, key, name), wrong, at_key=True)
+    needs_names = FILE_FORMATS[file["format"]].needs == "name"
+    if needs_names != ("names" in file):
+        wrong = "needs 'names'" if needs_names else "has no names of its own; remove 'names'"
+        report.add("setting-shape", path, f"the format {quoted(file['format'])} {wrong}")
+    _braces(file.get("line", ""), tuple(file.get("names", {}).values()), (*path, "line"), report)
 
 
 def _writing(data: Raw, report: DocumentReport) -> None:

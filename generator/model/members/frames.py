@@ -178,7 +178,7 @@ FRAMES = (
         Member("default", "integer?", "Factory default.", "field-default", form="hex"),
         MEANING,
         NOTE,
-        Member("equals", "expression?", "Number expected on this device."),
+        Member("equals", "expression?", "Number expected on this device.", "field-expected", "documented value"),
         Member("equals_text", "string", "Text expected on this device."),
         Member("constant", "integer?", "Fixed value of the bits.", "field-constant", "bits", of="value"),
         Member(

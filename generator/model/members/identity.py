@@ -135,6 +135,7 @@ IDENTITY = (
         NAME,
         Member("meaning", "text", "Question to the user.", "words"),
         Member("answers", "[answer]", "Possible answers."),
+        identity="answers",
     ),
     Part(
         "answer",
@@ -142,6 +143,7 @@ IDENTITY = (
         NAME,
         MEANING,
         Member("sets", "{integer}", "Parameters that the answer sets.", "answer-sets", refers_to="parameters"),
+        identity="sets",
     ),
     Part(
         "order_code_grammar",
@@ -199,6 +201,7 @@ IDENTITY = (
             "label",
             "where",
         ),
+        identity="values",
     ),
     Part(
         "code_value",
@@ -213,6 +216,7 @@ IDENTITY = (
             "supply?",
             "Supply voltage of encoders with this value. null if the value does not determine it.",
         ),
+        identity="text",
     ),
     Part(
         "order_code",

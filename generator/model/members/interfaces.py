@@ -61,6 +61,7 @@ INTERFACES = (
             refers_to="crc",
         ),
         MEANING,
+        identity="bits crc values",
     ),
     Part(
         "port",

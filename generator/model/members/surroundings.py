@@ -30,6 +30,7 @@ SURROUNDINGS = (
         Member("contact", "string", "Pin number or wire colour."),
         Member("signal", "string", "Function as printed.", "contact"),
         Member("only", "string", "Order codes that have the contact.", "contact", "order codes", read="pin"),
+        identity="contact signal",
     ),
     Part(
         "connector",
@@ -41,6 +42,7 @@ SURROUNDINGS = (
         Member("mating", "text", "Mating connector.", "words"),
         Member("contacts", "[contact]", "Contacts of the connector, or wires of the cable."),
         NOTE,
+        identity="contacts",
     ),
     Part(
         "led_state",

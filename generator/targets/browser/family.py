@@ -28,7 +28,7 @@ def family(device: Device) -> Data:
         special_codes=device.order_code.special,
         about=[BY_NAME.sentence(item) for item in origin(device)],
         given=given,
-        derived=[[item.name, expression(item.equals)] for item in device.parameters if item.equals is not None],
+        derived=[[name, expression(item)] for name, item in device.definitions.items()],
         held=[_held(device, item) for held in held_parameters(device) for item in held.parameters],
         alternatives=[_alternative(item) for item in device.alternatives],
         crcs={item.name: _crc(device, item) for item in device.crcs},

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
+from enum import Enum
 from typing import Any
 
 from ...model.expressions import Expression, Term
@@ -38,6 +40,23 @@ def _term(item: Term) -> list[int | str]:
 def bound(item: Expression | None) -> Any:
     """Return a limit, or None if there is none."""
     return None if item is None else expression(item)
+
+
+def described(value: Any) -> Any:
+    """Return any part of the plan's description, without members that have their default or are 0, empty or False."""
+    match value:
+        case Expression():
+            return expression(value)
+        case Enum():
+            return value.value
+        case bool() | int():
+            return number(int(value))
+        case tuple():
+            return [described(item) for item in value]
+        case None | str():
+            return value
+    members = ((item, getattr(value, item.name)) for item in fields(value) if item.compare)
+    return kept(**{item.name: described(member) for item, member in members if member != item.default})
 
 
 def script_json(value: object, indent: int | None = None) -> str:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
 from math import prod
 from typing import Annotated, Any, TypedDict
 
+from ...masters.groups import Group, groups_of, records_of
 from ...masters.places import Device as MasterDevice
 from ...masters.places import Place, place_words
-from ...masters.record import NoRecord, Record, Undecided, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
 from ...masters.text import bound, cited, condition, conditions, facts, legend, mark
-from ...model import Device, Interface, Variant, choices
+from ...model import Device, Interface
 from ...say.markdown import code, joined, text
 from .fact_tables import document_rows
 from .order_code_patterns import order_codes
@@ -23,15 +21,6 @@ Row = tuple[str, ...]
 Table = dict[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Group:
-    """Order codes that have the same settings in every master."""
-
-    device: Device
-    codes: tuple[str, ...]
-    record: Record
-
-
 #: Groups with their rows, which are keyed by setting.
 Columns = Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]
 #: Settings of one master for each group.
@@ -39,7 +28,7 @@ Told = Sequence[tuple[Group, Sheet]]
 
 
 def has_masters(device: Device) -> bool:
-    return any(True for item in device.interfaces for _ in _records(device, item))
+    return any(True for item in device.interfaces for _ in records_of(device, item))
 
 
 class MastersPage(TypedDict):
@@ -52,7 +41,7 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
     parts = [
         (item, groups, [(master, [(group, sheet(master, group.record)) for group in groups]) for master in masters])
         for item in device.interfaces
-        if (groups := _groups(device, item))
+        if (groups := groups_of(device, item))
     ]
     sheets = [found for _, _, told in parts for _, rows in told for _, found in rows]
     return {
@@ -60,31 +49,6 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
         "legend": text(legend(masters, sheets, with_places=True)),
         "interfaces": [_interface(device, *part) for part in parts],
     }
-
-
-def _groups(device: Device, interface: Interface) -> list[Group]:
-    found: dict[str, list[Record]] = {}
-    for item in _records(device, interface):
-        found.setdefault(repr(replace(item, code="")), []).append(item)
-    return [Group(device, tuple(item.code for item in alike), alike[0]) for alike in found.values()]
-
-
-def _records(device: Device, interface: Interface) -> Iterator[Record]:
-    for variant in device.variants:
-        if variant.interface == interface.name:
-            with suppress(NoRecord):
-                yield from _by_answers(device, variant)
-
-
-def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
-    """Yield the record of an order code, once for each choice on which its frame depends."""
-    try:
-        yield record(device, variant)
-    except Undecided as error:
-        deciding = device.alternatives_of(error.layout)
-        for answers, _ in choices(deciding):
-            named = {item.name: answer.name for item, answer in zip(deciding, answers, strict=True)}
-            yield record(device, variant, answers=named)
 
 
 def _interface(

@@ -23,7 +23,7 @@ from ...model import (
 )
 from ...plan.codec import Codec, codec_of, constant_values
 from ...plan.refusals import powers_of_two
-from ...plan.reports import reports_of, worth_of
+from ...plan.reports import reports_of, verdict_of
 from ...plan.values import is_number, meaning_of
 from ...say.lines import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
@@ -106,7 +106,7 @@ def reports(device: Device) -> list[Call]:
 
 
 def _report(name: str, item: Field, alarm: Alarm | None) -> Call:
-    worth = worth_of(item)
+    worth = verdict_of(item)
     return record(
         "Report",
         {"name": name, "printed_name": item.printed_name, "meaning": meaning(item, alarm)},

@@ -5,26 +5,6 @@ from __future__ import annotations
 from ...model.never import assert_never
 from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans
 from .literals import Literal
-from .names import ClassNames
-
-
-def of_column(meaning: Meaning, names: ClassNames) -> dict[str, Literal]:
-    """Return the members of ``Column``. A plain number needs none."""
-    match meaning:
-        case Raw() | ZeroMeans():
-            return of_number(meaning)
-        case TwosComplement():
-            return {"kind": "signed"}
-        case Active(low):
-            return {"kind": "not_flag" if low else "flag"}
-        case Named():
-            return {"kind": "choice"}
-        case DigitRuns(runs):
-            return {"kind": "digits", "runs": tuple((names.attribute(r.name), r.divisor, r.modulus) for r in runs)}
-        case Characters():
-            return {"kind": "text"}
-        case _:
-            assert_never(meaning)
 
 
 def of_number(meaning: Meaning) -> dict[str, Literal]:

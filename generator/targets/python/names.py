@@ -12,7 +12,6 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
     "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
     "functools": ("lru_cache",),
-    "math": ("tau",),
     "operator": ("index",),
     "types": ("MappingProxyType",),
     "typing": (
@@ -35,12 +34,12 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
     for module, names in {
         "codec": """BitField Data Rows Word Words as_bytes as_word check_encoder check_kind check_limits check_width
             choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long
-            unwrap wrong_encoder""",
-        "encoder": "Encoder fact",
+            wrong_encoder""",
+        "encoder": "Encoder fact looked_up",
+        "measures": "Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
             decode_many decoder encode_many needed_by raised reported returned shape_of""",
-        "order_codes": "checked",
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",
         "steps": "Modify Poll Read Send Step Verify Wait writes",
@@ -78,7 +77,7 @@ BISS = "biss"
 #: All names that a device module or its descriptions can import.
 IMPORTED = [name for module in (STANDARD, PACKAGE, SHAPES) for names in module.values() for name in names]
 #: Functions that a device module can import.
-FUNCTIONS = ("cast", "index", "round", "tau", *(name for names in PACKAGE.values() for name in names if name.islower()))
+FUNCTIONS = ("cast", "index", *(name for names in PACKAGE.values() for name in names if name.islower()))
 #: Names that every device module uses in addition to its imports.
 MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTICS CONNECTORS CRCS DOCUMENTS
     ERRATA Ellipsis Exception FAMILY FRAMES Frame INPUTS LEDS LOST_FIGURES MANUAL NotImplemented
@@ -88,7 +87,7 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
 #: Names that the class of the variants uses.
 VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many family frame_bits from_degrees
     from_millimetres from_radians from_turns highest interface metres micrometres millimetres modulus parts
-    radians self special special_code tail try_decode turns unlisted unwrap with_registers
+    radians self special special_code step_um tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index

@@ -1,141 +1,110 @@
-"""Descriptions of frames for ``decode_many``: expressions and literals from the plan of columns."""
+"""Description of a frame or register as Python literals, for ``decode_many`` and ``encode_many``."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
+from dataclasses import fields
+from enum import Enum
+from typing import Any
 
-from ...model import Field
-from ...plan.codec import allowed_values
-from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, parities, telling, worth
-from ...plan.refusals import powers_of_two
+from ...model.expressions import Expression
+from ...plan.codec import FrameCrc, allowed_values
+from ...plan.description import Column, Name, describe
 from ...plan.reports import Only, Reporting
 from ...plan.values import is_named, meaning_of
 from .bits import others
 from .codec import Coder
-from .expr import Expr
-from .literals import Call, Code, Literal, Member, Sometimes, record
-from .meanings import of_column
+from .context import byte_order
+from .literals import Call, Code, Literal, Member, Sometimes, call, literal, record
 from .reports import holding
+
+#: Number of members that are printed without their names, by class.
+_POSITIONAL = {"BitField": 3, "Column": 1, "Join": 2, "Speaks": 1, "Tells": 1}
 
 
 class Shape:
     """Description of one frame, as used by its template."""
 
     def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
-        self.coder, self.plan, self._reporting = coder, coder.plan, reporting
-        self._judgement = reporting.judgement if reporting is not None else None
+        self.coder, self.plan = coder, coder.plan
+        self._of = describe(coder.plan, reporting)
         self.name = f"shape_of_{'register_' if coder.register is not None else ''}{coder.layout.name}"
 
-    @cached_property
-    def rows(self) -> list[tuple[str, list[Literal]]]:
-        """Members that are tuples, by name."""
-        return [*self._rows()]
+    #: Members whose items are on separate lines.
+    rows = ("columns", "joins", "unused", "checks", "parities", "speaks", "tells", "fields")
 
-    def _rows(self) -> Iterator[tuple[str, list[Literal]]]:
-        yield "columns", [*self._columns()]
-        yield "joins", [*self._joins()]
-        yield "unused", [*self._unused()]
-        is_frame = self.coder.register is None
-        yield "checks", [self._check(item) for item in conditions(self.plan)] if is_frame else []
-        yield "parities", [*self._parities()]
-        judgement = self._judgement
-        yield "speaks", [self._speaks(item) for item in worth(judgement)] if judgement is not None else []
-        yield "tells", [*self._tells()]
+    @property
+    def members(self) -> list[tuple[str, Literal]]:
+        """Members that are not empty, by name, in the order in which they are printed."""
+        return [(name, value) for name, value in self._members() if value not in (None, 0, "", ())]
 
-    def _at(self, place: Place) -> dict[str, Literal]:
-        return {"low": self._code(place.low), "width": self._code(place.width)}
+    def _members(self) -> Iterator[tuple[str, Literal]]:
+        of, coder, register = self._of, self.coder, self.coder.register
+        data = {part.field.name for part in self.plan.parts}
+        yield from (("bits", self._shown(of.bits)), ("length", of.length), ("order", of.order))
+        yield "columns", tuple(self._column(item) for item in of.columns if item.name in data)
+        for name in self.rows[1:]:
+            # The class of a register checks its values.
+            yield name, self._shown(getattr(of, name)) if name != "checks" or register is None else ()
+        yield "crc", self._crc(of.crc) if of.crc is not None else None
+        if of.gray is not None:
+            bits = literal(self._shown((of.gray.low, of.gray.width)))
+            yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None")
+        terms = [f"{value:#x} << {coder.number(place.low)}" for place, value in of.fixed]
+        yield "fixed", Code(" | ".join(f"({item})" if len(terms) > 1 else item for item in terms)) if terms else None
+        yield "position", coder.measured
+        if self.plan.keeps_others:
+            yield "others", Code(str(others(coder.context.scope, self.plan)))
+        yield "limited", (register.limits_of, coder.limited) if register is not None and coder.limited else ()
+        yield "otherwise", self._shown(of.otherwise)
 
-    def _code(self, value: object) -> Code:
-        return Code(str(value if isinstance(value, Expr) else self.coder.number(value)))  # type: ignore[arg-type]
-
-    def _columns(self) -> Iterator[Call]:
-        names, powers = self.coder.names, powers_of_two(self.plan)
-        for part in self.plan.parts:
-            field = part.field
-            needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
-            meant = of_column(meaning_of(field), names)
-            named = field.name if field.name != names.attribute(field.name) else ""
-            values = self._values(field)
-            yield record(
-                "Column", needed, **meant, power_of_two=field.name in powers or None, field=named, values=values
-            )
-
-    def _values(self, field: Field) -> Literal:
-        """Return the only values of a field: those of a selector, or the IntEnum of a choice."""
+    def _column(self, item: Column) -> Call:
+        """Return a column with its name in messages, if that differs, and the only values of its field."""
+        field, name = self.coder.layout.field(item.name), self.coder.names.attribute(item.name)
+        values: Literal = Code(self.coder.enum(field)) if is_named(meaning_of(field)) else None
         if self.coder.selects(field):
-            return allowed_values(self.coder.layout, field)
-        return Code(self.coder.enum(field)) if is_named(meaning_of(field)) else None
+            values = allowed_values(self.coder.layout, field)
+        column = self._record(item)
+        return record("Column", dict(column.arguments), field=item.name if item.name != name else "", values=values)
 
-    def _joins(self) -> Iterator[Call]:
-        names = self.coder.names
-        for whole in self.plan.wholes:
-            fields = tuple((names.attribute(item.name), self._code(low)) for item, low in whole.from_low)
-            yield Call("Join", (("", names.attribute(whole.join.name)), ("", fields)))
+    def _crc(self, of: FrameCrc) -> Call:
+        """Return the CRC with the function that compares it, and the means to compute it for many frames."""
+        crc, coder = of.crc, self.coder
+        made: dict[str, Literal] = {"low": self._shown(of.bits.low), "width": crc.width}
+        if self.plan.in_bytes:
+            place = f'{self.plan.length}, {crc.width // 8}, "{byte_order(coder.layout)}"'
+            made["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
+            made |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
+        else:
+            made["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(of.covered)}, {crc.width})")
+            folds = tuple(call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in of.steps)
+            made |= {"xorout": crc.xorout, "steps": folds} if folds else {}
+        return Call("CrcOf", tuple(made.items()))
 
-    def _unused(self) -> Iterator[Call]:
-        for item in self.plan.reserved:
-            yield record(
-                "Unused",
-                {**self._at(Place(item.field.low, item.field.width)), "value": item.value, "place": item.place},
-            )
-
-    def _check(self, item: Condition) -> Call:
-        return record(
-            "Check",
-            {**self._at(item.place), "fault": Member("Fault", item.check.fault.name)},
-            values=item.values,
-            limit=item.limit,
-            parity_of=self._places(item.parity_of),
-            odd=item.odd or None,
-        )
-
-    def _parities(self) -> Iterator[Call]:
-        for place, of, odd in parities(self.plan):
-            fault = Member("Fault", "CONSTANT")
-            yield record("Check", {**self._at(place), "fault": fault}, parity_of=self._places(of), odd=odd or None)
-
-    def _places(self, places: tuple[Place, ...]) -> tuple[tuple[Code, Code], ...]:
-        return tuple((self._code(of.low), self._code(of.width)) for of in places)
-
-    def _speaks(self, item: Worth) -> Call | Sometimes:
-        names = self.coder.names
-        flag = names.attribute(item.flag.field.name) if item.flag is not None else ""
-        unless = tuple(names.attribute(part.field.name) for part in item.unless)
-        verdict = Member("Verdict", item.verdict.name)
-        made = record("Speaks", {"": verdict}, flag=flag, unless=unless, mask=item.mask or None)
-        return self._only(made, item.only)
-
-    def _tells(self) -> Iterator[Call | Sometimes]:
-        for item in telling(self._reporting) if self._reporting is not None else ():
-            flag = self.coder.names.attribute(item.flag.field.name) if item.flag is not None else ""
-            made = record("Tells", {"": item.report}, flag=flag, mask=item.mask or None)
-            yield self._only(made, item.only)
-
-    def _only(self, made: Call, only: Only | None) -> Call | Sometimes:
-        """Return an item of a tuple, with a condition if only some order codes have it."""
+    def _shown(self, value: Any) -> Literal:
+        """Return any part of the description as a literal."""
+        match value:
+            case Expression():
+                return Code(str(self.coder.number(value)))
+            case Name():
+                return self.coder.names.attribute(value)
+            case Enum():
+                return Member(type(value).__name__, value.name)
+            case tuple():
+                return tuple(map(self._shown, value))
+            case None | bool() | int() | str():
+                return value
+        only: Only | None = getattr(value, "only", None)
         if only is None:
-            return made
-        member = holding(only, f"variant.{self.coder.context.parameters[only.parameter]}")
-        return Sometimes(made, str(member))
+            return self._record(value)
+        member = f"variant.{self.coder.context.parameters[only.parameter]}"
+        return Sometimes(self._record(value), str(holding(only, member)))
 
-    @property
-    def otherwise(self) -> str:
-        return self._judgement.otherwise.name if self._judgement is not None else ""
-
-    @property
-    def fixed(self) -> str:
-        """Bits that are 1 in every such frame, as one number."""
-        terms = [f"{value:#x} << {self._code(place.low).text}" for place, value in fixed(self.plan)]
-        return " | ".join(f"({item})" if len(terms) > 1 else item for item in terms)
-
-    @property
-    def others(self) -> Expr:
-        """Mask of the bits of a register that belong to no field."""
-        return others(self.coder.context.scope, self.plan)
-
-    @property
-    def crc_low(self) -> int:
-        """Lowest bit of the CRC."""
-        crc = self.plan.crc
-        return crc_place(self.coder.layout, crc.crc.width) if crc is not None else 0
+    def _record(self, item: Any) -> Call:
+        """Return the call of the class of the same name. Its bits in a mask say which unused bits a cause is."""
+        kind = type(item).__name__
+        omitted = ("only", "flag") if getattr(item, "mask", 0) else ("only",)
+        given = [(each, getattr(item, each.name)) for each in fields(item) if each.name not in omitted]
+        shown = [(each.name, self._shown(value)) for each, value in given if value != each.default]
+        count = _POSITIONAL.get(kind, 0)
+        return Call(kind, tuple(("" if place < count else name, value) for place, (name, value) in enumerate(shown)))

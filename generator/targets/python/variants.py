@@ -182,6 +182,12 @@ class Variants:
         found = self._cases(lambda item: self._of(item.highest) or usual)
         return found if any(value != usual for value, _ in found.cases) else None
 
+    @property
+    def bases(self) -> list[str]:
+        """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
+        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "Wrapping": self.modulus}
+        return [name for name, found in cases.items() if found.cases] or ["Encoder"]
+
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
         """Number of bits in the encoder's frame, if it is a string of bits."""

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
-from typing import Any, ClassVar, NoReturn, Protocol, TypeVar, runtime_checkable
+from typing import Any, ClassVar, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
+from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
 
 _Same = TypeVar("_Same", bound="Encoder")
@@ -149,3 +151,34 @@ def fact(module: str, name: str) -> object:
     if facts is None or name not in vars(facts):
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
     return getattr(facts, name)
+
+
+def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
+    """Return the encoder of a family that belongs to a label. ``lookup`` of the module documents the arguments.
+
+    Args:
+        label: The text on the label.
+        variants: The encoders of the family, by their listed order codes.
+        module: Name of the family's module.
+
+    Raises:
+        OrderCodeError: There is no such order code.
+        TypeError: ``label`` is not a string.
+    """
+    text = checked(label)
+    if text in variants:
+        return variants[text]
+    codes = {code: variant.parts for code, variant in variants.items()}
+    family = next(iter(variants.values())).family
+    found = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
+    variant = next(item for item in variants.values() if item.parts == found.listed)
+    if not (found.unlisted or found.tail or found.special or found.written_as_in):
+        return variant
+    return variant._replaced(
+        code=found.code,
+        parts=found.parts,
+        unlisted=found.unlisted,
+        tail=found.tail,
+        special_code=found.special,
+        written_as_in=found.written_as_in,
+    )

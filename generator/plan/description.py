@@ -1,0 +1,226 @@
+"""The description of a frame or register as data, for outputs that interpret data instead of printing statements.
+
+Python prints it as literals for many frames at once, the browser as JSON. Positions are bit positions in the number
+that the bytes form. A member that has its default may be omitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ..model import Fault, Field, Verdict
+from ..model.expressions import Expression
+from ..model.never import assert_never
+from . import codec as plan
+from . import reports
+from .refusals import powers_of_two
+from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+
+
+class Name(str):
+    """Name of a field, of a run of digits, or of a number made of several fields. Outputs may have to change it."""
+
+    __slots__ = ()
+
+
+class Place(NamedTuple):
+    """``width`` bits, starting at bit ``low``."""
+
+    low: Expression
+    width: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class BitField:
+    """The bits of a field, whether it has a value or not."""
+
+    name: str
+    low: Expression
+    width: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A field, and the operation that converts its bits. ``runs`` has name, divisor and modulus of runs of digits."""
+
+    name: Name
+    low: Expression
+    width: Expression
+    kind: str = "number"
+    zero_means: int = 0
+    runs: tuple[tuple[Name, int, int], ...] = ()
+    power_of_two: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Join:
+    """Number made of several fields, lowest first, each with the position of its lowest bit in the number."""
+
+    name: Name
+    fields: tuple[tuple[Name, Expression], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Unused:
+    """Reserved bits. Those that differ from ``value`` are 1 in one number, starting at bit ``place``."""
+
+    low: Expression
+    width: Expression
+    value: int
+    place: int
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """Bits whose value must be one of ``values``, at most ``limit``, or the parity of all bits at ``parity_of``."""
+
+    low: Expression
+    width: Expression
+    fault: Fault
+    values: tuple[int, ...] = ()
+    limit: int | None = None
+    parity_of: tuple[Place, ...] = ()
+    odd: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Speaks:
+    """Cause of a verdict: a flag, unless certain other flags are active, or any of the reserved bits in ``mask``.
+
+    Without ``only`` it applies to all order codes.
+    """
+
+    verdict: Verdict
+    flag: Name
+    unless: tuple[Name, ...] = ()
+    mask: int = 0
+    only: reports.Only | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Tells:
+    """Cause of a report: a flag, or any of the reserved bits in ``mask``."""
+
+    report: str
+    flag: Name
+    mask: int = 0
+    only: reports.Only | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """A frame or register. ``length`` is 0 and ``order`` is empty if it is not sent as bytes.
+
+    ``columns`` and ``fields`` have all fields, in the order of the layout. ``fixed`` has the constant bits that are not
+    all 0. ``otherwise`` is the verdict if no cause speaks, or None without a position.
+    """
+
+    bits: Expression
+    length: int
+    order: str
+    columns: tuple[Column, ...]
+    joins: tuple[Join, ...]
+    unused: tuple[Unused, ...]
+    checks: tuple[Check, ...]
+    parities: tuple[Check, ...]
+    speaks: tuple[Speaks, ...]
+    tells: tuple[Tells, ...]
+    fields: tuple[BitField, ...]
+    crc: plan.FrameCrc | None
+    gray: plan.Gray | None
+    fixed: tuple[tuple[Place, int], ...]
+    otherwise: Verdict | None
+
+
+def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> Description:
+    """Return the description of a frame or register. ``reporting`` has the reports and the verdict of a frame."""
+    layout, powers = codec.layout, powers_of_two(codec)
+    order = "little" if layout.byte_order == "low_byte_first" else "big"
+    sent = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
+    judgement = reporting.judgement if reporting is not None else None
+    return Description(
+        bits=layout.bits,
+        length=codec.length if codec.in_bytes else 0,
+        order=order if codec.in_bytes else "",
+        columns=tuple(_column(item, item.name in powers) for item in layout.fields),
+        joins=tuple(map(_join, codec.wholes)),
+        unused=tuple(Unused(one.field.low, one.field.width, one.value, one.place) for one in codec.reserved),
+        checks=tuple(map(_check, codec.checks)),
+        parities=tuple(_parity(place, value) for place, value in sent if isinstance(value, plan.ParityOf)),
+        speaks=tuple(_speaks(judgement)) if judgement is not None else (),
+        tells=tuple(map(_tells, reporting.told)) if reporting is not None else (),
+        fields=tuple(BitField(item.name, item.low, item.width) for item in layout.fields),
+        crc=codec.crc,
+        gray=codec.gray,
+        fixed=tuple((place, value.number) for place, value in sent if isinstance(value, plan.Fixed) and value.number),
+        otherwise=judgement.otherwise if judgement is not None else None,
+    )
+
+
+def _column(field: Field, is_power: bool) -> Column:
+    kind, zero, runs = "number", 0, tuple[tuple[Name, int, int], ...]()
+    match meaning_of(field):
+        case Raw():
+            pass
+        case TwosComplement():
+            kind = "signed"
+        case ZeroMeans(number):
+            zero = number
+        case Active(low):
+            kind = "not_flag" if low else "flag"
+        case Named():
+            kind = "choice"
+        case DigitRuns(found):
+            kind, runs = "digits", tuple((Name(run.name), run.divisor, run.modulus) for run in found)
+        case Characters():
+            kind = "text"
+        case meaning:
+            assert_never(meaning)
+    return Column(Name(field.name), field.low, field.width, kind, zero, runs, is_power)
+
+
+def _check(item: plan.Check) -> Check:
+    field, fault = item.field, item.fault
+    match item:
+        case plan.AlwaysIs(value=value):
+            return Check(field.low, field.width, fault, (value,))
+        case plan.ZerosAbove(padding=padding):
+            return Check(padding.low, padding.width, fault, (0,))
+        case plan.ParityIs(of=of, odd=odd):
+            return Check(field.low, field.width, fault, parity_of=_places(of), odd=odd)
+        case plan.IsOneOf(values=values):
+            return Check(field.low, field.width, fault, values)
+        case plan.AtMost(limit=limit):
+            return Check(field.low, field.width, fault, limit=limit)
+        case _:
+            assert_never(item)
+
+
+def _join(whole: plan.Whole) -> Join:
+    return Join(Name(whole.join.name), tuple((Name(item.name), low) for item, low in whole.from_low))
+
+
+def _parity(place: Place, value: plan.ParityOf) -> Check:
+    return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd)
+
+
+def _places(of: tuple[Field, ...]) -> tuple[Place, ...]:
+    return tuple(Place(item.low, item.width) for item in of)
+
+
+def _speaks(judgement: reports.Judgement) -> Iterator[Speaks]:
+    for verdict, items in judgement.worst_first:
+        for item in items:
+            unless = tuple(Name(part.field.name) for part in item.unless)
+            yield Speaks(verdict, Name(item.by.field.name), unless, _mask(item.by), item.only)
+
+
+def _tells(item: reports.Told) -> Tells:
+    return Tells(item.report.name, Name(item.by.field.name), _mask(item.by), item.only)
+
+
+def _mask(by: plan.Part | plan.Reserved) -> int:
+    """Return the bits of the number made of all reserved bits that these reserved bits are, or 0 for a flag."""
+    return ((1 << by.bits.widest) - 1) << by.place if isinstance(by, plan.Reserved) else 0

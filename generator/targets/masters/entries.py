@@ -1,0 +1,190 @@
+"""Values that a file for a master writes, in the order of writing, and the reasons for those that it leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
+from ...masters.places import Place
+from ...masters.sheet import Setting, Sheet
+from ...masters.text import condition
+from ...masters.writing import Write, write_order
+
+Raw = Mapping[str, Any]
+Value = int | bool | str
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A value and its place on one channel. ``name`` is that of the setting, and ``key`` its name in the file.
+
+    ``word`` is the value in the form that the file needs, and ``mark`` says that the value is derived or a bound.
+    """
+
+    name: str
+    key: str
+    value: Value
+    word: str
+    mark: str
+    place: Place
+
+    @property
+    def size(self) -> int:
+        """Size of the data in bytes."""
+        return -(-(self.place.bits or 0) // 8)
+
+    @property
+    def number(self) -> int:
+        return int(self.value)
+
+    @property
+    def data(self) -> bytes:
+        """The data, little-endian."""
+        return self.number.to_bytes(self.size, "little", signed=self.place.kind == "signed")
+
+    @property
+    def symbol(self) -> tuple[str, str]:
+        """Structure and member of a symbol with a dot."""
+        structure, _, member = self.place.symbol.rpartition(".")
+        return structure, member
+
+    @property
+    def mask(self) -> int:
+        return ((1 << (self.place.bits or 0)) - 1) << (self.place.low_bit or 0)
+
+    @property
+    def shifted(self) -> int:
+        return self.number << (self.place.low_bit or 0)
+
+    @property
+    def register(self) -> str:
+        return self.place.register or f"ADDRESS_{self.place.address}"
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """The values for one channel of a device. The first channel also has the values that all channels share."""
+
+    name: str
+    entries: tuple[Entry, ...]
+
+    @property
+    def registers(self) -> list[tuple[str, list[Entry]]]:
+        """The entries of each register, in the order of their first bits."""
+        ordered = sorted(self.entries, key=lambda item: (item.register, item.place.low_bit or 0))
+        return [(name, list(found)) for name, found in groupby(ordered, key=lambda item: item.register)]
+
+    @property
+    def structures(self) -> list[tuple[str, list[Entry]]]:
+        """The entries of each structure."""
+        ordered = sorted(self.entries, key=lambda item: item.symbol[0])
+        return [(name, list(found)) for name, found in groupby(ordered, key=lambda item: item.symbol[0])]
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """The content of a file: the values of each channel, and the sentences about them."""
+
+    channels: tuple[Channel, ...]
+    left_out: tuple[str, ...]
+    conditions: tuple[str, ...]
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The values of the first channel."""
+        return self.channels[0].entries if self.channels else ()
+
+
+def content(sheet: Sheet, rule: Raw, device: str) -> Content:
+    """Return what a file of this format writes for a device."""
+    format_ = FILE_FORMATS[rule["format"]]
+    found: list[Entry] = []
+    left_out: list[str] = []
+    for setting, writes in _in_order(sheet):
+        reason = _reason(setting, sheet, format_)
+        if reason:
+            left_out.append(f"{setting.name}: {reason}.")
+            continue
+        items: tuple[Setting | Write, ...] = (*writes[0], setting, *writes[1])
+        for item in items:
+            _add(item, rule, format_, device, found, left_out)
+    return Content(_channels(sheet, device, found), tuple(left_out), tuple(map(condition, sheet.writing)))
+
+
+def _in_order(sheet: Sheet) -> Iterator[tuple[Setting, tuple[tuple[Write, ...], tuple[Write, ...]]]]:
+    """Yield the settings in the order of writing, each with the values to write before and after it."""
+    settings = list(sheet.settings)
+    order = write_order([item.name for item in settings], sheet.writing)
+    settings.sort(key=lambda item: order.index(item.name))
+    names = [item.name for item in settings]
+    for number, setting in enumerate(settings):
+        before: list[Write] = []
+        after: list[Write] = []
+        for item in sheet.writing:
+            concerned = [index for index, name in enumerate(names) if name in (item.of or names)]
+            before += item.needs if concerned[0] == number else ()
+            after += item.then if concerned[-1] == number else ()
+        yield setting, (tuple(before), tuple(after))
+
+
+def _reason(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
+    """Return why no file contains a setting, or an empty text."""
+    if setting.value is None:
+        return setting.text
+    if setting.bound == "below":
+        return f"it must be below {setting.text}, and you choose the value"
+    is_optional = format_.needs != "name"  # a tool with names of its own needs all of them
+    if is_optional and setting.is_default and any(item.needs for item in sheet.writing_of(setting)):
+        return f"{setting.text} is the factory default. Leave it unless it was changed"
+    return ""
+
+
+def _add(
+    item: Setting | Write, rule: Raw, format_: FileFormat, device: str, found: list[Entry], left_out: list[str]
+) -> None:
+    name = item.name if isinstance(item, Setting) else item.title
+    places = [place for place in item.places if place.device == device]
+    value = item.value
+    assert value is not None
+    key = rule.get("names", {}).get(name, "")
+    reasons = {wrong for place in places if (wrong := _misfit(place, value, key, format_))}
+    if reasons:
+        left_out.append(f"{name} = {item.text}: {reasons.pop()}.")
+        return
+    word = str(rule.get("words", {}).get(name, {}).get(str(value), int(value) if isinstance(value, bool) else value))
+    marks = ["derived"] if isinstance(item, Setting) and item.standing == "inferred" else []
+    if isinstance(item, Setting) and item.bound:
+        marks.append(item.bound.replace("_", " "))
+    found += [Entry(name, key, value, word, ", ".join(marks), place) for place in places]
+
+
+def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
+    """Return why a format cannot write a value to a place, or an empty text."""
+    if format_.needs == "name":
+        return "" if key else "the file has no name for it"
+    has_bits = place.high_bit is not None and bool(place.register or place.address is not None)
+    is_whole = place.kind in ("boolean", "unsigned", "signed") and place.bits is not None
+    given = {"object": place.index is not None and is_whole, "symbol": bool(place.symbol), "bits": has_bits}
+    if not given[format_.needs]:
+        return f"not given: {PLACE_KINDS[format_.needs]}"
+    if not isinstance(value, int) and place.kind not in ("text", "float"):
+        return "no document gives its number"
+    if isinstance(value, int) and format_.highest is not None and value > format_.highest:
+        return f"the reader of this file takes at most {format_.highest}"
+    return ""
+
+
+def _channels(sheet: Sheet, device: str, entries: Sequence[Entry]) -> tuple[Channel, ...]:
+    names = next(item.channels for item in sheet.master.devices if item.name == device)
+    shared = [item for item in entries if not item.place.channel]
+    if len(shared) == len(entries):
+        return (Channel(names[0] if len(names) == 1 else "", tuple(shared)),) if shared else ()
+    return tuple(
+        Channel(
+            name, tuple(item for item in entries if item.place.channel == name or (not item.place.channel and first))
+        )
+        for name, first in zip(names, (True, *[False] * (len(names) - 1)), strict=True)
+    )

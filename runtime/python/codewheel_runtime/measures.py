@@ -1,0 +1,102 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Encoders whose positions are angles or lengths, and those whose positions wrap around."""
+
+from __future__ import annotations
+
+from math import tau
+from operator import index
+
+from .codec import unwrap
+from .encoder import Encoder
+
+
+class Rotary(Encoder):
+    """Encoder whose positions are angles. Over an interface without them, the methods raise ValueError."""
+
+    @property
+    def counts_per_turn(self) -> int:
+        """Number of counts per revolution."""
+        raise NotImplementedError
+
+    def turns(self, position: int) -> float:
+        """Convert ``position`` from counts to revolutions."""
+        return index(position) / self.counts_per_turn
+
+    def degrees(self, position: int) -> float:
+        """Convert ``position`` from counts to degrees within one revolution."""
+        per_turn = self.counts_per_turn
+        return index(position) % per_turn * 360 / per_turn
+
+    def radians(self, position: int) -> float:
+        """Convert ``position`` from counts to radians within one revolution."""
+        per_turn = self.counts_per_turn
+        return index(position) % per_turn * tau / per_turn
+
+    def from_turns(self, turns: float) -> int:
+        """Return the count nearest to ``turns`` revolutions."""
+        return round(turns * self.counts_per_turn)
+
+    def from_degrees(self, degrees: float) -> int:
+        """Return the count nearest to ``degrees``."""
+        return round(degrees * self.counts_per_turn / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """Return the count nearest to ``radians``."""
+        return round(radians * self.counts_per_turn / tau)
+
+
+class Linear(Encoder):
+    """Encoder whose positions are lengths. Over an interface without them, the methods raise ValueError."""
+
+    @property
+    def step_um(self) -> int:
+        """Length of one count in micrometres."""
+        raise NotImplementedError
+
+    def micrometres(self, position: int) -> int:
+        """Convert ``position`` from counts to micrometres."""
+        return index(position) * self.step_um
+
+    def millimetres(self, position: int) -> float:
+        """Convert ``position`` from counts to millimetres."""
+        return self.micrometres(position) / 1000
+
+    def metres(self, position: int) -> float:
+        """Convert ``position`` from counts to metres."""
+        return self.micrometres(position) / 1_000_000
+
+    def from_millimetres(self, millimetres: float) -> int:
+        """Return the count nearest to ``millimetres``."""
+        return round(millimetres * 1000 / self.step_um)
+
+
+class Wrapping(Encoder):
+    """Encoder whose positions wrap around. Over an interface where they do not, the methods raise ValueError."""
+
+    @property
+    def modulus(self) -> int:
+        """Number of counts after which the position wraps around."""
+        raise NotImplementedError
+
+    @property
+    def highest(self) -> int:
+        """Highest position. It can reach ``modulus`` or more if an offset shifts all positions up."""
+        return self.modulus - 1
+
+    def unwrap(self, previous: int, position: int) -> int:
+        """Return the count nearest to ``previous`` that corresponds to ``position``.
+
+        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than half
+        of ``modulus``.
+
+        Args:
+            previous: Result of the previous call. On the first call, pass the first ``position``.
+            position: Position in a frame, in counts.
+
+        Returns:
+            The count.
+
+        Raises:
+            RangeError: ``position`` is above ``highest``.
+        """
+        return unwrap(previous, position, self.modulus, self.highest)

@@ -1,0 +1,92 @@
+"""Settings that an institute keeps for the EL5042, reproduced from specs of its encoders in ``examples/encoders``.
+
+The numbers were typed from paulscherrerinstitute/ecmccfg at commit 19fd09c, hardware/Encoders, and from
+paulscherrerinstitute/ecmccomp at commit c97a6b0: its facts in encoders/ as EL5042_SDOS_BISS_C_ENC.cmd writes them.
+Each is the value of a subindex of 0x80p8.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import file_readers as readers
+import pytest
+from codewheel.commands.cli import main
+
+ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+DIRECTION = "choice: 01 is the counting direction, which depends on the mounting. 0 is the factory default"
+SUPPLY = "choice: 50 is the factory default of 12. Writing it needs a code word in F008 first, which theirs lacks"
+POLYNOMIAL = "theirs: it leaves 11 at its factory default, which is 67"
+
+Values = dict[int, int]
+#: Order code, name of their file, its values, and why ours has other values.
+FILES: list[tuple[str, str, Values, dict[int, str]]] = [
+    (
+        "KCD-BC03B-1617",
+        "ecmcEL5042-Encoder-Posital-KCD-BC03B-1617-XXXX-XXX.cmd",
+        {0x02: 0, 0x03: 1, 0x12: 50, 0x13: 9, 0x14: 0, 0x15: 16, 0x16: 17, 0x17: 0, 0x18: 0},
+        {0x12: SUPPLY, 0x11: POLYNOMIAL},
+    ),
+    (
+        "KCD-BC03B-1617",
+        "Encoder-Posital-KCD-BC03B-1617-BISS-C.cmd",
+        {0x01: 0, 0x02: 0, 0x03: 1, 0x11: 67, 0x13: 9, 0x14: 0, 0x15: 16, 0x16: 17, 0x17: 0, 0x18: 0},
+        {0x01: DIRECTION},
+    ),
+    (
+        "LA11DCB2D0KB",
+        "ecmcEL5042-Encoder-RLS-LA11DCB2D0KB.cmd",
+        {0x02: 0, 0x03: 1, 0x11: 67, 0x13: 9, 0x14: 0, 0x15: 0, 0x16: 24, 0x17: 2, 0x18: 0},
+        {0x13: "choice: 1 MHz here and 2.5 MHz in their other file. Ours takes the faster clock that the files use"},
+    ),
+    (
+        "LA11DCB2D0KB",
+        "ecmcEL5042-Encoder-RLS-LA11-24bit.cmd",
+        {0x02: 0, 0x03: 1, 0x12: 50, 0x13: 3, 0x14: 0, 0x15: 0, 0x16: 26, 0x17: 0, 0x18: 0},
+        {
+            0x12: SUPPLY,
+            0x11: POLYNOMIAL,
+            0x16: "theirs: 26 bits here, 24 in their other file. Two of the 26 are zeros at this resolution",
+            0x17: "theirs: no offset here, 2 in their other file. Without it, a count is a quarter of the step",
+        },
+    ),
+    (
+        "WDGA36E-06-1218-SIA",
+        "ecmcEL5042-Encoder-Wachendorff-WDGA36E-06-1218-SIA-B01-CB8.cmd",
+        {0x01: 0, 0x02: 0, 0x03: 1, 0x12: 50, 0x13: 17, 0x14: 0, 0x15: 18, 0x16: 12, 0x17: 0, 0x18: 1},
+        {
+            0x01: DIRECTION,
+            0x02: "theirs: SSI mode needs 1. It writes 18 last, and the terminal then sets 02 itself",
+            0x03: "theirs: SSI has no CRC, so 03 has no effect",
+            0x11: "ours: SSI mode needs 0. The terminal sets it when 18 is written",
+            0x12: "choice: the encoder needs 10 V to 24 V, so 12 has no effect on it. 50 is the factory default",
+        },
+    ),
+]
+
+
+def ours(capsys: pytest.CaptureFixture[str], code: str) -> Values:
+    assert main(["master", code, "--master", "beckhoff_el5042", "--format", "ecmc", "--specs", str(ENCODERS)]) == 0
+    found = readers.ecmc(capsys.readouterr().out)
+    assert {index for index, _ in found} == {0x8008}
+    assert all(size == (4 if subindex == 0x11 else 1) for (_, subindex), (_, size) in found.items())
+    return {subindex: value for (_, subindex), (value, _) in found.items()}
+
+
+@pytest.mark.parametrize(("code", "name", "theirs", "why"), FILES, ids=[item[1] for item in FILES])
+def test_every_difference_is_explained(
+    capsys: pytest.CaptureFixture[str], code: str, name: str, theirs: Values, why: dict[int, str]
+) -> None:
+    found = ours(capsys, code)
+    different = {item for item in theirs.keys() | found.keys() if theirs.get(item) != found.get(item)}
+    assert different == set(why), name
+    assert all(text.partition(":")[0] in ("theirs", "ours", "choice") for text in why.values())
+
+
+def test_the_encoders_are_sound(capsys: pytest.CaptureFixture[str]) -> None:
+    """They pass check, and each says that it is corroborated by public files only."""
+    assert main(["check", str(ENCODERS)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "no problems in 3 families: kcd, la11, wdga"
+    for name in ("posital/kcd", "rls/la11", "wachendorff/wdga"):
+        text = (ENCODERS / f"{name}.yaml").read_text(encoding="utf-8")
+        assert "corroborated by public files, not transcribed from a manual" in " ".join(text.replace("#", " ").split())
