@@ -58,6 +58,7 @@ verify-site: axe
 # Size and speed of the C headers next to hand-written decoders and other generators. BENCH=--write also writes docs/footprint.md.
 bench: .venv/.installed tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
+	@$(PY) benchmarks/around.py $(BENCH)
 
 # The Python package for one frame and for a million, next to hand-written code and installable peers.
 bench-python: .venv/.installed

@@ -1,10 +1,11 @@
-"""Measure the size in bytes of the code around the decoders: receivers, tracker, angles, procedures, and a BiSS master.
+"""Measure the code around the decoders: receivers, tracker, angles, procedures, and a BiSS master.
 
     python benchmarks/around.py            measures and prints
     python benchmarks/around.py --write    also writes its table in docs/footprint.md and benchmarks/around.json,
                                            which tests/verify/test_footprint.py checks
 
 Each part is a program with one function, linked as in footprint.py, with the parts of the compiler's library it needs.
+Its bytes are measured, and for some parts also the instructions of one call.
 """
 
 from __future__ import annotations
@@ -13,17 +14,32 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from boards import BOARDS, Board
-from candidates import write_headers
+from candidates import FRAMES, word, write_headers
 
 HERE = Path(__file__).resolve().parent
 RECORDED = HERE / "around.json"
 PAGE = HERE.parent / "docs" / "footprint.md"
 BEGIN, END = "<!-- measured around -->", "<!-- end of measured around -->"
+#: Bytes of each part, and the count of its call or None.
+Figures = Mapping[str, tuple[int, int | None]]
+
+
+@dataclass(frozen=True)
+class Call:
+    """One call of ``measured``: C variables, its arguments, and a test that it did what it should.
+
+    The test can use the value that it returned as ``result``. ``at_most`` limits the count by the name of a board.
+    """
+
+    variables: str
+    arguments: str
+    good: str
+    at_most: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -35,101 +51,262 @@ class Part:
     given: str
     body: str
     most: int = 0
+    call: Call | None = None
+
+    @property
+    def head(self) -> str:
+        return f"uint32_t measured({self.given})"
+
+    def includes(self, ending: str = "") -> str:
+        return "".join(f'#include "{name}"\n' for name in self.headers if name.endswith(ending))
 
     @property
     def source(self) -> str:
-        folders = {"amm5_biss": "lika"}
-        includes = "".join(f'#include "{folders.get(name, "codewheel")}/{name}.h"\n' for name in self.headers)
-        head = f"uint32_t measured({self.given})"
-        return f"{includes}{head};\n{head}\n{{\n    {self.body}\n}}\n"
+        return f"{self.includes()}{self.head};\n{self.head}\n{{\n    {self.body}\n}}\n"
+
+    def entry(self, call: Call) -> str:
+        """Return C code as in candidates.entry, with the call, an empty call and a check of what it returned."""
+        return f"""{self.includes(".h")}{self.head};
+{call.variables}
+extern __typeof__(measured) nothing;
+static volatile uint32_t result;
+volatile int good;
+void entry(void);
+void entry_of_nothing(void);
+void check(void);
+void entry(void)
+{{
+    result = measured({call.arguments});
+}}
+void entry_of_nothing(void)
+{{
+    result = nothing({call.arguments});
+}}
+void check(void)
+{{
+    good = ({call.good}) ? 1 : 0;
+}}
+"""
 
 
-_CODE = "LIKA_AMM5_BISS_A23_65KSC1"
+(BISS,) = (frame for frame in FRAMES if frame.name == "biss47")
+WORD, BITS, BUFFER = word(BISS), 47, 96
+POSITION = WORD >> 8
+BY_HAND = f"{HERE}/c/hand.h", f"{HERE}/c/hand_biss47.c", f"{HERE}/c/hand_receive.c"
+
+
+def _line(acknowledge: int) -> str:
+    """Return the bits of a BiSS buffer: rest, acknowledge, start, CDS, word, stop, then rest again."""
+    return ("11" + "0" * acknowledge + "10" + f"{WORD:0{BITS}b}" + "0").ljust(BUFFER, "1")
+
+
+def _bytes(bits: str) -> str:
+    return ", ".join(f"0x{int(bits[at : at + 8], 2):02X}U" for at in range(0, len(bits), 8))
+
+
+def _buffer(acknowledge: int) -> str:
+    return f"static const uint8_t rx[] = {{ {_bytes(_line(acknowledge))} }};\n"
+
+
+def _samples(acknowledge: int) -> str:
+    """Return samples of bit 3 of a port, whose other bits differ from sample to sample."""
+    port = (0x51 + 37 * at & 0xF7 | int(bit) << 3 for at, bit in enumerate(_line(acknowledge)))
+    listed = ", ".join(f"0x{item:02X}U" for item in port)
+    return f"static const uint8_t samples[] __attribute__((aligned(4))) = {{ {listed} }};\nstatic uint8_t rx[12];\n"
+
+
+def _to_position(receive: str) -> str:
+    return f"""static const {BISS.variant_type} *const encoder = &{BISS.variant};
+    {BISS.struct} frame;
+    uint64_t word;
+    if ({receive} != CW_OK || {BISS.decoder}(encoder, word, &frame) != CW_OK
+        || {BISS.decoder.replace("_decode", "_verdict")}(encoder, &frame) == CW_NOT_USABLE) {{
+        return 1U;
+    }}
+    *position = frame.position;
+    return 0U;"""
+
+
+_POSITION_OUT = "static uint64_t position;\n"
+_FOUND = f"result == 0U && position == UINT64_C({POSITION:#x})"
+_HAND_FOUND = f"result == 0U && out.position == UINT64_C({POSITION:#x})"
+_RX = f"cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, &word)"
+_SSI_RX = f"static const uint8_t rx[] = {{ {_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
+_AXIS = """static cw_tracker axis = { 1U, 0U, 1000U, 0U, 250U, 1062500U, 0U, 0xFFFFFFFFU, 0xFFFFFFFFU,
+    UINT64_C(0x8000000000), UINT64_C(0x7FFFFFFFFF), 0x7FFFFFFFFF, 100 };
+static const uint64_t position = 100U;
+"""
+_RECEIVED = "result == 0U && word == UINT64_C(0x%x)"
+
+
+def _receivers() -> Sequence[Part]:
+    parts = []
+    for acknowledge in (4, 20):
+        named = f"acknowledge of {acknowledge} bits"
+        parts += [
+            Part(
+                f"BiSS buffer to usable position, {named}",
+                (BISS.header, "codewheel/receive.h"),
+                "const uint8_t *rx, uint64_t *position",
+                _to_position(_RX),
+                call=Call(
+                    _buffer(acknowledge) + _POSITION_OUT,
+                    "rx, &position",
+                    _FOUND,
+                    {"cortex-m0plus": 260, "cortex-m4": 200},
+                ),
+            ),
+            Part(
+                f"the same by hand, {named}",
+                BY_HAND,
+                "const uint8_t *rx, hand_biss *out",
+                "return hand_receive47(rx, out) != HAND_OK || out->error;",
+                call=Call(_buffer(acknowledge) + "static hand_biss out;\n", "rx, &out", _HAND_FOUND),
+            ),
+            Part(
+                f"{BUFFER} samples of a pin to usable position, {named}",
+                (BISS.header, "codewheel/receive.h"),
+                "const uint8_t *samples, uint8_t *rx, uint64_t *position",
+                f"(void)cw_received_samples(samples, {BUFFER}U, 0x08U, rx);\n    " + _to_position(_RX),
+                call=Call(_samples(acknowledge) + _POSITION_OUT, "samples, rx, &position", _FOUND, {"cortex-m4": 400}),
+            ),
+            Part(
+                f"the same samples by hand, {named}",
+                BY_HAND,
+                "const uint8_t *samples, uint8_t *rx, hand_biss *out",
+                "return hand_samples47(samples, rx, out) != HAND_OK || out->error;",
+                call=Call(_samples(acknowledge) + "static hand_biss out;\n", "samples, rx, &out", _HAND_FOUND),
+            ),
+            Part(
+                f"receive: a BiSS frame of 47 bits, {named}",
+                ("codewheel/receive.h",),
+                "const uint8_t *rx, uint64_t *word",
+                f"return (uint32_t)cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, word);",
+                300,
+                Call(_buffer(acknowledge) + "static uint64_t word;\n", "rx, &word", _RECEIVED % WORD),
+            ),
+        ]
+    return parts
+
+
 PARTS = (
-    Part(
-        "receive: a BiSS frame of 47 bits",
-        ("amm5_biss", "receive"),
-        "const uint8_t *rx, uint64_t *word",
-        f"return (uint32_t)cw_biss_receive(rx, {_CODE}_RX_BYTES, {_CODE}_BITS, word);",
-        160,
-    ),
+    *_receivers(),
     Part(
         "receive: an SSI word of 39 bits",
-        ("amm5_biss", "receive"),
+        ("codewheel/receive.h",),
         "const uint8_t *rx, uint64_t *word",
         "return (uint32_t)cw_ssi_receive(rx, 6U, 39U, word);",
-        160,
+        300,
+        Call(
+            _SSI_RX + "static uint64_t word;\n",
+            "rx, &word",
+            _RECEIVED % POSITION,
+            {"cortex-m0plus": 120, "cortex-m4": 90},
+        ),
+    ),
+    Part(
+        "the same SSI word by hand",
+        BY_HAND,
+        "const uint8_t *rx, uint64_t *word",
+        "return (uint32_t)hand_ssi39(rx, word);",
+        call=Call(_SSI_RX + "static uint64_t word;\n", "rx, &word", _RECEIVED % POSITION),
     ),
     Part(
         "receive: RS-485 byte by byte, also after a rejected reply",
-        ("receive",),
+        ("codewheel/receive.h",),
         "cw_rs485_line *line, uint8_t byte, uint32_t now",
         "if (byte == 0U) { cw_rs485_resume(line); } return cw_rs485_take(line, byte) || cw_rs485_late(line, now);",
     ),
     Part(
         "tracker: a position",
-        ("tracker",),
+        ("codewheel/tracker.h",),
         "cw_tracker *axis, const uint64_t *position, uint32_t now",
         "return (uint32_t)cw_tracker_add(axis, *position, now);",
         240,
+        Call(_AXIS, "&axis, &position, 1250U", "result == 0U && axis.position == 0x8000000064"),
     ),
-    Part("tracker: its speed", ("tracker",), "const cw_tracker *axis", "return (uint32_t)cw_tracker_speed(axis);"),
+    Part(
+        "tracker: its speed",
+        ("codewheel/tracker.h",),
+        "const cw_tracker *axis",
+        "return (uint32_t)cw_tracker_speed(axis);",
+        call=Call(_AXIS, "&axis", "result == 400000U"),
+    ),
+    Part(
+        "tracker: its speed, by division",
+        ("codewheel/tracker.h",),
+        "const cw_tracker *axis",
+        "return (uint32_t)cw_counts_per_second_divided(axis->moved, axis->elapsed_us);",
+        call=Call(_AXIS, "&axis", "result == 400000U"),
+    ),
     Part(
         "angle: counts are a constant power of two",
-        ("angle",),
+        ("codewheel/angle.h",),
         "const uint64_t *position",
         "return cw_angle(*position, 8388608U);",
     ),
     Part(
         "angle: any number of counts",
-        ("angle",),
+        ("codewheel/angle.h",),
         "const uint64_t *position, const uint64_t *steps",
         "return cw_angle(*position, *steps);",
     ),
     Part(
         "angle: electrical, as Q31",
-        ("angle",),
+        ("codewheel/angle.h",),
         "uint32_t angle, uint32_t offset",
         "return (uint32_t)cw_angle_q31(cw_angle_electrical(angle, 7U, offset));",
     ),
-    Part("angle: thousandths of a degree", ("angle",), "uint32_t angle", "return cw_angle_millidegrees(angle);"),
+    Part(
+        "angle: thousandths of a degree",
+        ("codewheel/angle.h",),
+        "uint32_t angle",
+        "return cw_angle_millidegrees(angle);",
+    ),
     Part(
         "runner: start and end of a step",
-        ("runner",),
+        ("codewheel/runner.h",),
         "cw_runner *runner, int32_t error, uint32_t now",
         "cw_runner_done(runner, error, now); return (uint32_t)cw_runner_next(runner, now);",
     ),
     Part(
         "BiSS master: control bit and answer in the same frame",
-        ("biss",),
+        ("codewheel/biss.h",),
         "cw_biss_master *master, bool cds",
         "return cw_biss_master_next(master, cds) ? 1U : 0U;",
     ),
     Part(
         "BiSS master: answer one frame after the control bit",
-        ("biss",),
+        ("codewheel/biss.h",),
         "cw_biss_master *master, bool cds",
         "return cw_biss_master_next_late(master, cds) ? 1U : 0U;",
     ),
 )
 
 
-def measure(board: Board, include: Path, folder: Path) -> dict[str, int]:
-    """Return the bytes of each part on a board."""
-    found = {}
+def measured(part: Part, board: Board, include: Path, folder: Path) -> tuple[int, int | None]:
+    """Return the bytes of a part on a board, and the count of its call."""
+    source, entry = folder / "around.c", folder / "entry.c"
+    source.write_text(part.source, encoding="utf-8")
+    count = None
+    if part.call is not None:
+        entry.write_text(part.entry(part.call), encoding="utf-8")
+        count = board.executed([source, entry], [include], folder)
+    return board.size([source], [include], "measured", folder), count
+
+
+def measure(board: Board, include: Path, folder: Path) -> Figures:
+    """Return the figures of all parts on a board."""
+    return {part.title: measured(part, board, include, folder) for part in PARTS}
+
+
+def table(figures: Mapping[str, Figures]) -> str:
+    lines = ["| | " + " | ".join(f"{board.name}: bytes / {board.unit}" for board in BOARDS) + " |"]
+    lines += ["|---" * (len(BOARDS) + 1) + "|"]
     for part in PARTS:
-        source = folder / "around.c"
-        source.write_text(part.source, encoding="utf-8")
-        found[part.title] = board.size([source], [include], "measured", folder)
-    return found
-
-
-def table(figures: Mapping[str, Mapping[str, int]]) -> str:
-    names = [board.name for board in BOARDS]
-    lines = ["| bytes | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
-    lines += [
-        f"| {part.title} | " + " | ".join(str(figures[name][part.title]) for name in names) + " |" for part in PARTS
-    ]
+        pairs = (figures[board.name][part.title] for board in BOARDS)
+        cells = (f"{size}" if count is None else f"{size} / {count}" for size, count in pairs)
+        lines.append(f"| {part.title} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
@@ -145,7 +322,7 @@ def main() -> None:
         page = PAGE.read_text(encoding="utf-8")
         before, after = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
         PAGE.write_text(f"{before}\n\n{table(figures)}\n{after}", encoding="utf-8")
-        recorded = {board.name: {"compiler": board.version(), "bytes": figures[board.name]} for board in BOARDS}
+        recorded = {board.name: {"compiler": board.version(), "figures": figures[board.name]} for board in BOARDS}
         RECORDED.write_text(json.dumps(recorded, indent=1) + "\n", encoding="utf-8")
 
 

@@ -31,6 +31,9 @@ typedef struct hand_reply {
 
 int hand_biss46(uint64_t word, hand_biss *out);
 int hand_biss47(uint64_t word, hand_biss *out);
+int hand_receive47(const uint8_t *rx, hand_biss *out);
+int hand_samples47(const uint8_t *samples, uint8_t *rx, hand_biss *out);
+int hand_ssi39(const uint8_t *rx, uint64_t *word);
 int hand_rs485(const uint8_t *bytes, size_t length, hand_reply *out);
 
 #endif

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Add the runtime to the requirements. If its folder is nearby, it is installed from there."""
+"""Add the runtime to the requirements. If its folder is found nearby, it is installed from there."""
 
 import sys
 from pathlib import Path

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
 
 from c_harness import WARNINGS
@@ -59,6 +60,8 @@ FUNCTIONS = {
     "tracker_add": ("int", ("cw_tracker *", "uint64_t", "uint32_t")),
     "tracker_speed": ("int64_t", ("const cw_tracker *",)),
 }
+#: Those that divide, with the compiler's library where the processor cannot.
+DIVIDING = {"counts_per_second_divided": ("int64_t", ("int64_t", "uint32_t"))}
 _TYPES = {
     "void": None,
     "int": ctypes.c_int,
@@ -74,13 +77,13 @@ _TYPES = {
 }
 
 
-def source() -> str:
+def source(functions: Mapping[str, tuple[str, tuple[str, ...]]] = FUNCTIONS) -> str:
     """A function of the name without ``cw_`` for each; the struct is what Python takes it for."""
     text = '#include "codewheel/tracker.h"\n#include "codewheel/angle.h"\n'
     for kind in (Tracker, Config):
         name = "cw_tracker" if kind is Tracker else "cw_tracker_config"
         text += f"typedef char {name}_here[(sizeof({name}) == {ctypes.sizeof(kind)}U) ? 1 : -1];\n"
-    for name, (kind, given) in FUNCTIONS.items():
+    for name, (kind, given) in functions.items():
         head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
         call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
         back = "" if kind == "void" else "return (int)" if kind == "int" else "return "
@@ -91,7 +94,7 @@ def source() -> str:
 def compile_motion(include: Path, folder: Path) -> None:
     """Compiles the library into the folder; :func:`motion_of` loads it."""
     text = folder / "motion.c"
-    text.write_text(source(), encoding="utf-8")
+    text.write_text(source(FUNCTIONS | DIVIDING), encoding="utf-8")
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
     done = subprocess.run(
         [*command, *WARNINGS, f"-I{include}", str(text), "-o", str(folder / "motion.so")],
@@ -104,7 +107,7 @@ def compile_motion(include: Path, folder: Path) -> None:
 def motion_of(folder: Path) -> ctypes.CDLL:
     """The library, its functions with their types."""
     library = ctypes.CDLL(str(folder / "motion.so"))
-    for name, (kind, given) in FUNCTIONS.items():
+    for name, (kind, given) in (FUNCTIONS | DIVIDING).items():
         function = getattr(library, name)
         function.restype, function.argtypes = _TYPES[kind], [_TYPES[item] for item in given]
     return library

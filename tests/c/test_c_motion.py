@@ -272,7 +272,8 @@ def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
     [(0, 5, 0), (1, 1, 1_000_000), (-1, 3, -333_333), (FAST, 1_000_000, FAST), (-7, 0, 0), (1 << 43, 1, 10**6 << 43)],
 )
 def test_a_speed_by_hand(counts: int, elapsed: int, speed: int, motion: ctypes.CDLL) -> None:
-    assert motion.counts_per_second(counts, elapsed) == (speed if abs(speed) < 1 << 63 else speed - (1 << 64))
+    wanted = speed if abs(speed) < 1 << 63 else speed - (1 << 64)
+    assert motion.counts_per_second(counts, elapsed) == motion.counts_per_second_divided(counts, elapsed) == wanted
 
 
 def test_speeds(motion: ctypes.CDLL) -> None:
@@ -280,8 +281,9 @@ def test_speeds(motion: ctypes.CDLL) -> None:
     for _ in range(5_000):
         counts = random_.randint(-(1 << random_.randrange(43)), 1 << random_.randrange(43))
         elapsed = random_.randint(1, (1 << random_.randint(1, 32)) - 1)
-        wanted = abs(counts) * 1_000_000 // elapsed
-        assert motion.counts_per_second(counts, elapsed) == (wanted if counts >= 0 else -wanted)
+        wanted = abs(counts) * 1_000_000 // elapsed * (1 if counts >= 0 else -1)
+        assert motion.counts_per_second(counts, elapsed) == wanted
+        assert motion.counts_per_second_divided(counts, elapsed) == wanted
 
 
 def test_the_speed_of_an_axis(motion: ctypes.CDLL) -> None:

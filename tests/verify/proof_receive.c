@@ -79,6 +79,73 @@ void a_frame_of_biss(void)
     __CPROVER_assert((result != CW_OK) || (word == expected), "the word");
 }
 
+/* The start bit in up to 9 bytes, so that two words and what is left of a third come up: the first 1 after a 0. */
+void a_start_bit(void)
+{
+    uint8_t line[9];
+    const size_t bits = nondet_size();
+    const size_t any = nondet_size();
+    size_t at;
+    size_t found;
+    __CPROVER_assume((bits <= (8U * sizeof line)) && (any < bits));
+    for (at = 0U; at < sizeof line; at++) {
+        line[at] = nondet_byte();
+    }
+    found = cw_biss_start(line, bits);
+    if (found < bits) {
+        __CPROVER_assert((found > 0U) && (cw_received_bit(line, found) == 1U) && (cw_received_bit(line, found - 1U) == 0U),
+            "a 1 after a 0");
+    }
+    if ((any != 0U) && (any < found)) {
+        __CPROVER_assert(cw_received_bit(line, any) <= cw_received_bit(line, any - 1U), "none before it");
+    }
+    if (found >= bits) {
+        __CPROVER_assert(found == (bits + cw_received_bit(line, bits - 1U)), "none at all, and no 0 either");
+    }
+}
+
+/* Up to 57 bits anywhere in 8 or 9 bytes, which end with the last one that may be read. */
+void a_word_in_eight_bytes(void)
+{
+    const size_t count = nondet_size();
+    const size_t first = nondet_size();
+    const uint32_t bits = nondet_word();
+    uint8_t buffer[9];
+    const uint8_t *data;
+    uint64_t found;
+    size_t at;
+    __CPROVER_assume((count >= 8U) && (count <= sizeof buffer) && (bits >= 1U) && (bits <= 57U));
+    __CPROVER_assume((first < 72U) && ((first + bits) <= (8U * count)));
+    for (at = 0U; at < sizeof buffer; at++) {
+        buffer[at] = nondet_byte();
+    }
+    data = &buffer[sizeof buffer - count];
+    found = cw_received_word(data, count, first, bits);
+    at = nondet_size();
+    __CPROVER_assume(at < 64U);
+    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(data, (first + bits) - 1U - at) : 0U),
+        "each bit of the word");
+}
+
+/* Up to 64 bits from any place within a byte on, in a buffer that ends with the last of them. */
+void a_word_over_nine_bytes(void)
+{
+    const size_t first = nondet_size();
+    const uint32_t bits = nondet_word();
+    uint8_t buffer[9];
+    uint64_t found;
+    size_t at;
+    __CPROVER_assume((first < 8U) && (bits <= 64U));
+    for (at = 0U; at < sizeof buffer; at++) {
+        buffer[at] = nondet_byte();
+    }
+    found = cw_received_bits(buffer, first, bits);
+    at = nondet_size();
+    __CPROVER_assume(at < 64U);
+    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(buffer, (first + bits) - 1U - at) : 0U),
+        "each bit of the word");
+}
+
 void a_frame_in_whole_bytes(void)
 {
     const uint32_t bits = nondet_word();

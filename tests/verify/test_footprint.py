@@ -11,6 +11,7 @@ import importlib.util
 import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -67,18 +68,45 @@ def test_no_byte_and_no_instruction_more_than_recorded(name: str, footprint: Any
     assert not more, "\n".join(more)
 
 
+@pytest.fixture
+def around(footprint: Any) -> Any:
+    return importlib.import_module("around")
+
+
 @pytest.mark.parametrize("name", AROUND)
-def test_what_is_around_takes_no_byte_more_than_recorded(name: str, footprint: Any, tmp_path: Path) -> None:
-    around = importlib.import_module("around")
-    (board,) = (item for item in footprint.BOARDS if item.name == name)
+def test_what_is_around_takes_no_more_than_recorded(name: str, around: Any, tmp_path: Path) -> None:
+    (board,) = (item for item in around.BOARDS if item.name == name)
     tool(board.compiler)
+    if name == "avr":
+        tool("simavr")
     if board.version() != AROUND[name]["compiler"]:
         pytest.skip(f"the figures were recorded with {AROUND[name]['compiler']}, here is {board.version()}")
-    figures = around.measure(board, footprint.write_headers(tmp_path), tmp_path)
-    assert figures.keys() == AROUND[name]["bytes"].keys()
-    assert {key: size for key, size in figures.items() if size > AROUND[name]["bytes"][key]} == {}
-    bounds = {part.title: part.most for part in around.PARTS if part.most and name.startswith("cortex")}
-    assert {key: figures[key] for key, most in bounds.items() if figures[key] > most} == {}
+    measured, recorded = around.measure(board, around.write_headers(tmp_path), tmp_path), AROUND[name]["figures"]
+    assert measured.keys() == recorded.keys()
+    assert {
+        key: (pair, recorded[key])
+        for key, pair in measured.items()
+        if pair[0] > recorded[key][0] or (pair[1] or 0) > (recorded[key][1] or 0)
+    } == {}
+
+
+@pytest.mark.parametrize("name", ["cortex-m0plus", "cortex-m4"])
+def test_what_is_around_is_within_its_bounds(name: str, around: Any) -> None:
+    """Bytes of code, and instructions from a buffer to a position. What is recorded is what was measured above."""
+    recorded = AROUND[name]["figures"]
+    assert {part.title: part.most for part in around.PARTS if 0 < part.most < recorded[part.title][0]} == {}
+    bounds = {part.title: part.call.at_most[name] for part in around.PARTS if part.call and name in part.call.at_most}
+    assert bounds
+    assert {key: most for key, most in bounds.items() if recorded[key][1] > most} == {}
+
+
+def test_a_wrong_position_is_no_figure(around: Any, tmp_path: Path) -> None:
+    """The emulated call has to find the position of the sample."""
+    tool(around.BOARDS[0].compiler)
+    part = next(item for item in around.PARTS if item.call)
+    wrong = replace(part, call=replace(part.call, good=part.call.good.replace("==", "!=")))
+    with pytest.raises(RuntimeError, match="not decoded as it should be"):
+        around.measured(wrong, around.BOARDS[0], around.write_headers(tmp_path), tmp_path)
 
 
 def test_a_wrongly_decoded_frame_is_no_figure(footprint: Any, tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ PACKAGES = {
     "cmake": "apt-get install cmake",
     "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",
+    "sdcc": "apt-get install sdcc",
     "chromium": "apt-get install chromium",
 }
 

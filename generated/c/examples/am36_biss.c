@@ -11,7 +11,7 @@
 
 #include "lika/am36.h"
 
-/* The order code from the label, AM3616/4096-I7. The compiler computes the place of each bit. */
+/* The order code from the label, AM3616/4096-I7. The compiler computes the position of each bit. */
 static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
 
 /* -- your bus ---------------------------------------------------------------------------------- */

@@ -12,7 +12,7 @@
 #include "codewheel/receive.h"
 #include "lika/am36.h"
 
-/* The order code from the label, AM3619/4096-GG. The compiler computes the place of each bit. */
+/* The order code from the label, AM3619/4096-GG. The compiler computes the position of each bit. */
 static const lika_am36_variant encoder = LIKA_AM36_AM3619_4096_GG;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */

@@ -11,7 +11,7 @@
 
 #include "lika/amm5.h"
 
-/* The order code from the label, AMM5A21/65KSC1. The compiler computes the place of each bit. */
+/* The order code from the label, AMM5A21/65KSC1. The compiler computes the position of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */

@@ -14,7 +14,7 @@
 #include "codewheel/runner.h"
 #include "lika/amm5.h"
 
-/* The order code from the label, AMM5A23/65KJP1. The compiler computes the place of each bit. */
+/* The order code from the label, AMM5A23/65KJP1. The compiler computes the position of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KJP1;
 
 /* Time between two requests. */
@@ -170,7 +170,10 @@ static const char *reason(void)
     return (why == CW_FAULT_LENGTH) ? "incomplete reply" : "no reply";
 }
 
-/* Handle a missing reply. Leave the line idle, so that a late one is not mistaken for the next. */
+/*
+ * Handle a missing reply. Leave the line idle, so that a late reply is not mistaken for the next
+ * one.
+ */
 static void reply_failed(void)
 {
     printf("%lu us: %s\n", (unsigned long)now_us, reason());

@@ -12,7 +12,7 @@
 #include "codewheel/receive.h"
 #include "lika/amm5.h"
 
-/* The order code from the label, AMM5A23/65KBG1. The compiler computes the place of each bit. */
+/* The order code from the label, AMM5A23/65KBG1. The compiler computes the position of each bit. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */

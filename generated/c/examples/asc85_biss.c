@@ -11,7 +11,7 @@
 
 #include "lika/asc85.h"
 
-/* The order code from the label, ASC8525/SC1. The compiler computes the place of each bit. */
+/* The order code from the label, ASC8525/SC1. The compiler computes the position of each bit. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_SC1;
 
 /*

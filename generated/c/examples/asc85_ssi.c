@@ -12,7 +12,7 @@
 #include "codewheel/receive.h"
 #include "lika/asc85.h"
 
-/* The order code from the label, ASC8525/GG1. The compiler computes the place of each bit. */
+/* The order code from the label, ASC8525/GG1. The compiler computes the position of each bit. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_GG1;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */

@@ -11,7 +11,7 @@
 
 #include "lika/sma21.h"
 
-/* The order code from the label, SMA21-SC1-0050. The compiler computes the place of each bit. */
+/* The order code from the label, SMA21-SC1-0050. The compiler computes the position of each bit. */
 static const lika_sma21_variant encoder = LIKA_SMA21_SC1_0050;
 
 /* -- your bus ---------------------------------------------------------------------------------- */

@@ -12,7 +12,7 @@
 #include "codewheel/receive.h"
 #include "lika/sma21.h"
 
-/* The order code from the label, SMA21-BG1-0001. The compiler computes the place of each bit. */
+/* The order code from the label, SMA21-BG1-0001. The compiler computes the position of each bit. */
 static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */

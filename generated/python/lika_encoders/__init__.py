@@ -221,10 +221,10 @@ def lookup(label: str) -> Encoder: ...
 
 
 def lookup(label: str) -> Encoder:
-    """Return the encoder that belongs to a label, from any family.
+    """Return the encoder for a label, from any family.
 
     Args:
-        label: Order code on the label. Case does not matter. A tail after ``-`` and an ending ``/Sxxx`` are accepted.
+        label: Order code on the label. Case does not matter. A tail after ``-`` and a suffix ``/Sxxx`` are accepted.
 
     Returns:
         The encoder. Type checkers infer its class for each listed order code.
@@ -237,7 +237,7 @@ def lookup(label: str) -> Encoder:
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes of all families that match the contents of an encoder's registers.
+    """Return the order codes of all families that are consistent with the contents of an encoder's registers.
 
     Registers that are undocumented or incomplete in ``read`` are ignored.
 

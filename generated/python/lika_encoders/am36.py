@@ -31,7 +31,7 @@ Version 0.1.0, generated from the manual “AM36 AMC36”, revision 1.0 of 2014 
 manual. A source that starts with a language code refers to the edition in that language. A source that starts with any
 other key refers to that entry of DOCUMENTS.
 
-Differences from other editions of the manual are noted inline. Generate files for one with ``codewheel generate
+Differences from other editions of the manual are noted inline. To generate files for one, use ``codewheel generate
 --edition am36=1.0``.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
@@ -192,24 +192,24 @@ class Variant(Rotary, Wrapping):
         multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
         ssi_gray: Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
-            of Information per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h
+            of Information per revolution [6.5 p.31]. Unit: bits. Read at run time from register 56h
             (``singleturn_bits_used.bits``), 0 to 20. Applies only to BiSS C-mode. The value is the factory default
             unless set by with_registers().
         used_multiturn_bits: Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits.
-            Held at run time in register 57h (``multiturn_bits_used.bits``), 0 to 16. Applies only to BiSS C-mode. The
+            Read at run time from register 57h (``multiturn_bits_used.bits``), 0 to 16. Applies only to BiSS C-mode. The
             value is the factory default unless set by with_registers().
         used_revolutions: Number of revolutions after which the BiSS position wraps around, as currently set [6.5 p.28].
-            Unit: revolutions. Held at run time in registers 4Eh to 4Fh (``number_of_revolutions.revolutions``), 1 to
+            Unit: revolutions. Read at run time from registers 4Eh to 4Fh (``number_of_revolutions.revolutions``), 1 to
             65,536. Applies only to BiSS C-mode. The value is the factory default unless set by with_registers().
-        used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Held at run time
-            in registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS C-mode.
-            The value is the factory default unless set by with_registers().
-        output_code: Code of the position over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Held at run time in
-            register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
-            default unless set by with_registers().
+        used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Read at run time
+            from registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS
+            C-mode. The value is the factory default unless set by with_registers().
+        output_code: Code of the position over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Read at run time
+            from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the
+            factory default unless set by with_registers().
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
-        special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
+        special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
         written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
@@ -445,9 +445,9 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder that belongs to a label.
+    """Return the encoder for a label.
 
-    A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
+    A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
     of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
@@ -554,7 +554,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
@@ -662,7 +662,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     most significant first [6.3 p.21, 6.3.1 p.21].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -673,11 +673,11 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn and singleturn
-    together Position. It has up to 36 bits, most significant bit first. The widths of the two parts are the values of
-    registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The CRC, the
-    warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn and
-    singleturn are coded as one word. If the number of revolutions is not a power of two, the step from the last
+    With the defaults, the frame has 44 bits, which is also the maximum. Together, multiturn and singleturn are called
+    Position in the manual. It has up to 36 bits, most significant bit first. The widths of the two parts are the values
+    of registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The CRC,
+    the warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn
+    and singleturn are coded as one word. If the number of revolutions is not a power of two, the step from the last
     position to the first then changes several bits at once.
 
     Errata (full text in ERRATA):
@@ -702,7 +702,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: no unused bit differs."""
+        """True if all values match the manual (no unused bit differs)."""
         return self.unused == 0
 
     @property
@@ -821,8 +821,8 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
-        profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder. Decoding accepts other values
-            too.
+        profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder. The decoder also accepts other
+            values.
 
     Identification code of the profile.
 
@@ -841,7 +841,7 @@ class ProfileId(FixedRegister, _ProfileId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: profile 0."""
+        """True if all values match the manual (profile = 0)."""
         return self.profile == 0
 
     @classmethod
@@ -873,7 +873,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Attributes:
         year: Year of production, register 44h.
         week: Week of production, register 45h.
-        number: Serial number in ascending order, registers 46h and 47h.
+        number: Serial number, assigned in ascending order, registers 46h and 47h.
 
     Year and week of production and a serial number, "in hexadecimal notation".
 
@@ -935,8 +935,8 @@ class Command(IntEnum):
     value.
     """
     RESTORE_DEFAULTS = 4
-    """Load and save default parameters: Loads, activates and saves the factory defaults. All values set before are
-    lost.
+    """Load and save default parameters: Loads, activates and saves the factory defaults. All previously set values
+    are lost.
     """
 
     @classmethod
@@ -1077,7 +1077,7 @@ class InformationPerRevolution(FixedRegister, _InformationPerRevolution):
 
     @staticmethod
     def limits() -> tuple[int, int]:
-        """Return the lowest and highest value of ``steps`` that may be written."""
+        """Return the lowest and the highest value of ``steps`` that may be written."""
         return 1, 1_048_576
 
 
@@ -1132,7 +1132,7 @@ class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
 
     @staticmethod
     def limits() -> tuple[int, int]:
-        """Return the lowest and highest value of ``revolutions`` that may be written."""
+        """Return the lowest and the highest value of ``revolutions`` that may be written."""
         return 1, 65_536
 
 
@@ -1145,16 +1145,16 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
     """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
 
     Attributes:
-        variant: Encoder that the register belongs to.
+        variant: Encoder to which the register belongs.
         position: Position as one number, with the revolutions above the singleturn position. Unit: counts.
 
     Value that the encoder reports at the current shaft position once the preset is activated.
 
     Byte order: high byte first, at 50h. Default: ``00 00 00 00 00``. Limits: 0 to ``used_information * used_revolutions
-    - 1`` for ``position``. Can be written only while ``configuration.enable_preset`` holds 0 (``enable``). Save the
+    - 1`` for ``position``. Can be written only while ``configuration.enable_preset`` is 0 (``enable``). Save the
     parameters after a write, or the encoder loses the value at power-off.
 
-    The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the Enable preset bit to 0 (enable)
+    The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the Enable preset bit to 0 (enable)
     before writing. The command Save parameters on EEPROM saves the value without activating it. The command Save
     parameters and activate Preset saves and activates it. The Zero setting/Preset input activates it as well. The
     manual suggests activating it at a standstill. Set the preset again after a change of the counting direction, of
@@ -1199,7 +1199,7 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
-        """Return the lowest and highest value of ``position`` that may be written."""
+        """Return the lowest and the highest value of ``position`` that may be written."""
         check_encoder(variant, Variant, _BISS)
         return 0, variant.used_information * variant.used_revolutions - 1
 
@@ -1212,8 +1212,8 @@ class DeviceType(FixedRegister, _DeviceType):
     """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
-        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder.
-            Decoding accepts other values too.
+        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder. The
+            decoder also accepts other values.
 
     Type of the device.
 
@@ -1229,7 +1229,7 @@ class DeviceType(FixedRegister, _DeviceType):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: device_type 2."""
+        """True if all values match the manual (device_type = 2)."""
         return self.device_type == 2
 
     @classmethod
@@ -1341,12 +1341,12 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
-        model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds ``AM``, which identifies the encoder.
-            Decoding accepts other values too.
+        model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds ``AM``, which identifies the encoder. The
+            decoder also accepts other values.
         interface_code: Interface, BiSS C (49 37 in hexadecimal). ASCII text. Holds ``I7``, which identifies the
-            encoder. Decoding accepts other values too.
+            encoder. The decoder also accepts other values.
         enclosure: Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. Holds ``2``, which identifies the
-            encoder. Decoding accepts other values too.
+            encoder. The decoder also accepts other values.
         software_version: Software version, printed as XX. ASCII text.
 
     Encoder model, interface, enclosure and software version. The manual refers to the order code here.
@@ -1365,7 +1365,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: model 'AM', interface_code 'I7', enclosure '2'."""
+        """True if all values match the manual (model = 'AM', interface_code = 'I7', enclosure = '2')."""
         return self.model == "AM" and self.interface_code == "I7" and self.enclosure == "2"
 
     @classmethod
@@ -1399,8 +1399,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. Decoding
-            accepts other values too.
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+            decoder also accepts other values.
 
     Manufacturer.
 
@@ -1416,7 +1416,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'Li'."""
+        """True if all values match the manual (name = 'Li')."""
         return self.name == "Li"
 
     @classmethod
@@ -1498,7 +1498,7 @@ _HELD: Final = (
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that match the contents of an encoder's registers.
+    """Return the order codes that are consistent with the contents of an encoder's registers.
 
     Registers that are undocumented or incomplete in ``read`` are ignored.
 

@@ -32,7 +32,7 @@ Version 0.1.0, generated from the manual “AMM5A AMM5B”, revision 1.9 of 2021
 this manual. A source that starts with a language code refers to the edition in that language. A source that starts with
 any other key refers to that entry of DOCUMENTS.
 
-Differences from other editions of the manual are noted inline. Generate files for one with ``codewheel generate
+Differences from other editions of the manual are noted inline. To generate files for one, use ``codewheel generate
 --edition amm5=1.0``.
 
 Before edition 1.4 [Document release]:
@@ -217,7 +217,7 @@ class Variant(Rotary, Wrapping):
             Unit: bits.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
-        special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
+        special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
         written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
@@ -498,9 +498,9 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder that belongs to a label.
+    """Return the encoder for a label.
 
-    A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
+    A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
     of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
@@ -564,7 +564,7 @@ def crc_rs485_8(data: bytes) -> int:
     """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.6 p.47].
 
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
-    the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value 0.
+    the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value to 0.
 
     Errata (full text in ERRATA):
         crc_code_bit_order (settled, wrong data): The CRC is the XOR of all bytes before it, which is x^8 + 1 with input
@@ -646,7 +646,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     p.28].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
@@ -749,7 +749,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     significant first [6.2.1 p.32].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
         error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
@@ -769,8 +769,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    The manual calls multiturn and singleturn together Position (Italian: Posizione). It has 17 to 39 bits, most
-    significant bit first.
+    Together, multiturn and singleturn are called Position in the manual (Italian: Posizione). It has 17 to 39 bits,
+    most significant bit first.
 
     Errata (full text in ERRATA):
         position_order (open, omission): Multiturn comes first, as the more significant part.
@@ -969,7 +969,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
-        mem_busy: MEM BUSY: Always 0 from the master.
+        mem_busy: MEM BUSY: Always 0 when sent by the master.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
@@ -1093,7 +1093,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
-        mem_busy: MEM BUSY: Always 0 from the master.
+        mem_busy: MEM BUSY: Always 0 when sent by the master.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
@@ -1197,7 +1197,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         data_id: Data ID: Type of the request, repeated in the reply.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
@@ -1241,7 +1241,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: no unused bit differs."""
+        """True if all values match the manual (no unused bit differs)."""
         return self.unused == 0
 
     @property
@@ -1321,7 +1321,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
             C.
@@ -1338,7 +1338,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     Its ``data_id`` is 1 (multiturn).
 
-    Singleturn models use no bit of these three bytes. Unused high bits are 0.
+    Singleturn models do not use these three bytes. Unused high bits are 0.
 
     Errata (full text in ERRATA):
         busy_and_errors_in_one_bit (open, omission): EE_1 is one flag, status_other_error.
@@ -1367,7 +1367,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: no unused bit differs."""
+        """True if all values match the manual (no unused bit differs)."""
         return self.unused == 0
 
     @property
@@ -1449,7 +1449,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
             Its ALMC shows the active error.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
-            identifies the encoder. Decoding accepts other values too.
+            identifies the encoder. The decoder also accepts other values.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
@@ -1484,7 +1484,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: encoder_id 0x23, no unused bit differs."""
+        """True if all values match the manual (encoder_id = 0x23, no unused bit differs)."""
         return self.encoder_id == 0x23 and self.unused == 0
 
     @classmethod
@@ -1548,7 +1548,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
             C.
@@ -1560,7 +1560,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
-            identifies the encoder. Decoding accepts other values too.
+            identifies the encoder. The decoder also accepts other values.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
             Right-aligned in 24 bits, with zeros above it.
         busy: BUSY. True when 1: not ready after power-on or during a reset. All position data are 0. False when 0:
@@ -1615,7 +1615,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: encoder_id 0x23, no unused bit differs."""
+        """True if all values match the manual (encoder_id = 0x23, no unused bit differs)."""
         return self.encoder_id == 0x23 and self.unused == 0
 
     @property
@@ -2023,7 +2023,7 @@ Request: TypeAlias = Union[
 
 
 def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAddress | None = None) -> Request:
-    """Decode a request, recognized by its Data ID.
+    """Decode a request of any kind, as identified by the field Data ID.
 
     Args:
         data: Bytes of the request, in the order of transmission.
@@ -2038,7 +2038,7 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
-        RangeError: The Data ID or another field has an undefined value.
+        RangeError: The field Data ID or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
         TypeError: The request needs an answer that is missing.
@@ -2049,7 +2049,7 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
 
 
 def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Request]:
-    """Return the decoder for an encoder. It chooses the class of a frame."""
+    """Return the decoder for an encoder. It determines the class of a frame."""
     kinds: dict[int, Callable[..., Request]] = {
         **dict.fromkeys((0, 1, 2, 3, 7, 8, 0xC), DataRequest._decoder(variant, failed)),
         6: EepromWriteRequest._decoder(variant, failed),
@@ -2082,7 +2082,7 @@ Reply: TypeAlias = Union[
 
 
 def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAddress | None = None) -> Reply:
-    """Decode a reply, recognized by its Data ID.
+    """Decode a reply of any kind, as identified by the field Data ID.
 
     Args:
         data: Bytes of the reply, in the order of transmission.
@@ -2097,7 +2097,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
-        RangeError: The Data ID or another field has an undefined value.
+        RangeError: The field Data ID or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
         TypeError: The reply needs an answer that is missing.
@@ -2108,7 +2108,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
 
 
 def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply]:
-    """Return the decoder for an encoder. It chooses the class of a frame."""
+    """Return the decoder for an encoder. It determines the class of a frame."""
     kinds: dict[int, Callable[..., Reply]] = {
         **dict.fromkeys((0, 7, 8, 0xC), SingleturnReply._decoder(variant, failed)),
         1: MultiturnReply._decoder(variant, failed),
@@ -2170,15 +2170,15 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
     """Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
 
     Attributes:
-        variant: Encoder that the register belongs to.
+        variant: Encoder to which the register belongs.
         multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
     Value that the encoder reports at the current shaft position once the preset is activated.
 
     Byte order: low byte first, at 11h. Default: ``00 00 00 00 00 00 00``. Limits: 0 to ``2^position_bits - 1`` for
-    ``position``. Can be written only while ``preset_setting_enable`` holds 01h (``enable``). Save the parameters after
-    a write, or the encoder loses the value at power-off.
+    ``position``. Can be written only while ``preset_setting_enable`` is 01h (``enable``). Save the parameters after a
+    write, or the encoder loses the value at power-off.
 
     Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register again with Preset
     setting enable and save the value. Then activate it, if it should take effect immediately. The manual suggests
@@ -2255,7 +2255,7 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
-        """Return the lowest and highest value of ``position`` that may be written."""
+        """Return the lowest and the highest value of ``position`` that may be written."""
         check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.position_bits) - 1
 
@@ -2312,7 +2312,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Attributes:
         year: Year of production.
         week: Week of production.
-        number: Serial number in ascending order.
+        number: Serial number, assigned in ascending order.
 
     Year and week of production and a serial number, as the decimal digits of one binary number.
 
@@ -2330,7 +2330,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
         """Digits of ``year``, ``week``, ``number`` as one number.
 
         Decimal digits, most significant first: ``year`` 2 (Year of production), ``week`` 2 (Week of production),
-        ``number`` 5 (Serial number in ascending order).
+        ``number`` 5 (Serial number, assigned in ascending order).
         """
         return index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)
 
@@ -2405,7 +2405,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Attributes:
         name: Name of the device (41 4D 4D 35 in hexadecimal). ASCII text. Holds ``AMM5``, which identifies the encoder.
-            Decoding accepts other values too.
+            The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
     Name of the device and its hardware-software release.
@@ -2421,7 +2421,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'AMM5'."""
+        """True if all values match the manual (name = 'AMM5')."""
         return self.name == "AMM5"
 
     @classmethod
@@ -2449,8 +2449,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. Decoding
-            accepts other values too.
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+            decoder also accepts other values.
 
     Manufacturer.
 
@@ -2461,7 +2461,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'Li'."""
+        """True if all values match the manual (name = 'Li')."""
         return self.name == "Li"
 
     @classmethod
@@ -2482,7 +2482,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that match the contents of an encoder's registers.
+    """Return the order codes that are consistent with the contents of an encoder's registers.
 
     Registers that are undocumented or incomplete in ``read`` are ignored.
 

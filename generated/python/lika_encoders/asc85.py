@@ -190,7 +190,7 @@ class Variant(Rotary, Wrapping):
         ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary [5 p.15, 5.2 p.16].
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
-        special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
+        special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
         written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
@@ -383,9 +383,9 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder that belongs to a label.
+    """Return the encoder for a label.
 
-    A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
+    A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
     of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
@@ -483,7 +483,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         position: Position within one revolution. Unit: counts.
 
     In the manual: Structure of the position information.
@@ -566,7 +566,7 @@ class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
     first [6.2.1 p.20].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         zero_bit: Constant 0 bit between position and error bit of a BiSS frame.
         position: Position: Position within one revolution, most significant bit first. Unit: counts.
         error: Error, nE: Normal or fault status of the encoder. The error register shows the active error. True when 0:
@@ -734,8 +734,8 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
-        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder. Decoding accepts other
-            values too.
+        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder. The decoder also
+            accepts other values.
         data_length: Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
 
     Identification code of the encoder profile, BP1 (Standard Encoder Profile).
@@ -758,7 +758,7 @@ class ProfileId(FixedRegister, _ProfileId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: variant 0x28."""
+        """True if all values match the manual (variant = 0x28)."""
         return self.variant_ == 0x28
 
     @classmethod
@@ -788,7 +788,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Attributes:
         serial: Serial number.
 
-    Serial number of the device, in ascending order.
+    Serial number of the device, assigned in ascending order.
 
     Byte order: high byte first, at 44h.
 
@@ -1039,7 +1039,7 @@ class Position(RegisterOf["BissEncoder"], _Position):
     """Position, registers 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
-        variant: Encoder that the register belongs to.
+        variant: Encoder to which the register belongs.
         position: Position within one revolution. Unit: counts.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
@@ -1056,7 +1056,7 @@ class Position(RegisterOf["BissEncoder"], _Position):
         scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
             position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
             If the CRC of every frame fails, the other layout is likely.
-        position_register_bits (open, wrong data): The exponents number the bits of the register. The position is
+        position_register_bits (open, wrong data): The exponents are the bit numbers of the register. The position is
             left-aligned at bit 31 and position_bits wide. The bits below it are unspecified.
         error_reset (open, omission): Reading the position register resets the messages.
     """
@@ -1171,7 +1171,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Attributes:
         name: Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. Holds ``AS85``, which
-            identifies the encoder. Decoding accepts other values too.
+            identifies the encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as 30 31. ASCII text.
 
     Name of the device and its hardware-software release.
@@ -1188,7 +1188,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'AS85'."""
+        """True if all values match the manual (name = 'AS85')."""
         return self.name == "AS85"
 
     @classmethod
@@ -1216,8 +1216,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. Decoding
-            accepts other values too.
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+            decoder also accepts other values.
 
     Manufacturer.
 
@@ -1228,7 +1228,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'Li'."""
+        """True if all values match the manual (name = 'Li')."""
         return self.name == "Li"
 
     @classmethod
@@ -1249,7 +1249,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that match the contents of an encoder's registers.
+    """Return the order codes that are consistent with the contents of an encoder's registers.
 
     Registers that are undocumented or incomplete in ``read`` are ignored.
 
@@ -1351,7 +1351,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     return (
         *writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 while the configuration is being written"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "0 again unless the write failed"),
+        Read(Address.ERROR_REGISTER, 1, "error_register", "returns to 0 unless the write failed"),
     )
 
 
@@ -1442,7 +1442,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     return (
         *writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 during the verification"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "0 again unless the verification failed"),
+        Read(Address.ERROR_REGISTER, 1, "error_register", "returns to 0 unless the verification failed"),
     )
 
 

@@ -33,7 +33,7 @@ Version 0.1.0, generated from the manual “SMA21 + MTA-A154”, revision 1.2 of
 to this manual. A source that starts with a language code refers to the edition in that language. A source that starts
 with any other key refers to that entry of DOCUMENTS.
 
-Differences from other editions of the manual are noted inline. Generate files for one with ``codewheel generate
+Differences from other editions of the manual are noted inline. To generate files for one, use ``codewheel generate
 --edition sma21=1.0``.
 
 Before edition 1.1 [Release table]:
@@ -221,18 +221,18 @@ class Variant(Linear, Wrapping):
         scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. They
             are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
-            offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Held at run time in register 49h
+            offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Read at run time from register 49h
             (``configuration.select_preset_offset``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
             default unless set by with_registers().
         profile_id: Profile ID in the BiSS registers 42h and 43h [6.4 p.28].
-        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Held at run time in
-            register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
-            default unless set by with_registers().
+        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Read at run time
+            from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the
+            factory default unless set by with_registers().
         rs485_position_bits: Width of the position in the 24-bit replies over RS-485. At 1 µm it is one bit less than
             over SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
-        special_code: Ending /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
+        special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
             standard encoder mechanically and electrically. It may come with its own documentation for special
             connections (Technical Info).
         written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
@@ -551,9 +551,9 @@ def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """Return the encoder that belongs to a label.
+    """Return the encoder for a label.
 
-    A tail after ``-`` and an ending ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
+    A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
     of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
@@ -699,7 +699,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         position: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
         error: Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
             upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the
@@ -789,7 +789,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     significant first [6.2 p.25].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         position: Posizione: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
         error: nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside down,
             surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the tape). True when
@@ -812,8 +812,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         gray_scope (open, omission): Only the position is coded.
         scd_length (settled, wrong data): The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm.
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above
-            the position, and a frame with another bit there is rejected.
+            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
+            position are zero, and a frame with a nonzero bit there is rejected.
         position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
         warning_level (open, omission): 0 means a warning, as with the error bit.
         position_under_error (open, omission): The position is not usable if any of these is active: nE, ea1 or an alarm
@@ -978,7 +978,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         data_id: cc0 ... cc3: Type of the request, repeated in the reply.
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
@@ -997,8 +997,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             not found. False when 0: no initialization error. While it is True, the position is not usable.
         hardware_error: Hardware error. True when 1: error in the EEPROM. False when 0: no hardware error. While it is
             True, the position is not usable.
-        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that manual 1.1
-            of November 2023 removed. An older encoder may have it. Its cause is not known.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that is no longer
+            in manual 1.1 of November 2023. An older encoder may have it. Its cause is not known.
         higher_track_error: Higher track error: Not implemented.
         low_amplitude_error: Low amplitude error. True when 1: amplitude of the signal too low. False when 0: no low
             amplitude error. While it is True, the position is not usable.
@@ -1039,7 +1039,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: no unused bit differs."""
+        """True if all values match the manual (no unused bit differs)."""
         return self.unused == 0
 
     @property
@@ -1168,7 +1168,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     Errata (full text in ERRATA):
         position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
         abs_range_48 (settled, wrong limit): The highest value is 7FFFFFFFFFFFh.
-        wide_position_sign (open, omission): The position is signed, over all 48 bits.
+        wide_position_sign (open, omission): The position is signed and uses all 48 bits.
         data_id_5_example_status (open, wrong data): dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values
             is decoded, and the bits are reported.
         position_sending_order (settled, wrong data): ABS0 is sent first.
@@ -1196,7 +1196,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: no unused bit differs."""
+        """True if all values match the manual (no unused bit differs)."""
         return self.unused == 0
 
     @property
@@ -1284,7 +1284,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
-        variant: Encoder that the frame belongs to.
+        variant: Encoder to which the frame belongs.
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
@@ -1302,8 +1302,8 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             not found. False when 0: no initialization error. While it is True, the position is not usable.
         hardware_error: Hardware error. True when 1: error in the EEPROM. False when 0: no hardware error. While it is
             True, the position is not usable.
-        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that manual 1.1
-            of November 2023 removed. An older encoder may have it. Its cause is not known.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that is no longer
+            in manual 1.1 of November 2023. An older encoder may have it. Its cause is not known.
         higher_track_error: Higher track error: Not implemented.
         low_amplitude_error: Low amplitude error. True when 1: amplitude of the signal too low. False when 0: no low
             amplitude error. While it is True, the position is not usable.
@@ -1347,7 +1347,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: no unused bit differs."""
+        """True if all values match the manual (no unused bit differs)."""
         return self.unused == 0
 
     @property
@@ -1448,7 +1448,7 @@ Request: TypeAlias = DataRequest
 
 
 def decode_request(data: Data, variant: Rs485Encoder) -> Request:
-    """Decode a request, recognized by its cc0 ... cc3.
+    """Decode a request of any kind, as identified by the field cc0 ... cc3.
 
     Args:
         data: Bytes of the request, in the order of transmission.
@@ -1461,7 +1461,7 @@ def decode_request(data: Data, variant: Rs485Encoder) -> Request:
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
-        RangeError: The cc0 ... cc3 or another field has an undefined value.
+        RangeError: The field cc0 ... cc3 or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
     """
@@ -1471,7 +1471,7 @@ def decode_request(data: Data, variant: Rs485Encoder) -> Request:
 
 
 def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Request]:
-    """Return the decoder for an encoder. It chooses the class of a frame."""
+    """Return the decoder for an encoder. It determines the class of a frame."""
     kinds: dict[int, Callable[..., Request]] = {
         **dict.fromkeys((4, 5, 0xA, 0xB, 0xF), DataRequest._decoder(variant, failed)),
     }
@@ -1499,7 +1499,7 @@ Reply: TypeAlias = Union[
 
 
 def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
-    """Decode a reply, recognized by its cc0 ... cc3.
+    """Decode a reply of any kind, as identified by the field cc0 ... cc3.
 
     Args:
         data: Bytes of the reply, in the order of transmission.
@@ -1512,7 +1512,7 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
         LengthError: There are too many or too few bytes.
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
-        RangeError: The cc0 ... cc3 or another field has an undefined value.
+        RangeError: The field cc0 ... cc3 or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
     """
@@ -1522,7 +1522,7 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
 
 
 def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply]:
-    """Return the decoder for an encoder. It chooses the class of a frame."""
+    """Return the decoder for an encoder. It determines the class of a frame."""
     kinds: dict[int, Callable[..., Reply]] = {
         **dict.fromkeys((4, 0xB, 0xF), PositionReply._decoder(variant, failed)),
         5: WidePositionReply._decoder(variant, failed),
@@ -1582,9 +1582,9 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
     """Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
 
     Attributes:
-        variant: Encoder that the register belongs to.
+        variant: Encoder to which the register belongs.
         profile_id: 28h and the number of bits of the position in decimal. Holds ``profile_id``, which identifies the
-            encoder. Decoding accepts other values too.
+            encoder. The decoder also accepts other values.
 
     Code of the profile used.
 
@@ -1601,7 +1601,7 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: profile_id profile_id."""
+        """True if all values match the manual (profile_id = profile_id)."""
         return self.profile_id == self.variant.profile_id
 
     @classmethod
@@ -1638,7 +1638,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Attributes:
         year: Year of production.
         week: Week of production.
-        number: Serial number in ascending order.
+        number: Serial number, assigned in ascending order.
 
     Year and week of production and a serial number, in hexadecimal.
 
@@ -1687,7 +1687,7 @@ class Command(IntEnum):
     """Salva e attiva Preset / Offset: Saves the preset or offset and activates it at the same time."""
     RESTORE_DEFAULTS = 4
     """Carica e salva tutti i parametri di default: Immediately loads the factory parameters, which are for standard
-    and safe operation. All parameters set before are overwritten and lost.
+    and safe operation. All previously set parameters are overwritten and lost.
     """
 
     @classmethod
@@ -1784,9 +1784,9 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
     """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
-        variant: Encoder that the register belongs to.
-        absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which identifies the encoder.
-            Decoding accepts other values too.
+        variant: Encoder to which the register belongs.
+        absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which identifies the encoder. The
+            decoder also accepts other values.
 
     Resolution of the absolute position.
 
@@ -1798,7 +1798,7 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: absolute_resolution resolution_um."""
+        """True if all values match the manual (absolute_resolution = resolution_um)."""
         return self.absolute_resolution == self.variant.resolution_um
 
     @classmethod
@@ -1836,11 +1836,11 @@ class PresetOffset(FixedRegister, _PresetOffset):
     Preset or offset, according to the Select preset / offset bit of the Configuration register.
 
     Byte order: high byte first, at 50h. Default: ``00 00 00 00``. Can be written only while
-    ``configuration.enable_preset_offset`` holds 0 (``enable``). Save the parameters after a write, or the encoder loses
-    the value at power-off. While ``configuration.select_preset_offset`` holds 0 (``preset``), the register holds
+    ``configuration.enable_preset_offset`` is 0 (``enable``). Save the parameters after a write, or the encoder loses
+    the value at power-off. While ``configuration.select_preset_offset`` is 0 (``preset``), the register holds
     ``preset``, 0 to ``2^position_bits - 1``: Value that the encoder reports at the current sensor position once the
     preset is activated. All positions before and after it shift accordingly. The preset can be used, for instance, to
-    align the zero points of sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` holds 1
+    align the zero points of sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` is 1
     (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``: Value by which the
     transmitted positions are shifted. Their number stays the same, and they start at the offset. The offset is applied
     to the position of the sensor at the activation. [6.4 p.32]
@@ -1853,8 +1853,8 @@ class PresetOffset(FixedRegister, _PresetOffset):
 
     Errata (full text in ERRATA):
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above
-            the position, and a frame with another bit there is rejected.
+            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
+            position are zero, and a frame with a nonzero bit there is rejected.
         offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
         offset_range (settled, wrong limit): The highest value is that sum minus 1.
     """
@@ -1879,18 +1879,18 @@ class PresetOffset(FixedRegister, _PresetOffset):
 
     @staticmethod
     def limits() -> tuple[int, int]:
-        """Return the lowest and highest value of ``preset_offset`` that may be written."""
+        """Return the lowest and the highest value of ``preset_offset`` that may be written."""
         return 0, (1 << 32) - 1
 
     @staticmethod
     def preset_limits(variant: BissEncoder) -> tuple[int, int]:
-        """Return the lowest and highest value while the register is the preset."""
+        """Return the lowest and the highest value allowed while the register holds the preset."""
         check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.position_bits) - 1
 
     @staticmethod
     def offset_limits(variant: BissEncoder) -> tuple[int, int]:
-        """Return the lowest and highest value while the register is the offset."""
+        """Return the lowest and the highest value allowed while the register holds the offset."""
         check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.scd_position_bits) - (1 << variant.position_bits)
 
@@ -1904,7 +1904,7 @@ class DeviceType(FixedRegister, _DeviceType):
 
     Attributes:
         type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which identifies the
-            encoder. Decoding accepts other values too.
+            encoder. The decoder also accepts other values.
 
     Type of the device.
 
@@ -1915,7 +1915,7 @@ class DeviceType(FixedRegister, _DeviceType):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: type 8."""
+        """True if all values match the manual (type = 8)."""
         return self.type == 8
 
     @classmethod
@@ -1943,8 +1943,8 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
     """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
-        period: 00h: no sine and cosine signals. Holds 00h, which identifies the encoder. Decoding accepts other values
-            too.
+        period: 00h: no sine and cosine signals. Holds 00h, which identifies the encoder. The decoder also accepts other
+            values.
 
     Period of the sine and cosine signals.
 
@@ -1955,7 +1955,7 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: period 0."""
+        """True if all values match the manual (period = 0)."""
         return self.period == 0
 
     @classmethod
@@ -2024,7 +2024,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Attributes:
         name: Name of the device (53 4D 32 31 in hexadecimal). ASCII text. Holds ``SM21``, which identifies the encoder.
-            Decoding accepts other values too.
+            The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
     Name of the device and its hardware-software release.
@@ -2039,7 +2039,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'SM21'."""
+        """True if all values match the manual (name = 'SM21')."""
         return self.name == "SM21"
 
     @classmethod
@@ -2067,8 +2067,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. Decoding
-            accepts other values too.
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+            decoder also accepts other values.
 
     Manufacturer.
 
@@ -2079,7 +2079,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     @property
     def is_as_documented(self) -> bool:
-        """True if all values match the manual: name 'Li'."""
+        """True if all values match the manual (name = 'Li')."""
         return self.name == "Li"
 
     @classmethod
@@ -2127,7 +2127,7 @@ _HELD: Final = (
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-    """Return the order codes that match the contents of an encoder's registers.
+    """Return the order codes that are consistent with the contents of an encoder's registers.
 
     Registers that are undocumented or incomplete in ``read`` are ignored.
 
@@ -2293,8 +2293,8 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
 
     Errata (full text in ERRATA):
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: there are zeros above
-            the position, and a frame with another bit there is rejected.
+            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
+            position are zero, and a frame with a nonzero bit there is rejected.
         offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
 
     Args:
@@ -2356,7 +2356,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Load and save all default parameters [6.4 p.29].
 
-    Before: All parameters that were set before are lost.
+    Before: All previously set parameters are lost.
 
     Result: The default parameters are active and saved.
 

@@ -20,6 +20,7 @@ from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..licence import licence_in
+from .assumptions import TEMPLATE, Assumptions, assumptions_files
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
@@ -81,6 +82,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
         tests = selftest_files(views, rendered)
         package = package_files(views, tests, rendered)
+        package |= dict(assumptions_files(library, rendered))
         files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
     return files
@@ -132,6 +134,7 @@ TEMPLATES = Templates(
         "selftest.c.jinja": FamilyTest,
         "selftest_all.c.jinja": AllTests,
         "selftest.h.jinja": AllTests,
+        TEMPLATE: Assumptions,
         **dict.fromkeys(FILES.values(), Package),
     },
     filters=FILTERS,

@@ -86,7 +86,7 @@ static inline uint32_t cw_angle(uint64_t position, uint64_t steps)
         }
         return (uint32_t)(shifted & UINT32_MAX);
     }
-    /* Long division of the position, followed by 32 zeros. The quotient is the angle. */
+    /* Long division of the position with 32 zeros appended. The quotient is the angle. */
     for (bit = 96U; bit > 0U; bit--) {
         rest <<= 1U;
         if (bit > 32U) {
@@ -141,7 +141,7 @@ static inline uint32_t cw_angle_millidegrees(uint32_t angle)
     return (nearest < 360000U) ? nearest : 0U;
 }
 
-/** Return an angle in degrees, 0 to below 360. Uses its upper 24 bits, as many as a float holds. */
+/** Return an angle in degrees, 0 to below 360. Uses the upper 24 bits, the precision of a float. */
 static inline float cw_angle_degrees(uint32_t angle)
 {
     const uint32_t upper = angle >> 8U;

@@ -6,7 +6,7 @@
  * BiSS is a trademark of iC-Haus GmbH.
  *
  * You do not need this header if you have a ready-made BiSS master, or if you only read positions,
- * which the headers of the encoders decode. biss_slave.h has the other side.
+ * which the headers of the encoders decode. See biss_slave.h for the slave's side.
  *
  * A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the
  * level of MA during the time-out, and CDS from the slave, after the start bit. The bits of
@@ -29,21 +29,22 @@
  *  - A write that no slave understood looks like a refused one: R W comes back as 00.
  *  - If the S of a slave is lost on its way to the master, the two continue one bit apart. A value
  *    that is read then has a wrong CRC. A value that is written is not stored, but if its CRC ends
- *    in 0, which is true of half of all values, it comes back as if it had been stored. With CDM
+ *    in 0, which is true of half of all values, it comes back as if it had been stored. If CDM is
  *    one frame late, this happens only if the slave is busy and CDS is disturbed at the same time.
  *    Therefore, read written values back before a command uses them, as the VERIFY steps of
  *    procedures do.
  *  - Zeros can complete a byte. If a write is aborted within a byte, the slave can store the bits
- *    sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of place and value).
- *    Write such a register again, and take special care if any value in it starts an action.
+ *    sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of bit position and
+ *    value). Write such a register again, and take special care if any value in it starts an
+ *    action.
  *
  * Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18.
- * Three details are taken from two published masters: that the CRC covers CTS, in which frame each
- * response comes, and that P comes before a further S. The masters are lenzencoders/BISS-C
+ * Three details come from two published masters: the CRC covers CTS, each response comes in the
+ * frame described above, and P comes before a further S. The masters are lenzencoders/BISS-C
  * (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
- * (source/position_sense/bissc). It is inferred which end of a chain has ID 0, and how a slave
- * reacts to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0)
- * are not supported: the slave ignores them.
+ * (source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and
+ * the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware.
+ * Commands (CTS = 0) are not supported: the slave ignores them.
  *
  * Compiles as C99 and C++11. Needs no library and no allocation. You provide the struct that holds
  * the state of a master. Pointers must not be null.
@@ -67,13 +68,13 @@ extern "C" {
 
 /* -- words ------------------------------------------------------------------------------------- */
 
-/** Number of zeros that precede a control frame, and that end one at any time. */
+/** Number of zeros that must precede a control frame. They also end one at any time. */
 #define CW_BISS_ZEROS 14U
-/** Number of IDs for slaves. The only slave has ID 0, or the last in a chain, whose SLI is 0. */
+/** Number of IDs for slaves. The only slave, or the last in a chain, whose SLI is 0, has ID 0. */
 #define CW_BISS_IDS 8U
 /** Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh. */
 #define CW_BISS_REGISTERS 64U
-/** Value that stands for the ID of a slave without one. */
+/** Value used as the ID of a slave that has none. */
 #define CW_BISS_NO_ID 0xFFU
 /** R, W and S in the word of a read request. */
 #define CW_BISS_READS 0x00014000U
@@ -400,8 +401,8 @@ static inline cw_result cw_biss_master_begin(
  * @param address  address of the first register
  * @param into  buffer for the bytes read, which must remain valid until the access is complete
  * @param count  number of registers
- * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose as
- *                    many as take 20 ms
+ * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose the
+ *                    number that takes 20 ms
  * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh.
  *         Nothing is sent then
  */
@@ -427,8 +428,8 @@ static inline cw_result cw_biss_master_read(
  * @param address  address of the first register
  * @param from  the bytes to write, which must remain valid until the access is complete
  * @param count  number of registers
- * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose as
- *                    many as take 20 ms
+ * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose the
+ *                    number that takes 20 ms
  * @return OK, or RANGE if there is no such ID or address or the registers go past 3Fh or 7Fh.
  *         Nothing is sent then
  */
@@ -486,7 +487,7 @@ static inline bool cw_biss_master_header(cw_biss_master *master, bool cds)
     return true;
 }
 
-/** Step 4: return S again until the slave has answered it, then DATA7. */
+/** Step 4: keep returning S until the slave has answered it, then return DATA7. */
 static inline bool cw_biss_master_start(cw_biss_master *master, bool cds)
 {
     if (!cds) {
@@ -580,11 +581,11 @@ static inline bool cw_biss_master_next(cw_biss_master *master, bool cds)
  *   pin     GPIO    SPI ...............................  GPIO
  *
  * At rest, the pin of MA is a GPIO output at 1. Set the mode, assign the pin to the SPI and start
- * DMA. When the time-out after the last clock is over, assign the pin to the GPIO again. There is
- * nothing to do within the time-out, so the clock may be as fast as SPI and cable allow. Changing
- * the level after the last clock is too late, since the time-out begins with that clock and can be
- * as short as 1.5 clocks. Clocks after the stop bit, which fill up the buffer, delay the time-out,
- * and the level after the last of them counts.
+ * DMA. When the time-out after the last clock is over, assign the pin to the GPIO again. No action
+ * is required during the time-out, so the clock can be as fast as the SPI and the cable allow.
+ * Changing the level after the last clock is too late, since the time-out begins with that clock
+ * and can be as short as 1.5 clocks. Further clocks that fill the buffer after the stop bit delay
+ * the time-out. The level after the last clock counts.
  *
  * lenzencoders/BISS-C uses both modes and switches the pin in this way on an STM32G4
  * (biss_c_master_hal). The effect of clocks after the stop bit is inferred. It is not known whether
@@ -617,7 +618,7 @@ static inline bool cw_biss_late_busy(cw_biss_master *master)
     return false;
 }
 
-/** Return DATA7, before it is known whether the slave answers S. */
+/** Return DATA7 before the slave's answer to S is known. */
 static inline bool cw_biss_late_first(cw_biss_master *master)
 {
     master->phase = CW_BISS_PHASE_BYTE;

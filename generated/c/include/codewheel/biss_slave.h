@@ -43,7 +43,7 @@ typedef struct cw_biss_slave {
     uint8_t readable[16]; /**< one bit per address, with address 0 in bit 0 of byte 0 */
     uint8_t writable[16]; /**< the same for writing */
     cw_biss_wants wants; /**< action that it waits for */
-    uint8_t address; /**< register that wants refers to */
+    uint8_t address; /**< register to which the member wants refers */
     uint8_t value;   /**< value to store there */
     uint8_t id;      /**< ID taken in the last control frame, or NO_ID */
     cw_biss_phase phase; /**< private */
@@ -81,7 +81,7 @@ static inline void cw_biss_slave_init(cw_biss_slave *slave)
 }
 
 /**
- * Set the access that a master has to a range of registers.
+ * Set the access of a master to a range of registers.
  *
  * @param slave  the slave
  * @param address  address of the first register
@@ -184,7 +184,7 @@ static inline bool cw_biss_slave_header(cw_biss_slave *slave, bool cdm, bool ups
         if (slave->at < 15U) {
             return cds;
         }
-        /* CTS, ID, ADR and CRC are complete. Check them as for a read, whatever R W will be. */
+        /* CTS, ID, ADR and CRC are complete. Check them as for a read, regardless of R W. */
         if (cw_biss_request_decode(
                 (slave->received << 17U) | CW_BISS_READS, &request) != CW_OK) {
             return cw_biss_slave_leaves(slave, cds);

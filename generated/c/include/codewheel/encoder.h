@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-/** Texts about one report of an encoder. A member is empty if the manual has no such text. */
+/** Texts that describe a report of an encoder. A member is empty if the manual has no such text. */
 typedef struct cw_report_text {
     const char *name; /**< its name in these headers */
     const char *printed_name; /**< its name in the manual */
@@ -38,7 +38,7 @@ typedef enum cw_interface {
     CW_INTERFACE_RS485 = 3
 } cw_interface;
 
-/** Access that a master has to a register. */
+/** Access of a master to a register. */
 typedef enum cw_access {
     CW_ACCESS_READ_ONLY = 1,
     CW_ACCESS_WRITE_ONLY = 2,
@@ -151,7 +151,7 @@ typedef struct cw_open_code {
     uint16_t unlisted;
 } cw_open_code;
 
-/** Index that means that there is no such order code. */
+/** Index that means "no such order code". */
 #define CW_NO_CODE 0xFFFFU
 
 #ifdef __cplusplus

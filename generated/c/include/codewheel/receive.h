@@ -5,9 +5,10 @@
  * This file is yours: use it, change it and pass it on as you like.
  * BiSS is a trademark of iC-Haus GmbH.
  *
- * Received bits are packed into bytes, with the first bit in bit 7 of the first byte. An SPI that
- * receives the most significant bit first stores them in this way. cw_received_words16, _words32
- * and _samples convert wider SPI words and samples. The header of each encoder defines the lengths:
+ * Received bits are packed into bytes, with the first bit in bit 7 of the first byte. An SPI
+ * peripheral that receives the most significant bit first stores them in this way.
+ * cw_received_words16, _words32 and _samples convert wider SPI words and samples. The header of
+ * each encoder defines the lengths:
  *
  *   static uint8_t rx[ORDER_CODE_BISS_RX_BYTES];
  *   cw_biss_receive(rx, sizeof rx, ORDER_CODE_BISS_BITS, &word)
@@ -137,7 +138,7 @@ static inline size_t cw_received_samples(
  * without a frame. Do not pause that long between two bytes, since the pause would end the frame.
  *
  * A disturbed acknowledge or start bit shifts the word. The decoder's 6-bit CRC misses one in 64
- * such words. Only a limit on how far the position can move detects that one.
+ * such words. Only a limit on the movement of the position detects it.
  *
  * @param rx  the received bits, packed into bytes
  * @param received  number of bits received, which need not fill whole bytes
@@ -271,7 +272,7 @@ static inline cw_result cw_ssi_receive(
 }
 
 /**
- * Check that two positions agree which were decoded from words read in immediate succession. This
+ * Check that two positions agree that were decoded from words read in immediate succession. This
  * is the only check for a word without a CRC. It cannot detect an error that affects both words.
  * You can compare the first two BiSS frames in the same way.
  *
@@ -343,7 +344,7 @@ typedef struct cw_rs485_line {
     size_t length;       /**< number of bytes in a complete reply */
     uint32_t dropped;    /**< bytes dropped since _ask, before a reply began */
     size_t count;        /**< private: reply bytes received so far */
-    size_t echo;         /**< private: echo bytes still to come */
+    size_t echo;         /**< private: echo bytes not yet received */
     uint32_t since_us;   /**< private: time of _ask */
     uint32_t at_most_us; /**< private: time-out */
 } cw_rs485_line;
@@ -398,7 +399,7 @@ static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
     return line->count == line->length;
 }
 
-/** Resume after the decoder rejected a reply: look for its start after the first byte received. */
+/** Resume after the decoder has rejected a reply: search for another start after its first byte. */
 static inline void cw_rs485_resume(cw_rs485_line *line)
 {
     const size_t count = line->count;

@@ -55,7 +55,7 @@ typedef enum cw_todo {
 /** A procedure in progress. */
 typedef struct cw_runner {
     cw_result result; /**< OK, or the first failure. Final at END */
-    cw_failure failure; /**< the first failure. Meaningless while result is OK */
+    cw_failure failure; /**< the first failure. Has no meaning while result is OK */
     uint32_t wait_us; /**< WAIT: microseconds from now */
     uint16_t address; /**< READ, WRITE: address of the first register byte */
     uint8_t byte; /**< WRITE, SEND: the byte to write, or the request */
@@ -70,7 +70,7 @@ typedef struct cw_runner {
     size_t count; /**< private */
     size_t at; /**< private: index of the current step */
     size_t begun; /**< private: after a failure, number of steps begun */
-    uint8_t *bytes; /**< private: place for the next byte read */
+    uint8_t *bytes; /**< private: address for the next byte read */
     cw_todo doing; /**< private: access in progress, or END for none */
     uint32_t round; /**< private: accesses, requests or readings done for the step */
     uint32_t pause_us; /**< private: time to wait, counted from from_us */
@@ -256,7 +256,7 @@ static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
     return todo;
 }
 
-/** Evaluate a reading of a poll: advance, or read again after a pause, up to the limit. */
+/** Evaluate the value read by a poll: advance, or read again after a pause, up to the limit. */
 static inline void cw_runner_polled(cw_runner *runner, const cw_step *step)
 {
     const bool bounded = runner->poll_at_most != 0U;

@@ -175,8 +175,8 @@ static inline cw_result cw_tracker_lose(cw_tracker *tracker)
  * @return
  *   OK     accepted, the members are updated.
  *   RANGE  refused: out of reach, or a 0 during boot_us. Only the refused member changes.
- *   LOST   refused, like every further position until _restart. The members known and lost show
- *          it, refused keeps counting, and the others keep the last accepted position.
+ *   LOST   refused, like every further position until _restart. The members known and lost indicate
+ *          this, refused keeps counting, and the other members keep the last accepted position.
  */
 static inline cw_result cw_tracker_add(
     cw_tracker *tracker, uint64_t position, uint32_t now_us)

@@ -132,10 +132,10 @@ typedef struct cw_transport {
 #define CW_REPLY_BYTES 16U /**< longest reply that a step can check */
 
 /**
- * The step that failed, and how it failed. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
+ * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
  * UNSUPPORTED, if the result is CRC or CONSTANT because of a reply, or if it is RANGE because a
- * list has a step of unknown kind. The earlier steps were carried out. Of the later steps, only
- * those were carried out that close what was opened. An error found before the first step, or in
+ * list has a step of an unknown kind. All earlier steps were carried out. Of the later steps, only
+ * those that close an opened register were carried out. An error found before the first step, or in
  * the bytes read, leaves this struct unchanged. You may pass NULL instead.
  */
 typedef struct cw_failure {

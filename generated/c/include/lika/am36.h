@@ -19,7 +19,7 @@
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. Generate files for one with
+ * Differences from other editions of the manual are noted inline. To generate files for one, use
  * codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
@@ -31,8 +31,8 @@
  *           https://github.com/TexasInstruments/motor-control-sdk
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
  *             https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html
- *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic, the page that begins the
- *                  BiSS section -
+ *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic, the first page of the BiSS
+ *                  section -
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
  *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
  *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
@@ -41,8 +41,8 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
- * header says what is used instead. The printed text and the reason are on the page of the encoder.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. The end of this
+ * header states what is used instead. The encoder's page gives the printed text and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -54,9 +54,9 @@
  *   failure     details of the failed step or access, or NULL
  * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
  * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
- * member repeats others (a position and its turns, a number and its digits), an encoder requires
- * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
- * whether it is sent as 0 or as 1. Pointers must not be null.
+ * member repeats others (a position and its turns, a number and its digits), the _encode functions
+ * require that they agree. The _set_ functions keep them consistent. A flag is true while it is
+ * active, whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
@@ -98,12 +98,12 @@ extern "C" {
  * am36_1_1_biss: p.21].
  * On the label, a hyphen and further characters follow the output. The manual does not explain
  * them. For BiSS, it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value
- * for the singleturn resolution. The listed values are those of the SSI table. Over BiSS, other
- * values are also accepted, and they are shown as unlisted. They do not affect the frame, because
- * the widths of its fields are read from registers 56h and 57h. Edition 1.1 writes the codes
- * without the hyphen, with SCx for BiSS. Such labels are also accepted. The order code and the
- * serial number are printed on the label on the encoder body and in the delivery document. Lika
- * asks for both numbers in every enquiry. Technical data are in the catalogue.
+ * for the singleturn resolution. The listed values come from the SSI table. Over BiSS, other values
+ * are also accepted, and they are shown as unlisted. They do not affect the frame, because the
+ * widths of its fields are read from registers 56h and 57h. Edition 1.1 writes the codes without
+ * the hyphen, with SCx for BiSS. Such labels are also accepted. The order code and the serial
+ * number are printed on the label on the encoder body and in the delivery document. Lika asks for
+ * both numbers in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum order_code_17 (settled, wrong limit).
@@ -129,32 +129,32 @@ typedef struct lika_am36_variant {
     uint8_t ssi_gray;
     /**
      * Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm of
-     * Information per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h (Bits of
-     * No. of bits used for singleturn resolution), 0 to 20. lika_am36_take_singleturn_bits_used()
-     * updates it.
+     * Information per revolution [6.5 p.31]. Unit: bits. Read at run time from register 56h (Bits
+     * in No. of bits used for singleturn resolution), 0 to 20.
+     * lika_am36_take_singleturn_bits_used() updates it.
      */
     uint8_t used_singleturn_bits;
     /**
      * Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits.
-     * Held at run time in register 57h (Bits of No. of bits used for multiturn resolution), 0 to
+     * Read at run time from register 57h (Bits in No. of bits used for multiturn resolution), 0 to
      * 16. lika_am36_take_multiturn_bits_used() updates it.
      */
     uint8_t used_multiturn_bits;
     /**
      * Number of revolutions after which the BiSS position wraps around, as currently set [6.5
-     * p.28]. Unit: revolutions. Held at run time in registers 4Eh to 4Fh (Revolutions of Number of
-     * revolutions), 1 to 65,536. lika_am36_take_number_of_revolutions() updates it.
+     * p.28]. Unit: revolutions. Read at run time from registers 4Eh to 4Fh (Revolutions in Number
+     * of revolutions), 1 to 65,536. lika_am36_take_number_of_revolutions() updates it.
      */
     uint32_t used_revolutions;
     /**
-     * Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Held at run time
-     * in registers 4Bh to 4Dh (Steps of Information per revolution), 1 to 1,048,576.
+     * Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Read at run time
+     * from registers 4Bh to 4Dh (Steps in Information per revolution), 1 to 1,048,576.
      * lika_am36_take_information_per_revolution() updates it.
      */
     uint32_t used_information;
     /**
-     * Code of the position over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Held at run
-     * time in register 49h (Output code of Configuration), 0 to 1. lika_am36_take_configuration()
+     * Code of the position over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Read at run
+     * time from register 49h (Output code in Configuration), 0 to 1. lika_am36_take_configuration()
      * updates it.
      */
     uint8_t output_code;
@@ -232,10 +232,10 @@ static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
 #define LIKA_AM36_UNLISTED_OUTPUT 0x04U
 
 /**
- * Return the order code on a label, to choose one at run time, or NULL if the label has none. A
- * part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code whose other parts match, and unlisted has a bit for each such part. The other
- * spellings above are accepted too.
+ * Return the order code that a label shows, to choose a variant at run time, or NULL if it shows
+ * none. A part that the manual leaves open can have a value that is not listed. The result is then
+ * the first order code whose other parts match, and unlisted has a bit for each such part. The
+ * other spellings above are also accepted.
  */
 static inline const lika_am36_order_code *lika_am36_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -366,7 +366,7 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -393,7 +393,7 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 }
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
  * range come from public BiSS documents.
@@ -426,7 +426,7 @@ typedef enum lika_am36_report {
     LIKA_AM36_REPORT_WARNING = 0x2 /**< Warning, nW, unused [6.3.1 p.21]. */
 } lika_am36_report;
 
-/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
+/** Return the texts that describe the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_am36_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -486,7 +486,8 @@ static inline const cw_report_text *lika_am36_report_text(uint32_t reports)
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
+ * buffer.
  */
 #define LIKA_AM36_AM3616_4096_BG_SSI_BITS 28U
 #define LIKA_AM36_AM3616_4096_BG_SSI_RX_BYTES 4U
@@ -507,7 +508,7 @@ static inline const cw_report_text *lika_am36_report_text(uint32_t reports)
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual has none for this length [5.3].
+ * 0 if the manual gives none for this length [5.3].
  */
 static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -534,8 +535,8 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  * The word has as many bits as the position, 28 or 31, and starts with the most significant bit.
  * Further clock pulses read zeros after the word. There is no error bit, no warning bit and no CRC.
  * In Gray code, multiturn and singleturn are coded as one word.
- *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
- *   from bit 0 up                singleturn  singleturn_bits bits.
+ *   starting at bit singleturn_bits  multiturn   multiturn_bits bits.
+ *   starting at bit 0                singleturn  singleturn_bits bits.
  * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
  * Erratum ssi_bit_numbers (settled, wrong data).
  * Erratum ssi_clock_count (open, wrong limit).
@@ -643,7 +644,7 @@ static inline cw_verdict lika_am36_ssi_word_verdict(
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.6 p.32]. */
 #define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U
-/** Time-out: follows the clock, at most 10 us [6.6 p.32]. */
+/** Time-out: varies with the clock, at most 10 us [6.6 p.32]. */
 #define LIKA_AM36_BISS_TIMEOUT_AT_MOST_NS 10000U
 /** Register address: 7 bits: Register to read or to write [6.4 p.22]. */
 #define LIKA_AM36_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
@@ -668,7 +669,8 @@ static inline cw_verdict lika_am36_ssi_word_verdict(
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
+ * buffer.
  * The number of bits is the factory default, since registers can change it. The number of bytes is
  * enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
@@ -689,7 +691,7 @@ static inline cw_verdict lika_am36_ssi_word_verdict(
  * the last clock of the same frame, with factory defaults 44 clock periods after its CDS: 4.4 us at
  * 10 MHz and 220 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed
  * before the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for
- * the whole time-out (follows the clock, at most 10 us).
+ * the whole time-out (varies with the clock, at most 10 us).
  */
 
 /**
@@ -697,26 +699,28 @@ static inline cw_verdict lika_am36_ssi_word_verdict(
  * used_multiturn_bits + 8 bits, most significant first [6.3 p.21, 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
- * With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn
- * and singleturn together Position. It has up to 36 bits, most significant bit first. The widths of
- * the two parts are the values of registers 57h and 56h. The frame therefore becomes shorter as
- * soon as a smaller resolution is written. The CRC, the warning bit and the error bit always remain
- * in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn and singleturn are coded as
- * one word. If the number of revolutions is not a power of two, the step from the last position to
- * the first then changes several bits at once.
- *   from bit used_singleturn_bits + 8 up  multiturn   used_multiturn_bits bits.
- *   from bit 8 up                         singleturn  used_singleturn_bits bits.
- *   bit 7                                 error       Error, nE: Not used, always 1. In the BiSS
- *                                                     protocol, 0 here signals an error. Unused,
- *                                                     documented as 1. Frames with other values are
- *                                                     still decoded, with the verdict not_usable.
- *   bit 6                                 warning     Warning, nW: Not used, always 1. In the BiSS
- *                                                     protocol, 0 here signals a warning. Unused,
- *                                                     documented as 1. Frames with other values are
- *                                                     still decoded, with the verdict
- *                                                     usable_with_warning.
- *   bits 5:0                              crc         CRC: CRC of the transmission, sent inverted.
- *                                                     CRC biss_6 over everything before it.
+ * With the defaults, the frame has 44 bits, which is also the maximum. Together, multiturn and
+ * singleturn are called Position in the manual. It has up to 36 bits, most significant bit first.
+ * The widths of the two parts are the values of registers 57h and 56h. The frame therefore becomes
+ * shorter as soon as a smaller resolution is written. The CRC, the warning bit and the error bit
+ * always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn and singleturn
+ * are coded as one word. If the number of revolutions is not a power of two, the step from the last
+ * position to the first then changes several bits at once.
+ *   starting at bit used_singleturn_bits + 8  multiturn   used_multiturn_bits bits.
+ *   starting at bit 8                         singleturn  used_singleturn_bits bits.
+ *   bit 7                                     error       Error, nE: Not used, always 1. In the
+ *                                                         BiSS protocol, 0 here signals an error.
+ *                                                         Unused, documented as 1. Frames with
+ *                                                         other values are still decoded, with the
+ *                                                         verdict not_usable.
+ *   bit 6                                     warning     Warning, nW: Not used, always 1. In the
+ *                                                         BiSS protocol, 0 here signals a warning.
+ *                                                         Unused, documented as 1. Frames with
+ *                                                         other values are still decoded, with the
+ *                                                         verdict usable_with_warning.
+ *   bits 5:0                                  crc         CRC: CRC of the transmission, sent
+ *                                                         inverted. CRC biss_6 over everything
+ *                                                         before it.
  * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
  * and 57h, with their printed defaults, regardless of the order code.
  * Erratum position_order (open, omission).
@@ -833,7 +837,7 @@ static inline cw_result lika_am36_single_cycle_data_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_am36_single_cycle_data_is_expected(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in)
 {
@@ -974,11 +978,11 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
 #define LIKA_AM36_REG_PROFILE_ID_ACCESS CW_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_PROFILE_ID_DEFAULT 0x0000U /**< factory default */
 
-/** Values of the register profile ID. */
+/** Values of the profile ID. */
 typedef struct lika_am36_reg_profile_id {
     /**
-     * Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder. Decoding accepts other
-     * values too.
+     * Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder. The decoder also
+     * accepts other values.
      */
     uint16_t profile;
 } lika_am36_reg_profile_id;
@@ -1016,7 +1020,7 @@ static inline cw_result lika_am36_reg_profile_id_encode(
 /** value of profile stated by the manual */
 #define LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED 0x00U
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_am36_reg_profile_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in)
 {
@@ -1057,11 +1061,11 @@ static inline cw_result lika_am36_read_profile_id(
 #define LIKA_AM36_REG_SERIAL_NUMBER_NUMBER_SHIFT 0U
 #define LIKA_AM36_REG_SERIAL_NUMBER_NUMBER_MASK 0xFFFFU
 
-/** Values of the register serial number. */
+/** Values of the serial number. */
 typedef struct lika_am36_reg_serial_number {
     uint8_t year; /**< Year of production, register 44h. */
     uint8_t week; /**< Week of production, register 45h. */
-    uint16_t number; /**< Serial number in ascending order, registers 46h and 47h. */
+    uint16_t number; /**< Serial number, assigned in ascending order, registers 46h and 47h. */
 } lika_am36_reg_serial_number;
 
 /** Decode 4 bytes, lowest address first. */
@@ -1147,8 +1151,8 @@ typedef enum lika_am36_command {
      */
     LIKA_AM36_COMMAND_SAVE_AND_ACTIVATE_PRESET = 0x02,
     /**
-     * Load and save default parameters: Loads, activates and saves the factory defaults. All values
-     * set before are lost [6.5 p.24].
+     * Load and save default parameters: Loads, activates and saves the factory defaults. All
+     * previously set values are lost [6.5 p.24].
      */
     LIKA_AM36_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_am36_command;
@@ -1228,7 +1232,7 @@ typedef enum lika_am36_enable_preset {
 #define LIKA_AM36_REG_CONFIGURATION_ENABLE_PRESET_SHIFT 2U
 #define LIKA_AM36_REG_CONFIGURATION_ENABLE_PRESET_MASK 0x04U
 
-/** Values of the register configuration. */
+/** Values of the configuration. */
 typedef struct lika_am36_reg_configuration {
     /**
      * Default: 0. A high level at the Counting direction input reverses the direction. After a
@@ -1345,7 +1349,7 @@ static inline cw_result lika_am36_write_configuration(
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MIN 1U
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MAX 1048576U
 
-/** Values of the register information per revolution. */
+/** Values of the information per revolution. */
 typedef struct lika_am36_reg_information_per_revolution {
     uint32_t steps; /**< Counts per revolution. Unit: counts. Only powers of two are allowed. */
 } lika_am36_reg_information_per_revolution;
@@ -1451,7 +1455,7 @@ static inline cw_result lika_am36_write_information_per_revolution(
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_MIN 1U
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_MAX 65536U
 
-/** Values of the register number of revolutions. */
+/** Values of the number of revolutions. */
 typedef struct lika_am36_reg_number_of_revolutions {
     /**
      * Number of revolutions counted. 00 00 means 65,536. Unit: revolutions. A value of 0 means
@@ -1533,9 +1537,9 @@ static inline cw_result lika_am36_write_number_of_revolutions(
  * Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
  * Value that the encoder reports at the current shaft position once the preset is activated.
  * Byte order: high byte first, at 50h.
- * Can be written only while Enable preset of Configuration holds 0 (enable).
+ * Can be written only while Enable preset in Configuration is 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * The printed maximum, 0F FF FF FF FF, is that of the default resolution. Set the Enable preset bit
+ * The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the Enable preset bit
  * to 0 (enable) before writing. The command Save parameters on EEPROM saves the value without
  * activating it. The command Save parameters and activate Preset saves and activates it. The Zero
  * setting/Preset input activates it as well. The manual suggests activating it at a standstill. Set
@@ -1556,13 +1560,13 @@ static inline cw_result lika_am36_write_number_of_revolutions(
 #define LIKA_AM36_REG_PRESET_POSITION_SHIFT 0U
 #define LIKA_AM36_REG_PRESET_POSITION_MASK UINT64_C(0xFFFFFFFFF)
 
-/** Return the greatest position: used_information * used_revolutions - 1. */
+/** Return the highest position: used_information * used_revolutions - 1. */
 static inline uint64_t lika_am36_reg_preset_max(const lika_am36_variant *variant)
 {
     return ((uint64_t)variant->used_information * variant->used_revolutions) - 1U;
 }
 
-/** Values of the register preset. */
+/** Values of the preset. */
 typedef struct lika_am36_reg_preset {
     /** Position as one number, with the revolutions above the singleturn position. Unit: counts. */
     uint64_t position;
@@ -1644,8 +1648,8 @@ static inline cw_result lika_am36_write_preset(
  * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
  * In edition 1.1: may differ, see the end of this file.
- * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder.
- * Decoding accepts other values too.
+ * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder. The
+ * decoder also accepts other values.
  */
 #define LIKA_AM36_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_AM36_REG_DEVICE_TYPE_LENGTH 1U /**< byte */
@@ -1747,21 +1751,21 @@ static inline cw_result lika_am36_read_multiturn_bits_used(
 #define LIKA_AM36_REG_DEVICE_ID_LENGTH 6U /**< bytes, 78h to 7Dh */
 #define LIKA_AM36_REG_DEVICE_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register device ID. */
+/** Values of the device ID. */
 typedef struct lika_am36_reg_device_id {
     /**
      * Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds AM, which identifies the
-     * encoder. Decoding accepts other values too. No terminator.
+     * encoder. The decoder also accepts other values. No terminator.
      */
     char model[2];
     /**
      * Interface, BiSS C (49 37 in hexadecimal). ASCII text. Holds I7, which identifies the encoder.
-     * Decoding accepts other values too. No terminator.
+     * The decoder also accepts other values. No terminator.
      */
     char interface_code[2];
     /**
      * Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. Holds 2, which identifies the
-     * encoder. Decoding accepts other values too. No terminator.
+     * encoder. The decoder also accepts other values. No terminator.
      */
     char enclosure[1];
     char software_version[1]; /**< Software version, printed as XX. ASCII text. No terminator. */
@@ -1811,7 +1815,7 @@ static inline cw_result lika_am36_reg_device_id_encode(
 /** value of enclosure stated by the manual */
 #define LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED "2"
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_am36_reg_device_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in)
 {
@@ -1849,11 +1853,11 @@ static inline cw_result lika_am36_read_device_id(
 #define LIKA_AM36_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
 #define LIKA_AM36_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register manufacturer ID. */
+/** Values of the manufacturer ID. */
 typedef struct lika_am36_reg_manufacturer_id {
     /**
      * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which identifies the encoder.
-     * Decoding accepts other values too. No terminator.
+     * The decoder also accepts other values. No terminator.
      */
     char name[2];
 } lika_am36_reg_manufacturer_id;
@@ -1890,7 +1894,7 @@ static inline cw_result lika_am36_reg_manufacturer_id_encode(
 
 #define LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_am36_reg_manufacturer_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in)
 {
@@ -1918,15 +1922,15 @@ static inline cw_result lika_am36_read_manufacturer_id(
 /* -- run-time state ---------------------------------------------------------------------------- */
 
 /**
- * Some registers of the encoder change its frames. The initialisers of the variants have the
+ * Some registers of the encoder change its frames. The initialisers of the variants contain the
  * factory defaults. These functions update a variant from the contents of these registers, either
  * as read from the encoder or as you wrote them. They leave it unchanged if the encoder cannot hold
  * such a value (RANGE) or if length is wrong.
  */
 
 /**
- * Update a variant from the content of the register No. of bits used for singleturn resolution:
- * used_singleturn_bits.
+ * Update used_singleturn_bits in a variant from the content of the No. of bits used for singleturn
+ * resolution register.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_take_singleturn_bits_used(
@@ -1944,8 +1948,8 @@ static inline cw_result lika_am36_take_singleturn_bits_used(
 }
 
 /**
- * Update a variant from the content of the register No. of bits used for multiturn resolution:
- * used_multiturn_bits.
+ * Update used_multiturn_bits in a variant from the content of the No. of bits used for multiturn
+ * resolution register.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_take_multiturn_bits_used(
@@ -1962,7 +1966,7 @@ static inline cw_result lika_am36_take_multiturn_bits_used(
     return CW_OK;
 }
 
-/** Update a variant from the content of the register Number of revolutions: used_revolutions. */
+/** Update used_revolutions in a variant from the content of the Number of revolutions register. */
 CW_NODISCARD
 static inline cw_result lika_am36_take_number_of_revolutions(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
@@ -1979,7 +1983,7 @@ static inline cw_result lika_am36_take_number_of_revolutions(
 }
 
 /**
- * Update a variant from the content of the register Information per revolution: used_information.
+ * Update used_information in a variant from the content of the Information per revolution register.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_take_information_per_revolution(
@@ -1997,7 +2001,7 @@ static inline cw_result lika_am36_take_information_per_revolution(
     return CW_OK;
 }
 
-/** Update a variant from the content of the register Configuration: output_code. */
+/** Update output_code in a variant from the content of the Configuration register. */
 CW_NODISCARD
 static inline cw_result lika_am36_take_configuration(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
@@ -2011,9 +2015,9 @@ static inline cw_result lika_am36_take_configuration(
 }
 
 /**
- * Read these registers and update the variant from all of them. Call it after power-on, after the
- * defaults were restored, and after any write or procedure that changes these registers or values
- * that they depend on. The step of a failure is the index of a function above.
+ * Read these registers and update the variant from all of them. Call it after power-on, after
+ * restoring the defaults, and after any write or procedure that changes these registers or values
+ * that they depend on. If a read fails, the step in the failure is the index of a function above.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_read_state(
@@ -2091,7 +2095,8 @@ typedef struct lika_am36_identity {
 } lika_am36_identity;
 
 /**
- * Read the registers that identify an encoder. The step of a failure is the index of the member.
+ * Read the registers that identify an encoder. If a read fails, the step in the failure is the
+ * index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_read_identity(
@@ -2178,7 +2183,7 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
  */
 #define LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT 4U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_set_configuration_steps(
     const lika_am36_variant *variant, uint8_t configuration,
@@ -2189,7 +2194,7 @@ static inline cw_result lika_am36_set_configuration_steps(
     }
     const uint8_t configuration_configuration_sent[] = { configuration };
     lika_am36_reg_configuration configuration_configuration_held;
-    /* bits that the register lacks */
+    /* bits that the register does not have */
     if (lika_am36_reg_configuration_decode(variant, configuration_configuration_sent,
         sizeof(configuration_configuration_sent), &configuration_configuration_held) != CW_OK) {
         return CW_FAULT_RANGE;
@@ -2236,7 +2241,7 @@ static inline cw_result lika_am36_set_configuration(
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 14U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_set_preset_steps(
     const lika_am36_variant *variant, uint64_t position,
@@ -2261,7 +2266,7 @@ static inline cw_result lika_am36_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset of Configuration: read back, which the manual does not require */
+    /* Enable preset in Configuration: read back, which the manual does not require */
     steps[6] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
@@ -2303,7 +2308,7 @@ static inline cw_result lika_am36_set_preset(
  */
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 14U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_store_preset_steps(
     const lika_am36_variant *variant, uint64_t position,
@@ -2328,7 +2333,7 @@ static inline cw_result lika_am36_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset of Configuration: read back, which the manual does not require */
+    /* Enable preset in Configuration: read back, which the manual does not require */
     steps[6] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
@@ -2477,7 +2482,7 @@ static inline cw_result lika_am36_restore_defaults(
  */
 #define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 28U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_set_resolution_steps(
     const lika_am36_variant *variant, uint32_t information_per_revolution,
@@ -2556,7 +2561,7 @@ static inline cw_result lika_am36_set_resolution_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[13U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset of Configuration: read back, which the manual does not require */
+    /* Enable preset in Configuration: read back, which the manual does not require */
     steps[18] = cw_step_verify(0x49U, 0x04U, 0x00U);
     /* Preset: read back, which the manual does not require */
     for (index = 0U; index < sizeof(position_bytes); index++) {
@@ -2713,7 +2718,7 @@ static inline cw_result lika_am36_identify(
  * Low level: 0VDC: normal level, nothing happens.
  * High level: +VDC: zero setting or preset is activated.
  * Pulse: at least 100 us.
- * Has an effect only while Enable preset of Configuration enables it.
+ * Has an effect only if enabled by Enable preset in Configuration.
  * Connect it to 0VDC when it is not used.
  * Connect the input to +VDC for at least 100 us, then disconnect it. Over BiSS, the Enable preset
  * bit must be 0 (enable), or the input has no effect. Activate it after the counting direction is
@@ -2730,11 +2735,11 @@ static inline cw_result lika_am36_identify(
  * Counting direction bit.
  * High level: +VDC: counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of
  * the one set by the Counting direction bit.
- * A high level inverts Counting direction of Configuration.
+ * A high level inverts Counting direction in Configuration.
  * Connect it to 0VDC when it is not used.
- * Low is 0VDC, high is +VDC. Over BiSS, the position counts up clockwise with bit 0 (CW) and a low
- * level. It counts up counter-clockwise with bit 0 and a high level. It counts up counter-clockwise
- * with bit 1 (CCW) and a low level. It counts up clockwise with bit 1 and a high level. After a
+ * Low is 0VDC, high is +VDC. Over BiSS, while the input is low, the position counts up clockwise if
+ * the bit is 0 (CW) and counter-clockwise if it is 1 (CCW). A high level reverses this: the
+ * position then counts up counter-clockwise if the bit is 0 and clockwise if it is 1. After a
  * change of the direction, set a new zero or preset.
  * Erratum input_levels (open, omission).
  */
@@ -2799,10 +2804,9 @@ static inline cw_result lika_am36_identify(
  * Erratum preset_example_bit (settled, wrong data) [6.5]: Used: Register 49h is set to 20h, with
  * bit 2 at 0 and the other bits at their defaults.
  * In edition 1.1 [am36_1_1: p.22]:
- *   Not present: unlisted values of part singleturn of the order code, the values that may
- *   accompany unlisted values of part singleturn of the order code, unlisted values of part turns
- *   of the order code and the values that may accompany unlisted values of part turns of the order
- *   code.
+ *   Not present: unlisted values of order code part singleturn, the values that may accompany
+ *   unlisted values of order code part singleturn, unlisted values of order code part turns and the
+ *   values that may accompany unlisted values of order code part turns.
  *   Why: The table of the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other resolutions.
  * In edition 1.1 [am36_1_1_biss: p.21]:
  *   Not known: order codes with output BG, order codes with output GG, SSI and parameter modulus.
@@ -2811,13 +2815,13 @@ static inline cw_result lika_am36_identify(
  *   Instead of: the note on register configuration.
  *   Text: For edition 1.1, only two facts are known: the address of the register, and that one of
  *   its bits must be 1 before a preset can be entered. Edition 1.0 prints the same sentence, where
- *   it is an erratum. The meaning of the bits is that of edition 1.0. One of them sets the code of
- *   the position.
+ *   it is an erratum. The bits are assumed to have the same meaning as in edition 1.0. One of them
+ *   sets the code of the position.
  *   Why: The page that describes it is not public.
  * In edition 1.1 [am36_1_1_biss: p.21]:
  *   Instead of: the note on BiSS C-mode.
- *   Text: The range of the clock is that of edition 1.0. It is not known for 1.1. The encoder is
- *   always a slave, and it must be the only slave of its master. Never install it in a network with
+ *   Text: The clock range is taken from edition 1.0. It is not known for 1.1. The encoder is always
+ *   a slave, and it must be the only slave of its master. Never install it in a network with
  *   several slaves.
  *   Why: Section 6.6, which gives the clock, is not on a public page.
  * In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:

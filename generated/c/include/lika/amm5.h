@@ -19,7 +19,7 @@
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. Generate files for one with
+ * Differences from other editions of the manual are noted inline. To generate files for one, use
  * codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the end of this file.
  * Before edition 1.3: may differ, see the end of this file.
@@ -43,8 +43,8 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
- * header says what is used instead. The printed text and the reason are on the page of the encoder.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. The end of this
+ * header states what is used instead. The encoder's page gives the printed text and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -56,9 +56,9 @@
  *   failure     details of the failed step or access, or NULL
  * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
  * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
- * member repeats others (a position and its turns, a number and its digits), an encoder requires
- * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
- * whether it is sent as 0 or as 1. Pointers must not be null.
+ * member repeats others (a position and its turns, a number and its digits), the _encode functions
+ * require that they agree. The _set_ functions keep them consistent. A flag is true while it is
+ * active, whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
@@ -227,8 +227,8 @@ static inline const lika_amm5_order_code *lika_amm5_order_codes(size_t *count)
 }
 
 /**
- * Return the order code on a label, to choose one at run time, or NULL if the label has none.
- * unlisted becomes 0, since the manual leaves no part open.
+ * Return the order code that a label shows, to choose a variant at run time, or NULL if it shows
+ * none. unlisted is set to 0, since the manual leaves no part open.
  */
 static inline const lika_amm5_order_code *lika_amm5_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -284,7 +284,7 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -311,7 +311,7 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 }
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -343,7 +343,7 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * p.47].
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. The printed code sets
- * the start value 0.
+ * the start value to 0.
  * Erratum crc_code_bit_order (settled, wrong data).
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
@@ -412,7 +412,7 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 #define LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED 0x10000U /**< MTERR [7.4 p.43]. */
 #define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x20000U /**< BATT [7.4 p.43]. */
 
-/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
+/** Return the texts that describe the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_amm5_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -595,7 +595,8 @@ static inline const cw_report_text *lika_amm5_report_text(uint32_t reports)
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /**
- * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
+ * buffer.
  */
 #define LIKA_AMM5_A17_1BG1_SSI_BITS 17U
 #define LIKA_AMM5_A17_1BG1_SSI_RX_BYTES 3U
@@ -624,7 +625,7 @@ static inline const cw_report_text *lika_amm5_report_text(uint32_t reports)
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual has none for this length [5.3].
+ * 0 if the manual gives none for this length [5.3].
  */
 static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -649,8 +650,8 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  * In the manual: Structure of the position information.
  * The word has as many bits as the position, 17 to 39, and starts with the most significant bit.
  * Further clock pulses read zeros after the word. There is no error bit, no warning bit and no CRC.
- *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
- *   from bit 0 up                singleturn  singleturn_bits bits.
+ *   starting at bit singleturn_bits  multiturn   multiturn_bits bits.
+ *   starting at bit 0                singleturn  singleturn_bits bits.
  * Erratum ssi_output_code (settled, wrong data).
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum ssi_table_65kkg1 (settled, wrong limit).
@@ -773,7 +774,8 @@ static inline cw_verdict lika_amm5_ssi_word_verdict(
 #define LIKA_AMM5_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
+ * buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -825,14 +827,14 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * single_cycle_data, sent by the encoder over BiSS C-mode: singleturn_bits + multiturn_bits + 8
  * bits, most significant first [6.2.1 p.32].
  * In the manual: Single Cycle Data SCD.
- * The manual calls multiturn and singleturn together Position (Italian: Posizione). It has 17 to 39
- * bits, most significant bit first.
- *   from bit singleturn_bits + 8 up  multiturn   multiturn_bits bits.
- *   from bit 8 up                    singleturn  singleturn_bits bits.
- *   bit 7                            error
- *   bit 6                            warning
- *   bits 5:0                         crc         CRC: CRC of the transmission, sent inverted. CRC
- *                                                biss_6 over everything before it.
+ * Together, multiturn and singleturn are called Position in the manual (Italian: Posizione). It has
+ * 17 to 39 bits, most significant bit first.
+ *   starting at bit singleturn_bits + 8  multiturn   multiturn_bits bits.
+ *   starting at bit 8                    singleturn  singleturn_bits bits.
+ *   bit 7                                error
+ *   bit 6                                warning
+ *   bits 5:0                             crc         CRC: CRC of the transmission, sent inverted.
+ *                                                    CRC biss_6 over everything before it.
  * Erratum position_order (open, omission).
  * Erratum scd_length (settled, wrong data).
  * Erratum error_bits_leds_alarms (open, omission).
@@ -1104,7 +1106,7 @@ typedef enum lika_amm5_data_id {
  */
 #define LIKA_AMM5_DATA_REQUEST_LENGTH 1U
 
-/** Values of the frame data request. */
+/** Values of the data request frame. */
 typedef struct lika_amm5_data_request {
     lika_amm5_data_id data_id;
 } lika_amm5_data_request;
@@ -1170,21 +1172,22 @@ static inline cw_result lika_amm5_data_request_encode(
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  * Its data_id is 6 (eeprom_write).
  * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
- *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
- *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
- *                                                 reply.
- *   byte 0, bit 7                       parity    Even parity of data_id.
- *   from bit eeprom_address_bit + 8 up  address   7 bits.
- *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
- *   byte 2                              data
- *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
+ *   byte 0, bits 2:0                        sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                        data_id   Data ID: Type of the request, repeated in the
+ *                                                     reply.
+ *   byte 0, bit 7                           parity    Even parity of data_id.
+ *   starting at bit eeprom_address_bit + 8  address   7 bits.
+ *   starting at bit mem_busy_bit + 8        mem_busy  1 bit. MEM BUSY: Always 0 when sent by the
+ *                                                     master.
+ *   byte 2                                  data
+ *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
  * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH 4U
 
-/** Values of the frame EEPROM write request. */
+/** Values of the EEPROM write request frame. */
 typedef struct lika_amm5_eeprom_write_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
     uint8_t data; /**< EDF: Byte to write. */
@@ -1260,20 +1263,21 @@ static inline cw_result lika_amm5_eeprom_write_request_encode(
  * In the manual: Master -> Encoder: CF ADF CRC.
  * Its data_id is D (eeprom_read).
  * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
- *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
- *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
- *                                                 reply.
- *   byte 0, bit 7                       parity    Even parity of data_id.
- *   from bit eeprom_address_bit + 8 up  address   7 bits.
- *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
- *   byte 2                              crc       CRC. CRC rs485_8 over everything before it.
+ *   byte 0, bits 2:0                        sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                        data_id   Data ID: Type of the request, repeated in the
+ *                                                     reply.
+ *   byte 0, bit 7                           parity    Even parity of data_id.
+ *   starting at bit eeprom_address_bit + 8  address   7 bits.
+ *   starting at bit mem_busy_bit + 8        mem_busy  1 bit. MEM BUSY: Always 0 when sent by the
+ *                                                     master.
+ *   byte 2                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
  * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH 3U
 
-/** Values of the frame EEPROM read request. */
+/** Values of the EEPROM read request frame. */
 typedef struct lika_amm5_eeprom_read_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
 } lika_amm5_eeprom_read_request;
@@ -1363,7 +1367,7 @@ static inline cw_result lika_amm5_eeprom_read_request_encode(
  */
 #define LIKA_AMM5_SINGLETURN_REPLY_LENGTH 6U
 
-/** Values of the frame singleturn reply. */
+/** Values of the singleturn reply frame. */
 typedef struct lika_amm5_singleturn_reply {
     lika_amm5_data_id data_id;
     /**
@@ -1461,7 +1465,7 @@ static inline cw_result lika_amm5_singleturn_reply_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_amm5_singleturn_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in)
 {
@@ -1499,7 +1503,7 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(
  * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * Its data_id is 1 (multiturn).
- * Singleturn models use no bit of these three bytes. Unused high bits are 0.
+ * Singleturn models do not use these three bytes. Unused high bits are 0.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: Type of the request, repeated in the reply.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1516,7 +1520,7 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(
  */
 #define LIKA_AMM5_MULTITURN_REPLY_LENGTH 6U
 
-/** Values of the frame multiturn reply. */
+/** Values of the multiturn reply frame. */
 typedef struct lika_amm5_multiturn_reply {
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
@@ -1601,7 +1605,7 @@ static inline cw_result lika_amm5_multiturn_reply_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_amm5_multiturn_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in)
 {
@@ -1657,7 +1661,7 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(
  */
 #define LIKA_AMM5_ENCODER_ID_REPLY_LENGTH 4U
 
-/** Values of the frame encoder ID reply. */
+/** Values of the encoder ID reply frame. */
 typedef struct lika_amm5_encoder_id_reply {
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
@@ -1675,7 +1679,7 @@ typedef struct lika_amm5_encoder_id_reply {
     bool status_other_error;
     /**
      * ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
-     * identifies the encoder. Decoding accepts other values too.
+     * identifies the encoder. The decoder also accepts other values.
      */
     uint8_t encoder_id;
     /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
@@ -1736,7 +1740,7 @@ static inline cw_result lika_amm5_encoder_id_reply_encode(
 /** value of encoder_id stated by the manual */
 #define LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_amm5_encoder_id_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in)
 {
@@ -1787,7 +1791,7 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
 
-/** Values of the frame complete reply. */
+/** Values of the complete reply frame. */
 typedef struct lika_amm5_complete_reply {
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
@@ -1810,7 +1814,7 @@ typedef struct lika_amm5_complete_reply {
     uint32_t singleturn;
     /**
      * ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
-     * identifies the encoder. Decoding accepts other values too.
+     * identifies the encoder. The decoder also accepts other values.
      */
     uint8_t encoder_id;
     /**
@@ -1964,7 +1968,7 @@ static inline cw_result lika_amm5_complete_reply_encode(
 /** value of encoder_id stated by the manual */
 #define LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_amm5_complete_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in)
 {
@@ -2017,21 +2021,21 @@ static inline uint32_t lika_amm5_complete_reply_reports(
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Its data_id is 6 (eeprom_write).
  * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
- *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
- *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
- *                                                 reply.
- *   byte 0, bit 7                       parity    Even parity of data_id.
- *   from bit eeprom_address_bit + 8 up  address   7 bits.
- *   from bit mem_busy_bit + 8 up        mem_busy  1 bit.
- *   byte 2                              data
- *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
+ *   byte 0, bits 2:0                        sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                        data_id   Data ID: Type of the request, repeated in the
+ *                                                     reply.
+ *   byte 0, bit 7                           parity    Even parity of data_id.
+ *   starting at bit eeprom_address_bit + 8  address   7 bits.
+ *   starting at bit mem_busy_bit + 8        mem_busy  1 bit.
+ *   byte 2                                  data
+ *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
  * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH 4U
 
-/** Values of the frame EEPROM write reply. */
+/** Values of the EEPROM write reply frame. */
 typedef struct lika_amm5_eeprom_write_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
     /**
@@ -2119,21 +2123,21 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Its data_id is D (eeprom_read).
  * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
- *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
- *   byte 0, bits 6:3                    data_id   Data ID: Type of the request, repeated in the
- *                                                 reply.
- *   byte 0, bit 7                       parity    Even parity of data_id.
- *   from bit eeprom_address_bit + 8 up  address   7 bits.
- *   from bit mem_busy_bit + 8 up        mem_busy  1 bit.
- *   byte 2                              data
- *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
+ *   byte 0, bits 2:0                        sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                        data_id   Data ID: Type of the request, repeated in the
+ *                                                     reply.
+ *   byte 0, bit 7                           parity    Even parity of data_id.
+ *   starting at bit eeprom_address_bit + 8  address   7 bits.
+ *   starting at bit mem_busy_bit + 8        mem_busy  1 bit.
+ *   byte 2                                  data
+ *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
  * half of it, and a write destroys other data there. Read and compare before you write.
  */
 #define LIKA_AMM5_EEPROM_READ_REPLY_LENGTH 4U
 
-/** Values of the frame EEPROM read reply. */
+/** Values of the EEPROM read reply frame. */
 typedef struct lika_amm5_eeprom_read_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
     /**
@@ -2283,7 +2287,7 @@ static inline cw_result lika_amm5_rs485_request_for(
 }
 
 /**
- * Find the frame of the master from its first 1 byte. Its decoder checks the rest. The result is
+ * Find the frame of the master from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
@@ -2329,7 +2333,7 @@ static inline cw_result lika_amm5_rs485_reply_for(
 }
 
 /**
- * Find the frame of the encoder from its first 1 byte. Its decoder checks the rest. The result is
+ * Find the frame of the encoder from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
@@ -2396,7 +2400,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  * Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
  * Value that the encoder reports at the current shaft position once the preset is activated.
  * Byte order: low byte first, at 11h.
- * Can be written only while Preset setting enable holds 01h (enable).
+ * Can be written only while Preset setting enable is 01h (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the
  * register again with Preset setting enable and save the value. Then activate it, if it should take
@@ -2407,11 +2411,11 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  * Erratum preset_bits_below_lsb (open, omission).
  * Erratum biss_bank_select (open, omission).
  * Erratum preset_default_length (settled, wrong data).
- *   bits 55:49                        -           Always zero.
- *   from bit 49 - multiturn_bits up   multiturn   multiturn_bits bits.
- *   from bit 33 up                    -           16 - multiturn_bits bits. Always zero.
- *   from bit 33 - singleturn_bits up  singleturn  singleturn_bits bits.
- *   from bit 0 up                     -           33 - singleturn_bits bits. Always zero.
+ *   bits 55:49                            -           Always zero.
+ *   starting at bit 49 - multiturn_bits   multiturn   multiturn_bits bits.
+ *   starting at bit 33                    -           16 - multiturn_bits bits. Always zero.
+ *   starting at bit 33 - singleturn_bits  singleturn  singleturn_bits bits.
+ *   starting at bit 0                     -           33 - singleturn_bits bits. Always zero.
  */
 #define LIKA_AMM5_REG_PRESET_ADDRESS 0x11U
 #define LIKA_AMM5_REG_PRESET_LENGTH 7U /**< bytes, 11h to 17h */
@@ -2419,7 +2423,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
 #define LIKA_AMM5_REG_PRESET_DEFAULT UINT64_C(0x00000000000000) /**< factory default */
 #define LIKA_AMM5_REG_PRESET_MIN 0U
 
-/** multiturn: from bit 49 - multiturn_bits up. */
+/** multiturn: starting at bit 49 - multiturn_bits. */
 static inline uint32_t lika_amm5_reg_preset_multiturn_shift(const lika_amm5_variant *variant)
 {
     return 49U - variant->multiturn_bits;
@@ -2430,7 +2434,7 @@ static inline uint64_t lika_amm5_reg_preset_multiturn_mask(const lika_amm5_varia
     return cw_mask(variant->multiturn_bits) << (49U - variant->multiturn_bits);
 }
 
-/** singleturn: from bit 33 - singleturn_bits up. */
+/** singleturn: starting at bit 33 - singleturn_bits. */
 static inline uint32_t lika_amm5_reg_preset_singleturn_shift(const lika_amm5_variant *variant)
 {
     return 33U - variant->singleturn_bits;
@@ -2441,13 +2445,13 @@ static inline uint64_t lika_amm5_reg_preset_singleturn_mask(const lika_amm5_vari
     return cw_mask(variant->singleturn_bits) << (33U - variant->singleturn_bits);
 }
 
-/** Return the greatest position: 2^position_bits - 1. */
+/** Return the highest position: 2^position_bits - 1. */
 static inline uint64_t lika_amm5_reg_preset_max(const lika_amm5_variant *variant)
 {
     return cw_mask(lika_amm5_position_bits(variant));
 }
 
-/** Values of the register preset. */
+/** Values of the preset. */
 typedef struct lika_amm5_reg_preset {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
@@ -2614,11 +2618,11 @@ static inline cw_result lika_amm5_write_preset_setting_enable(
 #define LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register serial number. */
+/** Values of the serial number. */
 typedef struct lika_amm5_reg_serial_number {
     /**
      * Decimal digits, most significant first: year 2 (Year of production), week 2 (Week of
-     * production), number 5 (Serial number in ascending order).
+     * production), number 5 (Serial number, assigned in ascending order).
      */
     uint32_t serial;
     uint8_t year;
@@ -2766,11 +2770,11 @@ static inline cw_result lika_amm5_write_command(
 #define LIKA_AMM5_REG_DEVICE_ID_RELEASE_SHIFT 0U
 #define LIKA_AMM5_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
-/** Values of the register device ID. */
+/** Values of the device ID. */
 typedef struct lika_amm5_reg_device_id {
     /**
      * Name of the device (41 4D 4D 35 in hexadecimal). ASCII text. Holds AMM5, which identifies the
-     * encoder. Decoding accepts other values too. No terminator.
+     * encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
     uint16_t release; /**< Hardware-software release, printed as xx xx. */
@@ -2816,7 +2820,7 @@ static inline cw_result lika_amm5_reg_device_id_encode(
 
 #define LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED "AMM5" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_amm5_reg_device_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in)
 {
@@ -2853,11 +2857,11 @@ static inline cw_result lika_amm5_read_device_id(
 #define LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
 #define LIKA_AMM5_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register manufacturer ID. */
+/** Values of the manufacturer ID. */
 typedef struct lika_amm5_reg_manufacturer_id {
     /**
      * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which identifies the encoder.
-     * Decoding accepts other values too. No terminator.
+     * The decoder also accepts other values. No terminator.
      */
     char name[2];
 } lika_amm5_reg_manufacturer_id;
@@ -2894,7 +2898,7 @@ static inline cw_result lika_amm5_reg_manufacturer_id_encode(
 
 #define LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_amm5_reg_manufacturer_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in)
 {
@@ -2928,7 +2932,8 @@ typedef struct lika_amm5_identity {
 } lika_amm5_identity;
 
 /**
- * Read the registers that identify an encoder. The step of a failure is the index of the member.
+ * Read the registers that identify an encoder. If a read fails, the step in the failure is the
+ * index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_read_identity(
@@ -2998,7 +3003,7 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 20U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_amm5_set_preset_steps(
     const lika_amm5_variant *variant, uint64_t position,
@@ -3068,7 +3073,7 @@ static inline cw_result lika_amm5_set_preset(
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 18U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_amm5_store_preset_steps(
     const lika_amm5_variant *variant, uint64_t position,

@@ -35,8 +35,8 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
- * header says what is used instead. The printed text and the reason are on the page of the encoder.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. The end of this
+ * header states what is used instead. The encoder's page gives the printed text and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -48,9 +48,9 @@
  *   failure     details of the failed step or access, or NULL
  * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
  * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
- * member repeats others (a position and its turns, a number and its digits), an encoder requires
- * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
- * whether it is sent as 0 or as 1. Pointers must not be null.
+ * member repeats others (a position and its turns, a number and its digits), the _encode functions
+ * require that they agree. The _set_ functions keep them consistent. A flag is true while it is
+ * active, whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
@@ -201,9 +201,9 @@ static inline const lika_asc85_order_code *lika_asc85_order_codes(size_t *count)
 #define LIKA_ASC85_UNLISTED_SUPPLY 0x01U
 
 /**
- * Return the order code on a label, to choose one at run time, or NULL if the label has none. A
- * part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code whose other parts match, and unlisted has a bit for each such part.
+ * Return the order code that a label shows, to choose a variant at run time, or NULL if it shows
+ * none. A part that the manual leaves open can have a value that is not listed. The result is then
+ * the first order code whose other parts match, and unlisted has a bit for each such part.
  */
 static inline const lika_asc85_order_code *lika_asc85_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -290,7 +290,7 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21, prot: p.7-8,
  * renishaw: data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -317,7 +317,7 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 }
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -379,7 +379,7 @@ typedef enum lika_asc85_report {
     LIKA_ASC85_REPORT_WARNING = 0x2 /**< Warning, nW [6.2.1 p.20]. */
 } lika_asc85_report;
 
-/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
+/** Return the texts that describe the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_asc85_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -438,7 +438,8 @@ static inline const cw_report_text *lika_asc85_report_text(uint32_t reports)
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
+ * buffer.
  */
 #define LIKA_ASC85_20_BG1_SSI_BITS 20U
 #define LIKA_ASC85_20_BG1_SSI_RX_BYTES 3U
@@ -491,7 +492,7 @@ static inline const cw_report_text *lika_asc85_report_text(uint32_t reports)
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual has none for this length [5.3 p.17].
+ * 0 if the manual gives none for this length [5.3 p.17].
  */
 static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -517,7 +518,7 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * The word has as many bits as the position, 20 to 25, and starts with the most significant bit.
  * Further clock pulses read zeros after the word. There is no error bit, no warning bit and no CRC.
  * The constant 0 bit of the BiSS frame is not sent either.
- *   from bit 0 up  position  position_bits bits.
+ *   starting at bit 0  position  position_bits bits.
  * Erratum ssi_code_letters (open, wrong data): Used: BG is binary, GG is Gray.
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum ssi_bit_numbers (settled, wrong data).
@@ -586,7 +587,7 @@ static inline cw_verdict lika_asc85_ssi_word_verdict(
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 10 MHz [6.5 p.32]. */
 #define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U
-/** Time-out: follows the clock, 350 ns at 10 MHz [6.5 p.32]. */
+/** Time-out: varies with the clock, 350 ns at 10 MHz [6.5 p.32]. */
 #define LIKA_ASC85_BISS_TIMEOUT_AT_10000000_HZ_NS 350U
 /** Register address: 7 bits: Register to read or to write [6.3 p.21]. */
 #define LIKA_ASC85_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
@@ -606,7 +607,8 @@ static inline cw_verdict lika_asc85_ssi_word_verdict(
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /**
- * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
+ * buffer.
  * The length depends on your choice, which is part of the name: as_printed or left_out.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
@@ -666,7 +668,7 @@ static inline cw_verdict lika_asc85_ssi_word_verdict(
  * the last clock of the same frame, at least 28 clock periods after its CDS: 2.8 us at 10 MHz and
  * 280 us at 100 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before the
  * next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
- * time-out (follows the clock, 350 ns at 10 MHz).
+ * time-out (varies with the clock, 350 ns at 10 MHz).
  */
 
 /**
@@ -674,13 +676,13 @@ static inline cw_verdict lika_asc85_ssi_word_verdict(
  * significant first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
  * The positions of its fields depend on your choice of zero_bit: as_printed or left_out.
- *   from bit zero_bits + 8 up  position  position_bits bits.
- *   from bit 8 up              zero      zero_bits bits. 0: Always 0, between position and error
- *                                        bit.
- *   bit 7                      error
- *   bit 6                      warning
- *   bits 5:0                   crc       CRC: CRC of the transmission, sent inverted. CRC biss_6
- *                                        over everything before it.
+ *   starting at bit zero_bits + 8  position  position_bits bits.
+ *   starting at bit 8              zero      zero_bits bits. 0: Always 0, between position and
+ *                                            error bit.
+ *   bit 7                          error
+ *   bit 6                          warning
+ *   bits 5:0                       crc       CRC: CRC of the transmission, sent inverted. CRC
+ *                                            biss_6 over everything before it.
  * Erratum scd_length (open, wrong data): Used: Either layout is possible. The user must choose, and
  * there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
  * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
@@ -877,11 +879,11 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
 #define LIKA_ASC85_REG_PROFILE_ID_DATA_LENGTH_SHIFT 0U
 #define LIKA_ASC85_REG_PROFILE_ID_DATA_LENGTH_MASK 0xFFU
 
-/** Values of the register profile ID. */
+/** Values of the profile ID. */
 typedef struct lika_asc85_reg_profile_id {
     /**
-     * Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder. Decoding
-     * accepts other values too.
+     * Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder. The decoder
+     * also accepts other values.
      */
     uint8_t variant;
     /** Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits. */
@@ -923,7 +925,7 @@ static inline cw_result lika_asc85_reg_profile_id_encode(
 /** value of variant stated by the manual */
 #define LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED 0x28U
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_asc85_reg_profile_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in)
 {
@@ -948,7 +950,7 @@ static inline cw_result lika_asc85_read_profile_id(
 
 /**
  * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
- * Serial number of the device, in ascending order.
+ * Serial number of the device, assigned in ascending order.
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_digits (open, omission).
  *   bits 31:0  serial
@@ -957,7 +959,7 @@ static inline cw_result lika_asc85_read_profile_id(
 #define LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
 #define LIKA_ASC85_REG_SERIAL_NUMBER_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register serial number. */
+/** Values of the serial number. */
 typedef struct lika_asc85_reg_serial_number {
     uint32_t serial; /**< Serial number. */
 } lika_asc85_reg_serial_number;
@@ -1027,7 +1029,7 @@ static inline cw_result lika_asc85_read_serial_number(
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_DC_MINIMUM_OFFSET_MASK 0x02U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AC_MINIMUM_AMPLITUDE_MASK 0x01U
 
-/** Values of the register diagnostic data. */
+/** Values of the diagnostic data. */
 typedef struct lika_asc85_reg_diagnostic_data {
     /**
      * Amplitude control maximum current: Set together with Control error. Detected by the
@@ -1238,7 +1240,7 @@ static inline cw_result lika_asc85_write_command(
 #define LIKA_ASC85_REG_STATUS_ABSOLUTE_DATA_VALID_MASK 0x02U
 #define LIKA_ASC85_REG_STATUS_POSITION_DATA_VALID_MASK 0x01U
 
-/** Values of the register status. */
+/** Values of the status. */
 typedef struct lika_asc85_reg_status {
     /**
      * Configuration completed. Active when 1: configuration registers verified by their CRC and
@@ -1351,17 +1353,17 @@ static inline cw_result lika_asc85_read_status(
  * Erratum scd_length (open, wrong data): Used: Either layout is possible. The user must choose, and
  * there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
  * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
- * Erratum position_register_bits (open, wrong data): Used: The exponents number the bits of the
+ * Erratum position_register_bits (open, wrong data): Used: The exponents are the bit numbers of the
  * register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are
  * unspecified.
  * Erratum error_reset (open, omission).
- *   from bit 32 - position_bits up  position  position_bits bits.
+ *   starting at bit 32 - position_bits  position  position_bits bits.
  */
 #define LIKA_ASC85_REG_POSITION_ADDRESS 0x61U
 #define LIKA_ASC85_REG_POSITION_LENGTH 4U /**< bytes, 61h to 64h */
 #define LIKA_ASC85_REG_POSITION_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register position. */
+/** Values of the position. */
 typedef struct lika_asc85_reg_position {
     uint32_t position; /**< Position within one revolution. Unit: counts. */
 } lika_asc85_reg_position;
@@ -1445,7 +1447,7 @@ static inline cw_result lika_asc85_read_position(
 /** bits of Diagnostic data that give the reason */
 #define LIKA_ASC85_REG_ERROR_REGISTER_CONTROL_ERROR_IN_DIAGNOSTIC_DATA 0xCCU
 
-/** Values of the register error register. */
+/** Values of the error register. */
 typedef struct lika_asc85_reg_error_register {
     /**
      * Absolute data error. Active when 1: error in the absolute data interface. Inactive when 0: no
@@ -1469,15 +1471,15 @@ typedef struct lika_asc85_reg_error_register {
     bool synchronization_error;
     /**
      * Signal error. Active when 1: signal error active. Inactive when 0: no signal error. For the
-     * reason, see AC minimum amplitude of Diagnostic data, DC minimum offset of Diagnostic data, AC
-     * maximum amplitude of Diagnostic data and DC maximum offset of Diagnostic data.
+     * reason, see AC minimum amplitude in Diagnostic data, DC minimum offset in Diagnostic data, AC
+     * maximum amplitude in Diagnostic data and DC maximum offset in Diagnostic data.
      */
     bool signal_error;
     /**
      * Control error. Active when 1: control error active. Inactive when 0: no control error. For
-     * the reason, see Signal level minimum amplitude of Diagnostic data, Amplitude control minimum
-     * current of Diagnostic data, Signal level maximum amplitude of Diagnostic data and Amplitude
-     * control maximum current of Diagnostic data.
+     * the reason, see Signal level minimum amplitude in Diagnostic data, Amplitude control minimum
+     * current in Diagnostic data, Signal level maximum amplitude in Diagnostic data and Amplitude
+     * control maximum current in Diagnostic data.
      */
     bool control_error;
 } lika_asc85_reg_error_register;
@@ -1549,11 +1551,11 @@ static inline cw_result lika_asc85_read_error_register(
 #define LIKA_ASC85_REG_DEVICE_ID_LENGTH 6U /**< bytes, 78h to 7Dh */
 #define LIKA_ASC85_REG_DEVICE_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register device ID. */
+/** Values of the device ID. */
 typedef struct lika_asc85_reg_device_id {
     /**
      * Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. Holds AS85,
-     * which identifies the encoder. Decoding accepts other values too. No terminator.
+     * which identifies the encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
     char release[2]; /**< Hardware-software release, printed as 30 31. ASCII text. No terminator. */
@@ -1599,7 +1601,7 @@ static inline cw_result lika_asc85_reg_device_id_encode(
 
 #define LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED "AS85" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_asc85_reg_device_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in)
 {
@@ -1635,11 +1637,11 @@ static inline cw_result lika_asc85_read_device_id(
 #define LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
 #define LIKA_ASC85_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register manufacturer ID. */
+/** Values of the manufacturer ID. */
 typedef struct lika_asc85_reg_manufacturer_id {
     /**
      * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which identifies the encoder.
-     * Decoding accepts other values too. No terminator.
+     * The decoder also accepts other values. No terminator.
      */
     char name[2];
 } lika_asc85_reg_manufacturer_id;
@@ -1676,7 +1678,7 @@ static inline cw_result lika_asc85_reg_manufacturer_id_encode(
 
 #define LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_asc85_reg_manufacturer_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in)
 {
@@ -1711,7 +1713,8 @@ typedef struct lika_asc85_identity {
 } lika_asc85_identity;
 
 /**
- * Read the registers that identify an encoder. The step of a failure is the index of the member.
+ * Read the registers that identify an encoder. If a read fails, the step in the failure is the
+ * index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_read_identity(
@@ -1855,7 +1858,7 @@ static inline const cw_step *lika_asc85_save_configuration_steps(size_t *count)
         { CW_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
         /* Internal data bus busy: 1 while the configuration is being written */
         { CW_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
-        /* Configuration error: 0 again unless the write failed */
+        /* Configuration error: returns to 0 unless the write failed */
         { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT;
@@ -1866,7 +1869,7 @@ static inline const cw_step *lika_asc85_save_configuration_steps(size_t *count)
  * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_save_configuration_read {
-    /** Configuration error of Error register: 0 again unless the write failed */
+    /** Configuration error in Error register: returns to 0 unless the write failed */
     uint8_t error_register[1];
 } lika_asc85_save_configuration_read;
 
@@ -1921,7 +1924,7 @@ static inline const cw_step *lika_asc85_read_absolute_data_steps(size_t *count)
  * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_read_absolute_data_read {
-    /** Absolute data error of Error register: 1 if the data were rejected */
+    /** Absolute data error in Error register: 1 if the data were rejected */
     uint8_t error_register[1];
 } lika_asc85_read_absolute_data_read;
 
@@ -1979,7 +1982,7 @@ static inline const cw_step *lika_asc85_software_reset_steps(size_t *count)
  */
 typedef struct lika_asc85_software_reset_read {
     /**
-     * Configuration error of Error register: should be 0. Also read it if you stopped polling and
+     * Configuration error in Error register: should be 0. Also read it if you stopped polling and
      * the encoder still answers
      */
     uint8_t error_register[1];
@@ -2022,7 +2025,7 @@ static inline const cw_step *lika_asc85_verify_configuration_steps(size_t *count
         { CW_STEP_WRITE, 0x60U, 0xFFU, 0x04U, 1U, 0U },
         /* Internal data bus busy: 1 during the verification */
         { CW_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
-        /* Configuration error: 0 again unless the verification failed */
+        /* Configuration error: returns to 0 unless the verification failed */
         { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT;
@@ -2033,7 +2036,7 @@ static inline const cw_step *lika_asc85_verify_configuration_steps(size_t *count
  * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_verify_configuration_read {
-    /** Configuration error of Error register: 0 again unless the verification failed */
+    /** Configuration error in Error register: returns to 0 unless the verification failed */
     uint8_t error_register[1];
 } lika_asc85_verify_configuration_read;
 
@@ -2082,7 +2085,7 @@ static inline const cw_step *lika_asc85_simulate_error_steps(size_t *count)
  * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_simulate_error_read {
-    /** Error message of Command & status, Status mode: 1 while the error is simulated */
+    /** Error message in Command & status, Status mode: 1 while the error is simulated */
     uint8_t status[1];
 } lika_asc85_simulate_error_read;
 
@@ -2127,7 +2130,7 @@ static inline const cw_step *lika_asc85_clear_simulated_error_steps(size_t *coun
  * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_clear_simulated_error_read {
-    /** Error message of Command & status, Status mode: 0 after the simulation */
+    /** Error message in Command & status, Status mode: 0 after the simulation */
     uint8_t status[1];
 } lika_asc85_clear_simulated_error_read;
 
@@ -2296,7 +2299,7 @@ static inline cw_result lika_asc85_identify(
 /**
  * Control error: The signal level or the output current of the amplitude control has reached a
  * threshold. Bits 2, 3, 6 and 7 of the diagnostic data show which. [6.4 p.30]
- * Flag: Control error of Error register.
+ * Flag: Control error in Error register.
  * Stays active until it is reset.
  * Remedy: Reading out position data resets the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
@@ -2306,7 +2309,7 @@ static inline cw_result lika_asc85_identify(
 /**
  * Signal error: The AC amplitude of a differential signal or the DC voltage of an analogue signal
  * line has reached a threshold. Bits 0, 1, 4 and 5 of the diagnostic data show which. [6.4 p.30]
- * Flag: Signal error of Error register.
+ * Flag: Signal error in Error register.
  * Stays active until it is reset.
  * Remedy: Reading out position data resets the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
@@ -2316,7 +2319,7 @@ static inline cw_result lika_asc85_identify(
 /**
  * Synchronization error: The internal synchronisation between the cycle counter and the
  * interpolator failed. [6.4 p.30]
- * Flag: Synchronization error of Error register.
+ * Flag: Synchronization error in Error register.
  * Stays active until it is reset.
  * Remedy: Reading out position data resets the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
@@ -2330,7 +2333,7 @@ static inline cw_result lika_asc85_identify(
  * command 03, CRC error after a verification with command 04, failure of the EEPROM. The bit is
  * also set temporarily, without an error, during the write with command 01 and the verification
  * with command 04. [6.4 p.30]
- * Flag: Configuration error of Error register.
+ * Flag: Configuration error in Error register.
  * Detected: At power-on, after a software reset, when the configuration is written to the EEPROM or
  * verified.
  * Remedy: The message clears itself at the end of a successful write or verification, but not of a
@@ -2343,7 +2346,7 @@ static inline cw_result lika_asc85_identify(
 /**
  * Interpolation error: The conversion had not been carried out at the time of the read access. [6.4
  * p.31]
- * Flag: Interpolation error of Error register.
+ * Flag: Interpolation error in Error register.
  * Stays active until it is reset.
  * Remedy: Reading out position data resets the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
@@ -2354,7 +2357,7 @@ static inline cw_result lika_asc85_identify(
  * Absolute data error: The absolute data interface received BiSS data with a CRC error, or with the
  * error bit nE active (0). The bit is always 0 if the absolute data interface is not configured.
  * [6.4 p.31]
- * Flag: Absolute data error of Error register.
+ * Flag: Absolute data error in Error register.
  * Detected: When the absolute data interface reads, for example after command 02.
  * Stays active until it is reset.
  * Remedy: Reading out position data resets the message. It appears again while its cause persists.
@@ -2399,7 +2402,7 @@ static inline cw_result lika_asc85_identify(
  * Erratum position_under_error (open, omission) [6.2.1 p.20, 6.4 p.29]: Used: Error bit active: the
  * position is not usable. Warning bit active: the position is usable with a warning.
  * Erratum position_register_bits (open, wrong data) [6.2.1 p.20, 6.4 p.29, icmr: p.33]: Used: The
- * exponents number the bits of the register. The position is left-aligned at bit 31 and
+ * exponents are the bit numbers of the register. The position is left-aligned at bit 31 and
  * position_bits wide. The bits below it are unspecified.
  * Erratum error_reset (open, omission) [6.4 p.29, icmr: p.42]: Used: Reading the position register
  * resets the messages.

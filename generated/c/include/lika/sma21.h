@@ -19,7 +19,7 @@
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. Generate files for one with
+ * Differences from other editions of the manual are noted inline. To generate files for one, use
  * codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the end of this file.
  *
@@ -41,8 +41,8 @@
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself decides it, and open if only a test on hardware or the manufacturer could. The end of this
- * header says what is used instead. The printed text and the reason are on the page of the encoder.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. The end of this
+ * header states what is used instead. The encoder's page gives the printed text and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     variant of the order code
@@ -54,9 +54,9 @@
  *   failure     details of the failed step or access, or NULL
  * A result is OK or the first error: LENGTH if length is wrong, RANGE if a value does not fit or is
  * not in the manual, CRC or CONSTANT if a frame is not well formed, or the error of an access. If a
- * member repeats others (a position and its turns, a number and its digits), an encoder requires
- * that they agree. The _set_ functions keep them consistent. A flag is true while it is active,
- * whether it is sent as 0 or as 1. Pointers must not be null.
+ * member repeats others (a position and its turns, a number and its digits), the _encode functions
+ * require that they agree. The _set_ functions keep them consistent. A flag is true while it is
+ * active, whether it is sent as 0 or as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE: define it before including this header to check words with a table of 256
  *                   entries instead of straight-line code. This is faster on 8-bit processors.
  */
@@ -100,8 +100,8 @@ extern "C" {
  * Erratum order_code_key (open, omission).
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
  * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
- * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
- * rejected.
+ * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
+ * is rejected.
  * Erratum profile_variants (open, wrong data): Used: Each is used as printed.
  * Erratum rs485_position_width (open, omission).
  */
@@ -123,15 +123,15 @@ typedef struct lika_sma21_variant {
     uint8_t scd_padding_bits;
     /**
      * Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
-     * offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Held at run time in register 49h
-     * (Select preset offset of Configuration), 0 to 1. lika_sma21_take_configuration() updates it.
+     * offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Read at run time from register 49h
+     * (Select preset offset in Configuration), 0 to 1. lika_sma21_take_configuration() updates it.
      */
     uint8_t offset_selected;
     uint16_t profile_id; /**< Profile ID in the BiSS registers 42h and 43h [6.4 p.28]. */
     /**
-     * Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Held at run
-     * time in register 49h (Output code of Configuration), 0 to 1. lika_sma21_take_configuration()
-     * updates it.
+     * Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Read at run
+     * time from register 49h (Output code in Configuration), 0 to 1.
+     * lika_sma21_take_configuration() updates it.
      */
     uint8_t output_code;
     /**
@@ -280,9 +280,9 @@ static inline const lika_sma21_order_code *lika_sma21_order_codes(size_t *count)
 #define LIKA_SMA21_UNLISTED_SUPPLY 0x01U
 
 /**
- * Return the order code on a label, to choose one at run time, or NULL if the label has none. A
- * part that the manual leaves open can have a value that is not listed. The result is then the
- * first order code whose other parts match, and unlisted has a bit for each such part.
+ * Return the order code that a label shows, to choose a variant at run time, or NULL if it shows
+ * none. A part that the manual leaves open can have a value that is not listed. The result is then
+ * the first order code whose other parts match, and unlisted has a bit for each such part.
  */
 static inline const lika_sma21_order_code *lika_sma21_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -371,7 +371,7 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26, prot: p.7-8, renishaw:
  * data sheet, icmu: p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
@@ -398,7 +398,7 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 }
 
 /**
- * Return the CRC of bits, the last one sent as bit 0.
+ * Return the CRC of bits. Bit 0 is the last one sent.
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu:
  * p.30].
  * The manual prints the polynomial and says that the output is inverted. The start value 0 and the
@@ -469,7 +469,7 @@ typedef enum lika_sma21_report {
     LIKA_SMA21_REPORT_TEMPERATURE_ALARM = 0x2000
 } lika_sma21_report;
 
-/** Return the texts about the lowest report in a mask. They are empty if no bit is set. */
+/** Return the texts that describe the lowest report in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
@@ -547,8 +547,8 @@ static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "encoder_inharmonious_error",
             "Encoder inharmonious error",
-            "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it. Its "
-            "cause is not known",
+            "an alarm that is no longer in manual 1.1 of November 2023. An older encoder may have "
+            "it. Its cause is not known",
             "",
             "7.3.3 p.39, 7.3.3.1 p.40"
         },
@@ -620,7 +620,8 @@ static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
 #define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U
 
 /**
- * Lengths for receive.h by order code: bits of ssi_word, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
+ * buffer.
  */
 #define LIKA_SMA21_BG1_0050_SSI_BITS 21U
 #define LIKA_SMA21_BG1_0050_SSI_RX_BYTES 3U
@@ -685,7 +686,7 @@ static inline const cw_report_text *lika_sma21_report_text(uint32_t reports)
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual has none for this length [5.3 p.22].
+ * 0 if the manual gives none for this length [5.3 p.22].
  */
 static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -712,8 +713,8 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * significant bit. Further clock pulses read zeros after the word. There is no warning bit and no
  * CRC. Bit 0 is the error bit. The LSB of the position is bit 1. The manual's name is "Struttura
  * dell'informazione di posizione".
- *   from bit 1 up  position  position_bits bits.
- *   bit 0          error
+ *   starting at bit 1  position  position_bits bits.
+ *   bit 0              error
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum gray_scope (open, omission).
  * Erratum position_under_error (open, omission).
@@ -806,7 +807,7 @@ static inline uint32_t lika_sma21_ssi_word_reports(
  */
 #define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.5 p.34]. */
 #define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U
-/** Time-out: follows the clock, at most 16 us [6.5 p.34]. */
+/** Time-out: varies with the clock, at most 16 us [6.5 p.34]. */
 #define LIKA_SMA21_BISS_TIMEOUT_AT_MOST_NS 16000U
 /** Indirizzo registro: 7 bits: Register to read or to write [6.3 p.27]. */
 #define LIKA_SMA21_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
@@ -831,7 +832,8 @@ static inline uint32_t lika_sma21_ssi_word_reports(
 #define LIKA_SMA21_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for receive.h by order code: bits of single_cycle_data, and bytes of its buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
+ * buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -862,7 +864,7 @@ static inline uint32_t lika_sma21_ssi_word_reports(
  * the last clock of the same frame, at least 32 clock periods after its CDS: 3.2 us at 10 MHz and
  * 160 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before the
  * next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
- * time-out (follows the clock, at most 16 us).
+ * time-out (varies with the clock, at most 16 us).
  */
 
 /**
@@ -875,21 +877,21 @@ static inline uint32_t lika_sma21_ssi_word_reports(
  * selected (bit 1 of the Configuration register), the position takes the whole field. With the
  * output code Gray, zeros above a number remain zeros, so it does not matter whether they are
  * converted. The error and warning bits are assumed not to be converted.
- *   from bit scd_value_bits + 8 up  padding   position_bits + scd_padding_bits - scd_value_bits
- *                                             bits. Zeros above the position, part of the manual's
- *                                             Posizione. There are none while an offset is
- *                                             selected. Always 0.
- *   from bit 8 up                   position  scd_value_bits bits.
- *   bit 7                           error
- *   bit 6                           warning
- *   bits 5:0                        crc       CRC: CRC of the transmission, sent inverted. CRC
- *                                             biss_6 over everything before it.
+ *   starting at bit scd_value_bits + 8  padding   position_bits + scd_padding_bits - scd_value_bits
+ *                                                 bits. Zeros above the position, part of the
+ *                                                 manual's Posizione. There are none while an
+ *                                                 offset is selected. Always 0.
+ *   starting at bit 8                   position  scd_value_bits bits.
+ *   bit 7                               error
+ *   bit 6                               warning
+ *   bits 5:0                            crc       CRC: CRC of the transmission, sent inverted. CRC
+ *                                                 biss_6 over everything before it.
  * Erratum gray_scope (open, omission).
  * Erratum scd_length (settled, wrong data).
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
  * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
- * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
- * rejected.
+ * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
+ * is rejected.
  * Erratum position_below_zero (open, omission).
  * Erratum warning_level (open, omission).
  * Erratum position_under_error (open, omission).
@@ -1090,7 +1092,7 @@ typedef enum lika_sma21_data_id {
  */
 #define LIKA_SMA21_DATA_REQUEST_LENGTH 1U
 
-/** Values of the frame data request. */
+/** Values of the data request frame. */
 typedef struct lika_sma21_data_request {
     lika_sma21_data_id data_id;
 } lika_sma21_data_request;
@@ -1181,7 +1183,7 @@ static inline cw_result lika_sma21_data_request_encode(
  */
 #define LIKA_SMA21_POSITION_REPLY_LENGTH 7U
 
-/** Values of the frame position reply. */
+/** Values of the position reply frame. */
 typedef struct lika_sma21_position_reply {
     lika_sma21_data_id data_id;
     /**
@@ -1221,8 +1223,8 @@ typedef struct lika_sma21_position_reply {
      */
     bool hardware_error;
     /**
-     * Encoder inharmonious error: Not implemented. Active when 1: an alarm that manual 1.1 of
-     * November 2023 removed. An older encoder may have it. Its cause is not known.
+     * Encoder inharmonious error: Not implemented. Active when 1: an alarm that is no longer in
+     * manual 1.1 of November 2023. An older encoder may have it. Its cause is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
@@ -1321,7 +1323,7 @@ static inline cw_result lika_sma21_position_reply_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_sma21_position_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in)
 {
@@ -1395,7 +1397,7 @@ static inline uint32_t lika_sma21_position_reply_reports(
  */
 #define LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH 9U
 
-/** Values of the frame wide position reply. */
+/** Values of the wide position reply frame. */
 typedef struct lika_sma21_wide_position_reply {
     /**
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
@@ -1482,7 +1484,7 @@ static inline cw_result lika_sma21_wide_position_reply_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_sma21_wide_position_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in)
 {
@@ -1553,7 +1555,7 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
  */
 #define LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH 9U
 
-/** Values of the frame identification reply. */
+/** Values of the identification reply frame. */
 typedef struct lika_sma21_identification_reply {
     /**
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
@@ -1592,8 +1594,8 @@ typedef struct lika_sma21_identification_reply {
      */
     bool hardware_error;
     /**
-     * Encoder inharmonious error: Not implemented. Active when 1: an alarm that manual 1.1 of
-     * November 2023 removed. An older encoder may have it. Its cause is not known.
+     * Encoder inharmonious error: Not implemented. Active when 1: an alarm that is no longer in
+     * manual 1.1 of November 2023. An older encoder may have it. Its cause is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
@@ -1688,7 +1690,7 @@ static inline cw_result lika_sma21_identification_reply_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_sma21_identification_reply_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in)
 {
@@ -1778,7 +1780,7 @@ static inline cw_result lika_sma21_rs485_request_for(
 }
 
 /**
- * Find the frame of the master from its first 1 byte. Its decoder checks the rest. The result is
+ * Find the frame of the master from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
@@ -1814,7 +1816,7 @@ static inline cw_result lika_sma21_rs485_reply_for(
 }
 
 /**
- * Find the frame of the encoder from its first 1 byte. Its decoder checks the rest. The result is
+ * Find the frame of the encoder from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
@@ -1966,11 +1968,11 @@ static inline double lika_sma21_rs485_millimetres(
 #define LIKA_SMA21_REG_PROFILE_ID_LENGTH 2U /**< bytes, 42h to 43h */
 #define LIKA_SMA21_REG_PROFILE_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register profile ID. */
+/** Values of the profile ID. */
 typedef struct lika_sma21_reg_profile_id {
     /**
      * 28h and the number of bits of the position in decimal. Holds profile_id, which identifies the
-     * encoder. Decoding accepts other values too.
+     * encoder. The decoder also accepts other values.
      */
     uint16_t profile_id;
 } lika_sma21_reg_profile_id;
@@ -2005,7 +2007,7 @@ static inline cw_result lika_sma21_reg_profile_id_encode(
     return CW_OK;
 }
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_sma21_reg_profile_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in)
 {
@@ -2044,11 +2046,11 @@ static inline cw_result lika_sma21_read_profile_id(
 #define LIKA_SMA21_REG_SERIAL_NUMBER_NUMBER_SHIFT 0U
 #define LIKA_SMA21_REG_SERIAL_NUMBER_NUMBER_MASK 0xFFFFU
 
-/** Values of the register serial number. */
+/** Values of the serial number. */
 typedef struct lika_sma21_reg_serial_number {
     uint8_t year; /**< Year of production. */
     uint8_t week; /**< Week of production. */
-    uint16_t number; /**< Serial number in ascending order. */
+    uint16_t number; /**< Serial number, assigned in ascending order. */
 } lika_sma21_reg_serial_number;
 
 /** Decode 4 bytes, lowest address first. */
@@ -2128,8 +2130,8 @@ typedef enum lika_sma21_command {
     LIKA_SMA21_COMMAND_ACTIVATE_PRESET_OFFSET = 0x02,
     /**
      * Carica e salva tutti i parametri di default: Immediately loads the factory parameters, which
-     * are for standard and safe operation. All parameters set before are overwritten and lost [6.4
-     * p.29].
+     * are for standard and safe operation. All previously set parameters are overwritten and lost
+     * [6.4 p.29].
      */
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
@@ -2218,7 +2220,7 @@ typedef enum lika_sma21_select_preset_offset {
 #define LIKA_SMA21_REG_CONFIGURATION_SELECT_PRESET_OFFSET_SHIFT 1U
 #define LIKA_SMA21_REG_CONFIGURATION_SELECT_PRESET_OFFSET_MASK 0x02U
 
-/** Values of the register configuration. */
+/** Values of the configuration. */
 typedef struct lika_sma21_reg_configuration {
     lika_sma21_counting_direction counting_direction; /**< Default: 0. */
     lika_sma21_output_code output_code; /**< Default: 1. */
@@ -2320,8 +2322,8 @@ static inline cw_result lika_sma21_write_configuration(
  * 32h is 50 um, 0Ah 10 um, 05h 5 um, 02h 2 um and 01h 1 um. The highest positions are 00 0F FF FFh
  * (20 bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF
  * FFh (25 bits).
- * Length of one count. Unit: um. Holds resolution_um, which identifies the encoder. Decoding
- * accepts other values too.
+ * Length of one count. Unit: um. Holds resolution_um, which identifies the encoder. The decoder
+ * also accepts other values.
  */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS 0x4DU
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /**< byte */
@@ -2348,13 +2350,13 @@ static inline cw_result lika_sma21_read_absolute_resolution(
  * Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
  * Preset or offset, according to the Select preset / offset bit of the Configuration register.
  * Byte order: high byte first, at 50h.
- * Can be written only while Enable preset offset of Configuration holds 0 (enable).
+ * Can be written only while Enable preset offset in Configuration is 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * While Select preset offset of Configuration holds 0 (preset), the register holds preset, 0 to
+ * While Select preset offset in Configuration is 0 (preset), the register holds preset, 0 to
  * 2^position_bits - 1: Value that the encoder reports at the current sensor position once the
  * preset is activated. All positions before and after it shift accordingly. The preset can be used,
  * for instance, to align the zero points of sensor and application. [6.4 p.32]
- * While Select preset offset of Configuration holds 1 (offset), the register holds offset, 0 to
+ * While Select preset offset in Configuration is 1 (offset), the register holds offset, 0 to
  * 2^scd_position_bits - 2^position_bits: Value by which the transmitted positions are shifted.
  * Their number stays the same, and they start at the offset. The offset is applied to the position
  * of the sensor at the activation. [6.4 p.32]
@@ -2366,8 +2368,8 @@ static inline cw_result lika_sma21_read_absolute_resolution(
  * 00h at 50 um, C0 00 00h at 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
  * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
- * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
- * rejected.
+ * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
+ * is rejected.
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
  * offset.
  * Erratum offset_range (settled, wrong limit).
@@ -2381,7 +2383,7 @@ static inline cw_result lika_sma21_read_absolute_resolution(
 
 #define LIKA_SMA21_REG_PRESET_OFFSET_PRESET_MIN 0U
 
-/** Return the greatest preset: 2^position_bits - 1. */
+/** Return the highest preset: 2^position_bits - 1. */
 static inline uint32_t lika_sma21_reg_preset_offset_preset_max(const lika_sma21_variant *variant)
 {
     return (uint32_t)cw_mask(variant->position_bits);
@@ -2389,14 +2391,14 @@ static inline uint32_t lika_sma21_reg_preset_offset_preset_max(const lika_sma21_
 
 #define LIKA_SMA21_REG_PRESET_OFFSET_OFFSET_MIN 0U
 
-/** Return the greatest offset: 2^scd_position_bits - 2^position_bits. */
+/** Return the highest offset: 2^scd_position_bits - 2^position_bits. */
 static inline uint32_t lika_sma21_reg_preset_offset_offset_max(const lika_sma21_variant *variant)
 {
     return (uint32_t)(((uint64_t)1U << lika_sma21_scd_position_bits(variant)) -
         ((uint64_t)1U << variant->position_bits));
 }
 
-/** Values of the register preset offset. */
+/** Values of the preset offset. */
 typedef struct lika_sma21_reg_preset_offset {
     uint32_t preset_offset;
 } lika_sma21_reg_preset_offset;
@@ -2469,7 +2471,7 @@ static inline cw_result lika_sma21_write_preset_offset(
  * Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
  * Type of the device.
  * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which identifies
- * the encoder. Decoding accepts other values too.
+ * the encoder. The decoder also accepts other values.
  */
 #define LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_SMA21_REG_DEVICE_TYPE_LENGTH 1U /**< byte */
@@ -2498,8 +2500,8 @@ static inline cw_result lika_sma21_read_device_type(
  * Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode
  * [6.4 p.33].
  * Period of the sine and cosine signals.
- * 00h: no sine and cosine signals. Holds 00h, which identifies the encoder. Decoding accepts other
- * values too.
+ * 00h: no sine and cosine signals. Holds 00h, which identifies the encoder. The decoder also
+ * accepts other values.
  */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS 0x58U
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_LENGTH 1U /**< byte */
@@ -2568,11 +2570,11 @@ static inline cw_result lika_sma21_read_position_check(
 #define LIKA_SMA21_REG_DEVICE_ID_RELEASE_SHIFT 0U
 #define LIKA_SMA21_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
-/** Values of the register device ID. */
+/** Values of the device ID. */
 typedef struct lika_sma21_reg_device_id {
     /**
      * Name of the device (53 4D 32 31 in hexadecimal). ASCII text. Holds SM21, which identifies the
-     * encoder. Decoding accepts other values too. No terminator.
+     * encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
     uint16_t release; /**< Hardware-software release, printed as xx xx. */
@@ -2618,7 +2620,7 @@ static inline cw_result lika_sma21_reg_device_id_encode(
 
 #define LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED "SM21" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_sma21_reg_device_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in)
 {
@@ -2655,11 +2657,11 @@ static inline cw_result lika_sma21_read_device_id(
 #define LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH 2U /**< bytes, 7Eh to 7Fh */
 #define LIKA_SMA21_REG_MANUFACTURER_ID_ACCESS CW_ACCESS_READ_ONLY
 
-/** Values of the register manufacturer ID. */
+/** Values of the manufacturer ID. */
 typedef struct lika_sma21_reg_manufacturer_id {
     /**
      * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which identifies the encoder.
-     * Decoding accepts other values too. No terminator.
+     * The decoder also accepts other values. No terminator.
      */
     char name[2];
 } lika_sma21_reg_manufacturer_id;
@@ -2696,7 +2698,7 @@ static inline cw_result lika_sma21_reg_manufacturer_id_encode(
 
 #define LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /**< value of name stated by the manual */
 
-/** Return true if the values are as the manual states. Decoding accepts other values too. */
+/** Return true if the values are as the manual states. The decoder also accepts other values. */
 static inline bool lika_sma21_reg_manufacturer_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in)
 {
@@ -2724,14 +2726,14 @@ static inline cw_result lika_sma21_read_manufacturer_id(
 /* -- run-time state ---------------------------------------------------------------------------- */
 
 /**
- * Some registers of the encoder change its frames. The initialisers of the variants have the
+ * Some registers of the encoder change its frames. The initialisers of the variants contain the
  * factory defaults. These functions update a variant from the contents of these registers, either
  * as read from the encoder or as you wrote them. They leave it unchanged if the encoder cannot hold
  * such a value (RANGE) or if length is wrong.
  */
 
 /**
- * Update a variant from the content of the register Configuration: offset_selected, output_code.
+ * Update offset_selected, output_code in a variant from the content of the Configuration register.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_take_configuration(
@@ -2748,9 +2750,9 @@ static inline cw_result lika_sma21_take_configuration(
 }
 
 /**
- * Read these registers and update the variant from all of them. Call it after power-on, after the
- * defaults were restored, and after any write or procedure that changes these registers or values
- * that they depend on. The step of a failure is the index of a function above.
+ * Read these registers and update the variant from all of them. Call it after power-on, after
+ * restoring the defaults, and after any write or procedure that changes these registers or values
+ * that they depend on. If a read fails, the step in the failure is the index of a function above.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_state(
@@ -2786,7 +2788,8 @@ typedef struct lika_sma21_identity {
 } lika_sma21_identity;
 
 /**
- * Read the registers that identify an encoder. The step of a failure is the index of the member.
+ * Read the registers that identify an encoder. If a read fails, the step in the failure is the
+ * index of the member.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_read_identity(
@@ -2887,7 +2890,7 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
  */
 #define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 4U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_configuration_steps(
     const lika_sma21_variant *variant, uint8_t configuration,
@@ -2898,7 +2901,7 @@ static inline cw_result lika_sma21_set_configuration_steps(
     }
     const uint8_t configuration_configuration_sent[] = { configuration };
     lika_sma21_reg_configuration configuration_configuration_held;
-    /* bits that the register lacks */
+    /* bits that the register does not have */
     if (lika_sma21_reg_configuration_decode(variant, configuration_configuration_sent,
         sizeof(configuration_configuration_sent), &configuration_configuration_held) != CW_OK) {
         return CW_FAULT_RANGE;
@@ -2945,7 +2948,7 @@ static inline cw_result lika_sma21_set_configuration(
  */
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 10U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_preset_steps(
     const lika_sma21_variant *variant, uint32_t position,
@@ -3014,13 +3017,13 @@ static inline cw_result lika_sma21_set_preset(
 static inline const cw_step *lika_sma21_select_preset_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
-        /* Enable preset offset of Configuration: enable */
+        /* Enable preset offset in Configuration: enable */
         { CW_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
-        /* Select preset offset of Configuration: preset */
+        /* Select preset offset in Configuration: preset */
         { CW_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
-        /* Enable preset offset of Configuration: read back, which the manual does not require */
+        /* Enable preset offset in Configuration: read back, which the manual does not require */
         { CW_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
-        /* Select preset offset of Configuration: read back, which the manual does not require */
+        /* Select preset offset in Configuration: read back, which the manual does not require */
         { CW_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
         { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* save it permanently */
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
@@ -3055,14 +3058,14 @@ static inline cw_result lika_sma21_select_preset(
  * the Configuration register.
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
  * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
- * Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit there is
- * rejected.
+ * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
+ * is rejected.
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
  * offset.
  */
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 16U
 
-/** Write these steps to an array that has room for all of them. count becomes their number. */
+/** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_sma21_set_offset_steps(
     const lika_sma21_variant *variant, uint32_t offset,
@@ -3086,9 +3089,9 @@ static inline cw_result lika_sma21_set_offset_steps(
     }
     steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable preset and offset */
     steps[1] = cw_step_write(0x49U, 0x02U, 0x02U); /* select offset for the register */
-    /* Enable preset offset of Configuration: read back, which the manual does not require */
+    /* Enable preset offset in Configuration: read back, which the manual does not require */
     steps[2] = cw_step_verify(0x49U, 0x04U, 0x00U);
-    /* Select preset offset of Configuration: read back, which the manual does not require */
+    /* Select preset offset in Configuration: read back, which the manual does not require */
     steps[3] = cw_step_verify(0x49U, 0x02U, 0x02U);
     steps[4] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save the configuration permanently */
     steps[5] = cw_step_wait(30000U); /* EEPROM writing time */
@@ -3162,7 +3165,7 @@ static inline cw_result lika_sma21_save_parameters(
 
 /**
  * Load and save all default parameters [6.4 p.29].
- * Before: All parameters that were set before are lost.
+ * Before: All previously set parameters are lost.
  * Result: The default parameters are active and saved.
  */
 #define LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT 2U
@@ -3425,11 +3428,11 @@ static inline cw_result lika_sma21_reset_position(
  * um and 33 bits at 1 um.
  * Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]: Used: While an offset is
  * selected in the Configuration register, 6.4 applies: the position takes the whole field of 24 or
- * 25 bits. Otherwise 6.2 applies: there are zeros above the position, and a frame with another bit
- * there is rejected.
+ * 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero
+ * bit there is rejected.
  * Erratum position_below_zero (open, omission) [6.4 p.32, 7.3.3.2 p.41]: Used: Over SSI and BiSS,
  * the position wraps around after 2^position_bits counts. In the 24-bit replies over RS-485, it
- * wraps around after as many counts as its bits can represent. The 48-bit position goes below zero.
+ * wraps around after as many counts as its bits can represent. The 48-bit position can be negative.
  * Erratum warning_level (open, omission) [6.2 p.26, 9.1]: Used: 0 means a warning, as with the
  * error bit.
  * Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]: Used: Each is used as
@@ -3455,7 +3458,7 @@ static inline cw_result lika_sma21_reset_position(
  * Erratum abs_range_48 (settled, wrong limit) [7.3.3, a4: p.298]: Used: The highest value is
  * 7FFFFFFFFFFFh.
  * Erratum abs_range_24 (settled, wrong limit) [7.3.3]: Used: The highest value is FFFFFFh.
- * Erratum wide_position_sign (open, omission) [7.3.3]: Used: The position is signed, over all 48
+ * Erratum wide_position_sign (open, omission) [7.3.3]: Used: The position is signed and uses all 48
  * bits.
  * Erratum rs485_position_width (open, omission) [4.10 p.18, 5.2 p.20, 6.2 p.25, 7.3.3.2]: Used: The
  * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
@@ -3475,18 +3478,17 @@ static inline cw_result lika_sma21_reset_position(
  * Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]: Used: The outputs have no reply
  * time and no time-out. The master chooses its time-out.
  * Before edition 1.1 [Release table]:
- *   In the spec: whether field encoder_inharmonious_error of group of fields alarm_field is
- *   implemented and whether alarm encoder_inharmonious_error is implemented.
+ *   In the spec: whether field encoder_inharmonious_error of group alarm_field is implemented and
+ *   whether alarm encoder_inharmonious_error is implemented.
  *   In that edition: yes.
  *   Why: This revision removed the alarm, so older encoders may have it.
  * Before edition 1.1 [Release table]:
- *   In the spec: the meaning of an active field encoder_inharmonious_error of group of fields
- *   alarm_field.
+ *   In the spec: the meaning of an active field encoder_inharmonious_error of group alarm_field.
  *   In that edition: encoder inharmonious error.
  *   Why: Only the name of the alarm is known. Its description in manual 1.0 is not known.
  * Before edition 1.1 [Release table]:
- *   In the spec: the meaning of field encoder_inharmonious_error of group of fields alarm_field and
- *   the meaning of alarm encoder_inharmonious_error.
+ *   In the spec: the meaning of field encoder_inharmonious_error of group alarm_field and the
+ *   meaning of alarm encoder_inharmonious_error.
  *   In that edition: Its cause is not known.
  *   Why: Only the name of the alarm is known. Its description in manual 1.0 is not known.
  */

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Code that the packages of all manufacturers share, such as verdicts, errors, and the functions that run procedures.
+"""Code shared by the packages of all manufacturers, such as verdicts, errors, and the functions that run procedures.
 
 Programs import these names from the package of a manufacturer or from here. They are the same objects, so encoders of
 several manufacturers can be used together.

@@ -29,14 +29,15 @@ Therefore:
   its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they had
   been stored. Read back what you write.
 * Zeros can complete a byte: if a write is aborted within a byte, the slave can store the bits that it has received,
-  followed by zeros, if the CRC of that value is 0 (one of 68 places and values). Write such a register again, and take
-  care with registers that act on any value.
+  followed by zeros, if the CRC of that value is 0 (one in 68 combinations of bit position and value). Write such a
+  register again, and take special care if any value in it starts an action.
 
-Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. CTS in the CRC, the
-frame in which each answer comes, and P before a further S follow published masters: lenzencoders/BISS-C
-(BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk (source/position_sense/bissc). Inferred: the
-end of the chain that has ID 0, and the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested
-on hardware. Commands (CTS = 0) are not covered: a :class:`Slave` ignores them.
+Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. Three details come from
+two published masters: the CRC covers CTS, each answer comes in the frame described above, and P comes before a further
+S. The masters are lenzencoders/BISS-C (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
+(source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and the reaction of a slave
+to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not covered: a
+:class:`Slave` ignores them.
 """
 
 from __future__ import annotations
@@ -220,7 +221,7 @@ class Request:
         return (0,) * ZEROS + (1,) + tuple(word >> left & 1 for left in range(31, -1, -1))
 
     def _echo(self, answers: int) -> Outcome:
-        """Return the outcome of the first 18 answers, IDL0 highest and W lowest. RUNNING if the slave takes part."""
+        """Return the outcome of the first 18 answers, IDL0 highest and W lowest. RUNNING if the slave participates."""
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
             return Outcome.NO_ANSWER
         expected = 0b10 if self.value is None else 0b01
@@ -329,13 +330,14 @@ class Master:
         self._answers = 0
 
     def read(self, address: int, count: int = 1, *, slave_id: int = 0, busy_limit: int) -> None:
-        """Start to read registers. A running access is aborted.
+        """Start to read registers. An access in progress is aborted.
 
         Args:
             address: Address of the first register, 00h to 7Fh.
             count: Number of registers.
             slave_id: ID of the slave, 0 to 7.
-            busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
+            busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
+                20 ms.
 
         Raises:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
@@ -346,13 +348,14 @@ class Master:
         self._begin(slave_id, address, values, busy_limit)
 
     def write(self, address: int, data: Data, *, slave_id: int = 0, busy_limit: int) -> None:
-        """Start to write registers. A running access is aborted.
+        """Start to write registers. An access in progress is aborted.
 
         Args:
             address: Address of the first register, 00h to 7Fh.
             data: Bytes to write to ascending addresses.
             slave_id: ID of the slave, 0 to 7.
-            busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
+            busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
+                20 ms.
 
         Raises:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
@@ -428,7 +431,7 @@ class Master:
         return 1
 
     def _start(self, cds: int) -> int:
-        """Return the bit of step 4: S until it is answered, then DATA7."""
+        """Return the bit of step 4: S until it is answered, and then DATA7."""
         if not cds:
             if self._busy >= self._busy_limit:
                 return self._ends(Outcome.BUSY)
@@ -481,7 +484,8 @@ class RegisterBus:
         exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
             carries during the time-out, and returns the CDS bit of this frame.
         slave_id: ID of the slave, 0 to 7.
-        busy_limit: Number of successive frames in which the slave may be busy: as many as fit into 20 ms.
+        busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
+            20 ms.
     """
 
     def __init__(self, exchange: Callable[[int], int], *, slave_id: int = 0, busy_limit: int = 0) -> None:
@@ -608,7 +612,7 @@ class Slave:
         return self._lock(upstream)
 
     def _may(self) -> bool:
-        """Return whether the master may make this kind of access to the current register."""
+        """Return whether the master is allowed this kind of access to the current register."""
         return self._current in (self.writable if self._writes else self.readable)
 
     def _fetch(self) -> None:

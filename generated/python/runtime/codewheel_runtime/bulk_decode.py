@@ -35,7 +35,7 @@ np: Any = import_module("numpy")
 
 
 class Chunk:
-    """Chunk of frames. Each is a number of ``bits`` bits, in 64-bit limbs, lowest limb first. Higher bits are 0."""
+    """Chunk of frames. Each is a ``bits``-bit number in 64-bit limbs, lowest limb first. Higher bits are 0."""
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs, self.bits = limbs, bits
@@ -71,7 +71,7 @@ class Chunk:
         return number
 
     def flag(self, low: int, active: bool, out: Any) -> None:
-        """Write to ``out`` whether a bit is 1, or whether it is 0 if ``active`` is False."""
+        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False."""
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
@@ -114,7 +114,7 @@ def _is_arrow(frames: object) -> bool:
 
 
 def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
-    """Return columns in one block of memory, for which the system uses larger pages than for many small ones."""
+    """Return columns in one block of memory. The system uses larger pages for it than for many small blocks."""
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
     columns, start = {}, 0
@@ -185,7 +185,7 @@ def of_floats(frames: Any, bits: int) -> Any:
 
 
 def _is_missing(item: object) -> bool:
-    """Return whether the item is None, NaN or ``pandas.NA``."""
+    """Return True if the item is None, NaN or ``pandas.NA``."""
     if type(item) is int or type(item) is bytes:
         return False
     return item is None or type(item).__name__ == "NAType" or (isinstance(item, float) and item != item)
@@ -270,7 +270,7 @@ def _limbs(rows: Any, shape: Shape) -> list[Any]:
 
 
 def _short(rows: Any, kind: str, is_little: bool) -> Any:
-    """Return rows of fewer than eight bytes as numbers. All rows but the last eight are read beyond their end."""
+    """Return rows of fewer than eight bytes as numbers. Reads go past the end of all rows except the last eight."""
     count, length = rows.shape
     most = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
@@ -347,7 +347,7 @@ def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
 
 @lru_cache(maxsize=64)
 def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
-    """Return one table per byte of a number, with its contribution to the CRC difference.
+    """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
 
     The entries of the first table also include the difference of the number 0.
     """

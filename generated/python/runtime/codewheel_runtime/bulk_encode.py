@@ -12,7 +12,7 @@ from .shape import Check, Column, Join, Shape, width_of
 
 
 class RowError(RangeError):
-    """A field cannot be encoded. ``row`` is the index of the first row with such a field."""
+    """A field cannot be encoded. ``row`` is the index of the first row that has such a field."""
 
     def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
         super().__init__(field, value, allowed)
@@ -24,7 +24,7 @@ class RowError(RangeError):
 
 
 class Refused:
-    """First error found in the rows: the first wrong field in the first wrong row."""
+    """First error in the rows: the first wrong field of the first row with an error."""
 
     def __init__(self) -> None:
         self.row: int | None = None
@@ -157,7 +157,7 @@ def _number(values: Any, item: Column, refused: Refused) -> Any:
 
 
 def _unsigned(values: Any, refused: Refused, name: str, most: int) -> Any:
-    """Return numbers up to ``most`` as unsigned 64-bit numbers."""
+    """Return numbers that are at most ``most`` as unsigned 64-bit numbers."""
     wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
     if most < (1 << 64) - 1:

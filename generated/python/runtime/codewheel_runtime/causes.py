@@ -65,7 +65,7 @@ def _dead_line(frame: object, bits: int, has_crc: bool) -> str:
 
 
 def _is_told_apart(encoder: Encoder) -> bool:
-    """Return whether some frames of the right length are invalid. If all are valid, a valid one proves nothing."""
+    """Return whether some frames of the right length are invalid. If all are valid, a valid frame proves nothing."""
     bits = _bits_of(encoder)
     return not bits or not all(_is_sound(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
 
@@ -115,7 +115,7 @@ def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
 def _disturbed(
     encoder: Encoder, flipped: Iterable[object], named: Callable[[int], str]
 ) -> Iterator[tuple[str, object]]:
-    """Yield a frame that is valid after inverting one bit. Its description names the bit if only one is possible."""
+    """Yield a frame that becomes valid when one bit is inverted. The bit is named if only one is possible."""
     found = [(bit, other) for bit, other in enumerate(flipped) if _is_sound(encoder.decode, other)]
     if found:
         which = named(found[0][0]) if len(found) == 1 else f"one of {len(found)} bits"

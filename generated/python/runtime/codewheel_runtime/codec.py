@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Code that the encoder modules share: conversion of arguments, checks and CRCs."""
+"""Code shared by the encoder modules: conversion of arguments, checks and CRCs."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
 
     Args:
         package: Name of the manufacturer's package, such as ``lika_encoders``.
-        arguments: Command-line arguments. Defaults to those of the process.
+        arguments: Command-line arguments. Defaults to the arguments of the process.
 
     Returns:
         The exit code.

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Classes for the facts of the manuals, other than frames and registers.
+"""Classes for the tables from the manuals, except for frames and registers.
 
 ``source`` is the section and page of the manual. An empty text, an empty tuple or None means that the manual does not
 say.
@@ -17,7 +17,7 @@ _NO_NAMES: ReadOnly[str] = ReadOnly({})
 
 
 class Access(Enum):
-    """Access that a master has to a register."""
+    """Access of a master to a register."""
 
     READ_ONLY = "read_only"
     READ_WRITE = "read_write"
@@ -142,8 +142,8 @@ class FieldFacts(NamedTuple):
     """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
 
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
-    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` names
-    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
+    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` is the
+    only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
     ``zero_means`` is the value that is sent as 0, if there is one.
     """
 
@@ -188,8 +188,8 @@ class Register(NamedTuple):
 
     If ``opened_by`` is given, that register must hold ``opened_by_value``, in its field ``opened_by_field`` if given,
     before this register can be written. ``wait_ms`` is the minimum time to wait after a write. ``above_max`` is the
-    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved``
-    names the only party that may use the register.
+    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved`` is
+    the only party that may use the register.
     """
 
     name: str
@@ -399,8 +399,8 @@ class Alarm(NamedTuple):
 
     ``field`` is its flag, in a frame or in ``register``. ``latch`` is True if it stays active until it is reset.
     ``below_mv`` is the voltage in millivolts below which it is raised. ``cleared_by`` lists the procedures that clear
-    it, ``by_hand`` the characteristics that describe manual steps. ``only`` describes the order codes that have
-    it, if not all do.
+    it, and ``by_hand`` lists the characteristics that describe manual steps. ``only`` describes the order codes that
+    have it, if not all do.
     """
 
     name: str

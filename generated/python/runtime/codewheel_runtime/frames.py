@@ -124,7 +124,7 @@ class InBits(Coded):
     __slots__ = ()
 
     def encode(self) -> int:
-        """Return the word, with the first bit most significant, including the CRC if it has one.
+        """Return the word, with the first bit as the most significant one, including the CRC if it has one.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -383,7 +383,7 @@ def any_shape(kind: type, encoder: Encoder) -> Shape:
 
 @cache
 def _described(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
-    """Return the function that makes the description of a class, and the types of its arguments."""
+    """Return the function that creates the description of a class, and the types of its arguments."""
     shapes: Mapping[type, Callable[..., Shape]] = _module_of(kind, "_shapes").SHAPES
     make = next(shapes[base] for base in kind.__mro__ if base in shapes)
     hints = get_type_hints(make)
@@ -413,7 +413,7 @@ def encode_many(columns: Mapping[str, Any], kind: type, *given: object) -> Any:
 
 
 def needed_by(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
-    """Return the encoder and those of the answers that a class of frames needs, in its order."""
+    """Return the encoder and the answers that a class of frames needs, in the order in which it takes them."""
     fields: tuple[str, ...] = cast(Any, kind)._fields
     needed = fields[: len(_described(kind)[1])]
     return tuple(encoder if name == "variant" else answers[name] for name in needed)

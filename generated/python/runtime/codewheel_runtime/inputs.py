@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Types that the readers of files share, and the check of the first frames of a file."""
+"""Types shared by the readers of files, and the check of the first frames of a file."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Stored(NamedTuple):
         words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
             first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
             ``big32`` of four bytes.
-        column: Name of the column with the frames. In CSV, also its number from 1. Empty for the default.
+        column: Name of the column with the frames. For CSV, this may be its number, from 1. Empty for the default.
         digits: Base of numbers in text without ``0x`` or ``0b``.
         cut: True to ignore an incomplete frame at the end.
         wanted: Names of the other columns to keep. Empty to keep all.
@@ -82,7 +82,7 @@ class Stored(NamedTuple):
     wanted: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
-        """Return whether to keep the column ``name``, which does not contain the frames."""
+        """Return True if the column ``name``, which does not contain the frames, is to be kept."""
         return not self.wanted or name in self.wanted
 
 

@@ -96,9 +96,9 @@ class Spelling(NamedTuple):
 class Label(NamedTuple):
     """Label split into its parts.
 
-    ``listed`` has the parts of the listed code that replaces the label: instead of a value that the manual does not
-    list, it has the first listed value that can be combined with the others. ``special`` is the ending ``/Sxxx`` of the
-    label. ``written_as_in`` is the document that uses the label's spelling, if it is not the usual one.
+    ``listed`` contains the parts of the listed code used in place of the label. A value that the manual does not list
+    is replaced by the first listed value that can be combined with the others. ``special`` is the ``/Sxxx`` suffix of
+    the label. ``written_as_in`` is the document that uses the label's spelling, if it is not the usual one.
     """
 
     code: str
@@ -116,7 +116,7 @@ class OrderCode(NamedTuple):
     Attributes:
         pattern: The order code, with the names of the parts in braces.
         parts: The parts.
-        special: Meaning of the ending ``/Sxxx``.
+        special: Meaning of the ``/Sxxx`` suffix.
         note: Note on the order code.
         source: Section and page of the manual.
         also_written: Alternative spellings.
@@ -132,7 +132,7 @@ class OrderCode(NamedTuple):
     def read(self, label: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> Label:
         """Return the label split into its parts.
 
-        Case and spaces are ignored. A tail after ``-`` and an ending ``/Sxxx`` are accepted.
+        Case and spaces are ignored. A tail after ``-`` and a suffix ``/Sxxx`` are accepted.
 
         Args:
             label: The text on the label.

@@ -18,7 +18,7 @@ class Package(NamedTuple):
     Attributes:
         name: Name of the package.
         beginnings: Prefixes of the order codes of each family, without spaces, by the name of its module.
-        specials: Modules of special models, each with the ending of their order codes without the slash.
+        specials: Modules of special models, each with the suffix of their order codes without the slash.
         identified: Modules of the families that registers identify.
     """
 
@@ -28,7 +28,7 @@ class Package(NamedTuple):
     identified: tuple[str, ...] = ()
 
     def lookup(self, label: str) -> Encoder:
-        """Return the encoder that belongs to a label, from any family. See ``lookup`` of the package."""
+        """Return the encoder for a label, from any family. See ``lookup`` of the package."""
         text = checked(label)
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
         families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]

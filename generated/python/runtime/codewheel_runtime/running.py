@@ -23,7 +23,7 @@ class Bus(Protocol):
 
 
 class Line(Protocol):
-    """Line that sends a request and receives its reply, such as a serial port.
+    """Connection that sends a request and receives the reply, such as a serial port.
 
     The reply to each request is read and checked, so it cannot be mistaken for a later one.
     """

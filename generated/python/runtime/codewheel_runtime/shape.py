@@ -16,9 +16,9 @@ from .table import ErrorKind
 class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
-    ``kind`` is the type of value that the bits encode. ``runs`` has the name, divisor and modulus of each group of
-    decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` are the only
-    values of the field, if it has such.
+    ``kind`` is the type of value that the bits encode. ``runs`` contains the name, divisor and modulus of each group of
+    decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the
+    only allowed values of the field, if they are limited.
     """
 
     name: str
@@ -122,10 +122,10 @@ class Tells(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """Description of a frame or register. ``length`` is its number of bytes, or 0 if it is a number of ``bits`` bits.
+    """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
 
-    ``fixed`` has the bits that are 1 in every such frame. ``position`` is the column of the position, if there is one,
-    and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
+    ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
+    one, and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
     ``others`` is the mask of the bits of a register that belong to no field, if they are kept. ``limited`` is the name
     of a value with limits, and its attribute.
     """
@@ -221,8 +221,8 @@ def measured(shape: Shape) -> frozenset[str]:
 class Sound(NamedTuple):
     """Quick checks of a frame. Only frames that fail them are examined for their errors.
 
-    ``fixed`` has a mask and the required bits of each 64-bit limb, ``bytes`` the allowed values of single bytes, and
-    ``others`` the remaining checks.
+    ``fixed`` contains a mask and the required bits of each 64-bit limb, ``bytes`` the allowed values of single bytes,
+    and ``others`` the remaining checks.
     """
 
     fixed: tuple[tuple[int, int], ...]

@@ -46,7 +46,7 @@ class Send(NamedTuple):
         meaning: Purpose of the step.
         in_succession: True if no other request may be sent between the requests.
         reply: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply equals
-            that of the request.
+            the first byte of the request.
         is_xor: True if the last byte of the reply is the XOR of all others.
     """
 

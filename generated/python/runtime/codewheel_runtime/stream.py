@@ -38,7 +38,7 @@ _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 
 
 class Summary(NamedTuple):
-    """Counts of the frames in a file.
+    """Number of frames in a file, in total and by result.
 
     Attributes:
         frames: Number of frames.
@@ -111,7 +111,7 @@ def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
 
 
 def layout_of(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, which is the name in the manual or that of the class.
+    """Return the kind of frame with this name, which is the name in the manual or the name of the class.
 
     Raises:
         UsageError: There is no such frame, or a name is needed to choose one.
@@ -192,18 +192,18 @@ class Files(NamedTuple):
             words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
                 first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
                 ``big32`` of four bytes.
-            column: Name of the column with the frames. In CSV, also its number from 1.
+            column: Name of the column with the frames. For CSV, this may be its number, from 1.
             digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
             cut: Ignore an incomplete frame at the end.
-            columns: Columns to write, both decoded ones and those of the file. The default is all.
-            limit: Highest number of frames to decode.
+            columns: Columns to write, both decoded columns and columns of the file. The default is all.
+            limit: Maximum number of frames to decode.
             raw: Write the position of every frame, even if it is not usable.
             force: Replace an existing file.
             answers: Answers to the questions that the manual leaves open, by name.
             progress: Called from time to time with the amount read, the total if known, and the number of frames.
 
         Returns:
-            The number of frames, errors and verdicts.
+            Number of frames, and of each error and verdict.
 
         Raises:
             InputError: The source does not contain such frames. The message says where. This error is also raised if

@@ -233,7 +233,7 @@ def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shap
 
 
 def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
-    """Return the frames in cells. Cells without one are skipped."""
+    """Return the frames in cells. Cells without a frame are skipped."""
     cells = Cells(shape, digits)
     return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
 

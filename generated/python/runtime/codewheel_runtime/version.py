@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Version of the runtime, and the rule for packages that were generated for another one.
+"""Version of the runtime, and the compatibility rule for packages that were generated for another version.
 
 A package works with the runtime that it was generated for and with later ones of the same major version:
 

@@ -1,0 +1,71 @@
+"""The page of each manufacturer that a safety review needs: what the frames and the code assume and do not detect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, TypedDict
+
+from ...model import Crc, Device, Layout, Manufacturer, choices
+from ...plan.crc_residual import Residual, residual
+from ...say.name import words
+from .. import Library
+
+TEMPLATE = "ASSUMPTIONS.md.jinja"
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames of one length with the same CRC, and what the CRC misses in them."""
+
+    crc: Crc
+    names: tuple[str, ...]
+    residual: Residual
+
+
+class Assumptions(TypedDict):
+    maker: Annotated[Manufacturer, "the manufacturer"]
+    frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
+    silent: Annotated[list[str], "the frames with a position that have no status bit"]
+
+
+def assumptions_files(
+    library: Library, render: Callable[[str, Mapping[str, object]], str]
+) -> Iterator[tuple[str, str]]:
+    """Yield the page of each manufacturer, by its path in the C folder."""
+    for maker, devices in library.by_manufacturer():
+        values: Assumptions = {"maker": maker, "frames": list(_frames(devices)), "silent": list(_silent(devices))}
+        yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
+
+
+def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
+    found: dict[tuple[int, int, int], tuple[Crc, list[str]]] = {}
+    for device in devices:
+        for interface, layout in device.layouts():
+            crc = device.crc_of(layout)
+            if crc is None:
+                continue
+            name = _name(device, interface.title, layout)
+            for bits in sorted(_lengths(device, interface.name, layout)):
+                names = found.setdefault((crc.width, crc.poly, bits), (crc, []))[1]
+                names.extend([name] if name not in names else [])
+    for (_, _, bits), (crc, names) in sorted(found.items(), key=lambda item: item[0]):
+        yield Frames(crc, tuple(names), residual(crc, bits))
+
+
+def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
+    """Return the lengths that frames of a layout can have: of each order code, and the longest that registers set."""
+    variants = [item for item in device.variants if item.interface in ("", interface)]
+    decided = [sets for _, sets in choices(device.alternatives)]
+    return {layout.widest, *(layout.bits.value({**item.parameters, **sets}) for item in variants for sets in decided)}
+
+
+def _silent(devices: tuple[Device, ...]) -> Iterator[str]:
+    for device in devices:
+        for interface, layout in device.layouts():
+            if device.tells_position(interface.name, layout) and not layout.status_fields:
+                yield _name(device, interface.title, layout)
+
+
+def _name(device: Device, interface: str, layout: Layout) -> str:
+    return f"{device.name.upper()} {interface}: {words(layout.name)}"

@@ -1,0 +1,41 @@
+"""The page on assumptions of use: each frame with a CRC is on it, with what the CRC misses."""
+
+from __future__ import annotations
+
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.c.files import generate
+
+
+def rows(page: str) -> list[list[str]]:
+    table = [line for line in page.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]]
+
+
+def test_each_length_of_each_frame(c_devices: tuple[Device, ...]) -> None:
+    """AMM5 6.2.1: 47, 45, ... bits with 6 bits of CRC; 7.5: replies of 6 and 11 bytes with the XOR of the bytes."""
+    page = generate(Library(c_devices))["c/ASSUMPTIONS-lika.md"]
+    found = {(row[0], int(row[1])): row for row in rows(page)}
+    assert {bits for poly, bits in found if poly == "x^6 + x + 1"} >= {25, 44, 45, 47}
+    for bits in (25, 47):
+        row = found["x^6 + x + 1", bits]
+        assert "AMM5 BiSS C-mode: single cycle data" in row[2]
+        assert row[3] == "3"
+    # Two bits at the same place in two of eleven bytes.
+    assert found["x^8 + 1", 88][2:] == ["AMM5 RS-485: complete reply", "2", f"{8 * 11 * 10 // 2} of {88 * 87 // 2}"]
+
+
+def test_frames_without_status(c_devices: tuple[Device, ...]) -> None:
+    page = generate(Library(c_devices))["c/ASSUMPTIONS-lika.md"]
+    (line,) = (line for line in page.splitlines() if "always `CW_UNKNOWN`" in line)
+    assert "AM36 SSI: SSI word, AMM5 SSI: SSI word, ASC85 SSI: SSI word." in line
+
+
+def test_a_page_for_each_manufacturer(every_device: dict[str, Device]) -> None:
+    files = generate(Library((every_device["amm5"], every_device["tv62"])))
+    maker = every_device["tv62"].manufacturer.name
+    assert {name for name in files if "ASSUMPTIONS" in name} == {
+        "c/ASSUMPTIONS-lika.md",
+        f"c/ASSUMPTIONS-{maker}.md",
+    }
+    assert "AMM5" not in files[f"c/ASSUMPTIONS-{maker}.md"]

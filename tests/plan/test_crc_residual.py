@@ -1,0 +1,78 @@
+"""What a CRC misses: against published figures, and against every error of a short frame."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from math import comb
+
+import pytest
+from codewheel.model import Crc
+from codewheel.plan.crc_residual import residual
+
+
+def crc(poly: int) -> Crc:
+    """A CRC by its polynomial with all its terms."""
+    width = poly.bit_length() - 1
+    return Crc("tested", width, poly & (1 << width) - 1, 0, False, False, 0, "", ())
+
+
+@pytest.mark.parametrize(
+    ("poly", "data", "distance"),
+    [
+        # Koopman, "CRC Polynomial Zoo": the longest data for which a polynomial has a Hamming distance, written there
+        # without its last term: 9 is 13h, 21 is 43h, 2c is 59h, 97 is 12Fh, 83 is 107h, a6 is 14Dh.
+        (0x13, 11, 3),
+        (0x43, 57, 3),
+        (0x59, 25, 4),
+        (0x12F, 119, 4),
+        (0x107, 119, 4),
+        (0x14D, 247, 3),
+        (0x1021 | 1 << 16, 32751, 4),
+    ],
+)
+def test_the_longest_data_for_a_distance(poly: int, data: int, distance: int) -> None:
+    tested = crc(poly)
+    if data < 1000:
+        assert residual(tested, data + tested.width).distance == distance
+        assert residual(tested, data + tested.width + 1).distance < distance
+    else:
+        assert residual(tested, 200).distance == distance
+
+
+def test_words_of_hamming_codes() -> None:
+    """The code (63, 57) of x^6 + x + 1 has 651 words of weight 3, those of 7 and 15 bits have 7 and 35."""
+    assert residual(crc(0x43), 63).missed == 651 == 63 * 62 // 6
+    assert residual(crc(0xB), 7).missed == 7
+    assert residual(crc(0x13), 15).missed == 35
+
+
+def test_the_exclusive_or_of_bytes() -> None:
+    """Two wrong bits at the same place in two of the bytes: 8 places for each pair."""
+    for count in (3, 7, 11):
+        found = residual(crc(0x101), 8 * count)
+        assert (found.distance, found.missed) == (2, 8 * comb(count, 2))
+
+
+def test_a_distance_beyond_what_is_counted() -> None:
+    """x^16 + x^12 + x^5 + 1 has even weights only, and a distance of 4; a CRC-32 of Ethernet detects more."""
+    found = residual(crc(0x104C11DB7), 60)
+    assert (found.distance, found.missed) == (5, 0)
+
+
+@pytest.mark.parametrize("poly", [0x43, 0x59, 0x13, 0x12F, 0x101])
+@pytest.mark.parametrize("bits", [12, 18])
+def test_every_error_of_a_short_frame(poly: int, bits: int) -> None:
+    """Divides every error of up to four bits by the polynomial, bit by bit."""
+
+    def divides(error: int) -> bool:
+        while error.bit_length() >= poly.bit_length():
+            error ^= poly << (error.bit_length() - poly.bit_length())
+        return error == 0
+
+    counts = {
+        wrong: sum(divides(sum(1 << place for place in places)) for places in combinations(range(bits), wrong))
+        for wrong in range(1, 5)
+    }
+    distance = next((wrong for wrong, count in counts.items() if count), 5)
+    found = residual(crc(poly), bits)
+    assert (found.distance, found.missed) == (distance, counts.get(distance, 0))
