@@ -9,10 +9,13 @@
  */
 #include <stdio.h>
 
-#include "lika/am36.h"
+#include "lika/am36_biss.h"
+#include "lika/am36_biss_reports.h"
+#include "lika/am36_biss_registers.h"
+#include "lika/am36_biss_procedures.h"
 
 /* The order code from the label, AM3616/4096-I7. The compiler computes the position of each bit. */
-static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
+static const lika_am36_biss *const encoder = &LIKA_AM36_BISS_AM3616_4096_I7;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
@@ -89,7 +92,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_am36_report_text(left);
+        const cw_report_text *const text = lika_am36_biss_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -99,7 +102,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(void)
 {
-    lika_am36_single_cycle_data frame;
+    lika_am36_biss_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -108,7 +111,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_am36_single_cycle_data_decode(&encoder, receive_word(), &frame);
+    const cw_result result = lika_am36_biss_decode(encoder, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -116,12 +119,12 @@ static cw_result show_frame(void)
     printf("  multiturn: %llu\n", (unsigned long long)frame.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    print_reports(lika_am36_single_cycle_data_reports(&encoder, &frame));
+    print_reports(lika_am36_biss_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_am36_single_cycle_data_verdict(&encoder, &frame);
+    verdict = lika_am36_biss_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_am36_biss_degrees(&encoder,
+        printf("  that is %.3f degrees\n", lika_am36_biss_degrees(encoder,
             (uint64_t)frame.position));
     }
     return CW_OK;
@@ -131,20 +134,20 @@ static cw_result show_frame(void)
 static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 100000");
-    return lika_am36_set_preset(&transport, &encoder, 100000U, failure);
+    return lika_am36_biss_set_preset(&transport, encoder, 100000U, failure);
 }
 
 /* Configuration 49h: a worked example [6.5] */
 static cw_result show_configuration(cw_failure *failure)
 {
-    lika_am36_reg_configuration held;
-    const cw_result result = lika_am36_read_configuration(&transport, &encoder, &held, failure);
+    lika_am36_biss_reg_configuration held;
+    const cw_result result = lika_am36_biss_read_configuration(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Configuration 49h",
-        LIKA_AM36_REG_CONFIGURATION_ADDRESS,
-        LIKA_AM36_REG_CONFIGURATION_LENGTH);
+        LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS,
+        LIKA_AM36_BISS_REG_CONFIGURATION_LENGTH);
     printf("  counting_direction: %llu (%s)\n",
         (unsigned long long)held.counting_direction,
         "0 CW, 1 CCW");
@@ -158,15 +161,15 @@ static cw_result show_configuration(cw_failure *failure)
 /* Information per revolution 4Bh: a worked example [6.5 p.27] */
 static cw_result show_information_per_revolution(cw_failure *failure)
 {
-    lika_am36_reg_information_per_revolution held;
+    lika_am36_biss_reg_information_per_revolution held;
     const cw_result result =
-        lika_am36_read_information_per_revolution(&transport, &encoder, &held, failure);
+        lika_am36_biss_read_information_per_revolution(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Information per revolution 4Bh",
-        LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS,
-        LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH);
+        LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_ADDRESS,
+        LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH);
     printf("  steps: %llu\n", (unsigned long long)held.steps);
     return CW_OK;
 }
@@ -174,15 +177,15 @@ static cw_result show_information_per_revolution(cw_failure *failure)
 /* Number of revolutions 4Eh: a worked example [6.5 p.28] */
 static cw_result show_number_of_revolutions(cw_failure *failure)
 {
-    lika_am36_reg_number_of_revolutions held;
+    lika_am36_biss_reg_number_of_revolutions held;
     const cw_result result =
-        lika_am36_read_number_of_revolutions(&transport, &encoder, &held, failure);
+        lika_am36_biss_read_number_of_revolutions(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Number of revolutions 4Eh",
-        LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS,
-        LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH);
+        LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_ADDRESS,
+        LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH);
     printf("  revolutions: %llu\n", (unsigned long long)held.revolutions);
     return CW_OK;
 }
@@ -190,12 +193,14 @@ static cw_result show_number_of_revolutions(cw_failure *failure)
 /* Preset 50h: a worked example [6.5 p.29] */
 static cw_result show_preset(cw_failure *failure)
 {
-    lika_am36_reg_preset held;
-    const cw_result result = lika_am36_read_preset(&transport, &encoder, &held, failure);
+    lika_am36_biss_reg_preset held;
+    const cw_result result = lika_am36_biss_read_preset(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
-    print_registers("Preset 50h", LIKA_AM36_REG_PRESET_ADDRESS, LIKA_AM36_REG_PRESET_LENGTH);
+    print_registers("Preset 50h",
+        LIKA_AM36_BISS_REG_PRESET_ADDRESS,
+        LIKA_AM36_BISS_REG_PRESET_LENGTH);
     printf("  position: %llu\n", (unsigned long long)held.position);
     return CW_OK;
 }
@@ -205,13 +210,13 @@ static cw_result show_singleturn_bits_used(cw_failure *failure)
 {
     uint8_t held;
     const cw_result result =
-        lika_am36_read_singleturn_bits_used(&transport, &encoder, &held, failure);
+        lika_am36_biss_read_singleturn_bits_used(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("No. of bits used for singleturn resolution 56h",
-        LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS,
-        LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH);
+        LIKA_AM36_BISS_REG_SINGLETURN_BITS_USED_ADDRESS,
+        LIKA_AM36_BISS_REG_SINGLETURN_BITS_USED_LENGTH);
     printf("  value: %u\n", (unsigned)held);
     return CW_OK;
 }
@@ -221,13 +226,13 @@ static cw_result show_multiturn_bits_used(cw_failure *failure)
 {
     uint8_t held;
     const cw_result result =
-        lika_am36_read_multiturn_bits_used(&transport, &encoder, &held, failure);
+        lika_am36_biss_read_multiturn_bits_used(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("No. of bits used for multiturn resolution 57h",
-        LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS,
-        LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH);
+        LIKA_AM36_BISS_REG_MULTITURN_BITS_USED_ADDRESS,
+        LIKA_AM36_BISS_REG_MULTITURN_BITS_USED_LENGTH);
     printf("  value: %u\n", (unsigned)held);
     return CW_OK;
 }
@@ -235,14 +240,14 @@ static cw_result show_multiturn_bits_used(cw_failure *failure)
 /* Device ID 78h: a worked example [6.5 p.31] */
 static cw_result show_device_id(cw_failure *failure)
 {
-    lika_am36_reg_device_id held;
-    const cw_result result = lika_am36_read_device_id(&transport, &encoder, &held, failure);
+    lika_am36_biss_reg_device_id held;
+    const cw_result result = lika_am36_biss_read_device_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Device ID 78h",
-        LIKA_AM36_REG_DEVICE_ID_ADDRESS,
-        LIKA_AM36_REG_DEVICE_ID_LENGTH);
+        LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS,
+        LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH);
     printf("  model: %.*s\n", (int)sizeof(held.model), held.model);
     printf("  interface_code: %.*s\n", (int)sizeof(held.interface_code), held.interface_code);
     printf("  enclosure: %.*s\n", (int)sizeof(held.enclosure), held.enclosure);
@@ -253,14 +258,15 @@ static cw_result show_device_id(cw_failure *failure)
 /* Manufacturer ID 7Eh: a worked example [6.5 p.32] */
 static cw_result show_manufacturer_id(cw_failure *failure)
 {
-    lika_am36_reg_manufacturer_id held;
-    const cw_result result = lika_am36_read_manufacturer_id(&transport, &encoder, &held, failure);
+    lika_am36_biss_reg_manufacturer_id held;
+    const cw_result result =
+        lika_am36_biss_read_manufacturer_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
-        LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS,
-        LIKA_AM36_REG_MANUFACTURER_ID_LENGTH);
+        LIKA_AM36_BISS_REG_MANUFACTURER_ID_ADDRESS,
+        LIKA_AM36_BISS_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
     return CW_OK;
 }

@@ -10,10 +10,10 @@
 #include <stdio.h>
 
 #include "codewheel/receive.h"
-#include "lika/am36.h"
+#include "lika/am36_ssi.h"
 
 /* The order code from the label, AM3619/4096-GG. The compiler computes the position of each bit. */
-static const lika_am36_variant encoder = LIKA_AM36_AM3619_4096_GG;
+static const lika_am36_ssi *const encoder = &LIKA_AM36_SSI_AM3619_4096_GG;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */
 #define AT_MOST 100U
@@ -23,7 +23,7 @@ static const lika_am36_variant encoder = LIKA_AM36_AM3619_4096_GG;
 /* SSI word, as sent by the encoder: made up, since the manual shows none. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
-    static const uint8_t sent[LIKA_AM36_AM3619_4096_GG_SSI_RX_BYTES] = {
+    static const uint8_t sent[LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES] = {
         0x81U, 0xFAU, 0x2BU, 0x9FU, 0x00U
     };
     size_t at;
@@ -34,16 +34,16 @@ static void spi_receive(uint8_t *buffer, size_t size)
 
 static cw_result receive_word(uint64_t *word)
 {
-    uint8_t rx[LIKA_AM36_AM3619_4096_GG_SSI_RX_BYTES];
+    uint8_t rx[LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_AM36_AM3619_4096_GG_SSI_BITS, word);
+    return cw_ssi_receive(rx, sizeof(rx), LIKA_AM36_SSI_AM3619_4096_GG_BITS, word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
 
 static cw_result show_frame(void)
 {
-    lika_am36_ssi_word frame;
+    lika_am36_ssi_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -52,22 +52,22 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    lika_am36_ssi_word again;
+    lika_am36_ssi_frame again;
     uint64_t word = 0U;
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_am36_ssi_word_decode(&encoder, word, &frame);
+        result = lika_am36_ssi_decode(encoder, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_am36_ssi_word_decode(&encoder, word, &again);
+        result = lika_am36_ssi_decode(encoder, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_am36_ssi_modulus(&encoder), AT_MOST);
+            lika_am36_ssi_modulus(encoder), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -77,10 +77,10 @@ static cw_result show_frame(void)
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_am36_ssi_word_verdict(&encoder, &frame);
+    verdict = lika_am36_ssi_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_am36_ssi_degrees(&encoder,
+        printf("  that is %.3f degrees\n", lika_am36_ssi_degrees(encoder,
             (uint64_t)frame.position));
     }
     return CW_OK;

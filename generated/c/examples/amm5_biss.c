@@ -9,10 +9,13 @@
  */
 #include <stdio.h>
 
-#include "lika/amm5.h"
+#include "lika/amm5_biss.h"
+#include "lika/amm5_biss_reports.h"
+#include "lika/amm5_biss_registers.h"
+#include "lika/amm5_biss_procedures.h"
 
 /* The order code from the label, AMM5A21/65KSC1. The compiler computes the position of each bit. */
-static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
+static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
@@ -84,7 +87,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_amm5_report_text(left);
+        const cw_report_text *const text = lika_amm5_biss_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -94,7 +97,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(void)
 {
-    lika_amm5_single_cycle_data frame;
+    lika_amm5_biss_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -103,7 +106,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_amm5_single_cycle_data_decode(&encoder, receive_word(), &frame);
+    const cw_result result = lika_amm5_biss_decode(encoder, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -113,12 +116,13 @@ static cw_result show_frame(void)
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    print_reports(lika_amm5_single_cycle_data_reports(&encoder, &frame));
+    print_reports(lika_amm5_biss_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_amm5_single_cycle_data_verdict(&encoder, &frame);
+    verdict = lika_amm5_biss_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_amm5_degrees(&encoder, (uint64_t)frame.position));
+        printf("  that is %.3f degrees\n", lika_amm5_biss_degrees(encoder,
+            (uint64_t)frame.position));
     }
     return CW_OK;
 }
@@ -127,18 +131,20 @@ static cw_result show_frame(void)
 static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 1000003");
-    return lika_amm5_set_preset(&transport, &encoder, 1000003U, failure);
+    return lika_amm5_biss_set_preset(&transport, encoder, 1000003U, failure);
 }
 
 /* Preset 11h: a worked example [6.4] */
 static cw_result show_preset(cw_failure *failure)
 {
-    lika_amm5_reg_preset held;
-    const cw_result result = lika_amm5_read_preset(&transport, &encoder, &held, failure);
+    lika_amm5_biss_reg_preset held;
+    const cw_result result = lika_amm5_biss_read_preset(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
-    print_registers("Preset 11h", LIKA_AMM5_REG_PRESET_ADDRESS, LIKA_AMM5_REG_PRESET_LENGTH);
+    print_registers("Preset 11h",
+        LIKA_AMM5_BISS_REG_PRESET_ADDRESS,
+        LIKA_AMM5_BISS_REG_PRESET_LENGTH);
     printf("  multiturn: %llu\n", (unsigned long long)held.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)held.singleturn);
     printf("  position: %llu\n", (unsigned long long)held.position);
@@ -148,14 +154,14 @@ static cw_result show_preset(cw_failure *failure)
 /* Serial number 44h: a worked example [6.4 p.38, it: 6.4 p.39] */
 static cw_result show_serial_number(cw_failure *failure)
 {
-    lika_amm5_reg_serial_number held;
-    const cw_result result = lika_amm5_read_serial_number(&transport, &encoder, &held, failure);
+    lika_amm5_biss_reg_serial_number held;
+    const cw_result result = lika_amm5_biss_read_serial_number(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Serial number 44h",
-        LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS,
-        LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH);
+        LIKA_AMM5_BISS_REG_SERIAL_NUMBER_ADDRESS,
+        LIKA_AMM5_BISS_REG_SERIAL_NUMBER_LENGTH);
     printf("  serial: %llu\n", (unsigned long long)held.serial);
     printf("  year: %llu\n", (unsigned long long)held.year);
     printf("  week: %llu\n", (unsigned long long)held.week);
@@ -166,14 +172,15 @@ static cw_result show_serial_number(cw_failure *failure)
 /* Manufacturer ID 7Eh: a worked example [6.4 p.39, it: 6.4 p.40] */
 static cw_result show_manufacturer_id(cw_failure *failure)
 {
-    lika_amm5_reg_manufacturer_id held;
-    const cw_result result = lika_amm5_read_manufacturer_id(&transport, &encoder, &held, failure);
+    lika_amm5_biss_reg_manufacturer_id held;
+    const cw_result result =
+        lika_amm5_biss_read_manufacturer_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
-        LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS,
-        LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH);
+        LIKA_AMM5_BISS_REG_MANUFACTURER_ID_ADDRESS,
+        LIKA_AMM5_BISS_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
     return CW_OK;
 }

@@ -12,10 +12,12 @@
 
 #include "codewheel/receive.h"
 #include "codewheel/runner.h"
-#include "lika/amm5.h"
+#include "lika/amm5_rs485.h"
+#include "lika/amm5_rs485_reports.h"
+#include "lika/amm5_rs485_procedures.h"
 
 /* The order code from the label, AMM5A23/65KJP1. The compiler computes the position of each bit. */
-static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KJP1;
+static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
 
 /* Time between two requests. */
 #define POLL_US 1000U
@@ -90,7 +92,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_amm5_report_text(left);
+        const cw_report_text *const text = lika_amm5_rs485_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -100,7 +102,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(const uint8_t *bytes, size_t length)
 {
-    lika_amm5_singleturn_reply frame;
+    lika_amm5_rs485_singleturn_reply frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -109,7 +111,8 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_amm5_singleturn_reply_decode(&encoder, bytes, length, &frame);
+    const cw_result result =
+        lika_amm5_rs485_singleturn_reply_decode(encoder, bytes, length, &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -118,9 +121,9 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
     printf("  status_st_error: %s\n", frame.status_st_error ? "yes" : "no");
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
-    print_reports(lika_amm5_singleturn_reply_reports(&encoder, &frame));
+    print_reports(lika_amm5_rs485_singleturn_reply_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_amm5_singleturn_reply_verdict(&encoder, &frame);
+    verdict = lika_amm5_rs485_singleturn_reply_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     return CW_OK;
 }
@@ -230,7 +233,7 @@ static void loop(void)
         go_on();
     } else {
         pause_us = POLL_US;
-        (void)ask(LIKA_AMM5_RS485_CONTROL_SINGLETURN, LIKA_AMM5_SINGLETURN_REPLY_LENGTH);
+        (void)ask(LIKA_AMM5_RS485_CONTROL_SINGLETURN, LIKA_AMM5_RS485_SINGLETURN_REPLY_LENGTH);
     }
 }
 
@@ -238,7 +241,7 @@ static void loop(void)
 static cw_result start(void)
 {
     size_t count = 0U;
-    const cw_step *const steps = lika_amm5_reset_errors_steps(&count);
+    const cw_step *const steps = lika_amm5_rs485_reset_errors_steps(&count);
     const cw_result result = cw_runner_start(&runner, steps, count, NULL, 0U, now_us);
     printf("%s\n", "Reset all errors");
     running = result == CW_OK;

@@ -10,10 +10,10 @@
 #include <stdio.h>
 
 #include "codewheel/receive.h"
-#include "lika/amm5.h"
+#include "lika/amm5_ssi.h"
 
 /* The order code from the label, AMM5A23/65KBG1. The compiler computes the position of each bit. */
-static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;
+static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A23_65KBG1;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */
 #define AT_MOST 100U
@@ -23,7 +23,7 @@ static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;
 /* SSI word, as sent by the encoder: made up, since the manual shows none. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
-    static const uint8_t sent[LIKA_AMM5_A23_65KBG1_SSI_RX_BYTES] = {
+    static const uint8_t sent[LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES] = {
         0x80U, 0x15U, 0x5BU, 0xCDU, 0x15U, 0x00U
     };
     size_t at;
@@ -34,16 +34,16 @@ static void spi_receive(uint8_t *buffer, size_t size)
 
 static cw_result receive_word(uint64_t *word)
 {
-    uint8_t rx[LIKA_AMM5_A23_65KBG1_SSI_RX_BYTES];
+    uint8_t rx[LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_AMM5_A23_65KBG1_SSI_BITS, word);
+    return cw_ssi_receive(rx, sizeof(rx), LIKA_AMM5_SSI_A23_65KBG1_BITS, word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
 
 static cw_result show_frame(void)
 {
-    lika_amm5_ssi_word frame;
+    lika_amm5_ssi_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -52,22 +52,22 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    lika_amm5_ssi_word again;
+    lika_amm5_ssi_frame again;
     uint64_t word = 0U;
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_amm5_ssi_word_decode(&encoder, word, &frame);
+        result = lika_amm5_ssi_decode(encoder, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_amm5_ssi_word_decode(&encoder, word, &again);
+        result = lika_amm5_ssi_decode(encoder, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_amm5_modulus(&encoder), AT_MOST);
+            lika_amm5_ssi_modulus(encoder), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -77,10 +77,11 @@ static cw_result show_frame(void)
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_amm5_ssi_word_verdict(&encoder, &frame);
+    verdict = lika_amm5_ssi_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_amm5_degrees(&encoder, (uint64_t)frame.position));
+        printf("  that is %.3f degrees\n", lika_amm5_ssi_degrees(encoder,
+            (uint64_t)frame.position));
     }
     return CW_OK;
 }

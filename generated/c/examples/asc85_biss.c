@@ -9,16 +9,18 @@
  */
 #include <stdio.h>
 
-#include "lika/asc85.h"
+#include "lika/asc85_biss.h"
+#include "lika/asc85_biss_reports.h"
+#include "lika/asc85_biss_registers.h"
 
 /* The order code from the label, ASC8525/SC1. The compiler computes the position of each bit. */
-static const lika_asc85_variant encoder = LIKA_ASC85_25_SC1;
+static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_25_SC1;
 
 /*
  * Choose this yourself, since the manual leaves it open: Constant 0 bit between position and error
- * bit of a BiSS frame [6.2.1 p.20]. See the answers in lika/asc85.h.
+ * bit of a BiSS frame [6.2.1 p.20]. See the answers in lika/asc85_biss.h.
  */
-static const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;
+static const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
@@ -91,7 +93,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_asc85_report_text(left);
+        const cw_report_text *const text = lika_asc85_biss_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -101,7 +103,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(void)
 {
-    lika_asc85_single_cycle_data frame;
+    lika_asc85_biss_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -110,8 +112,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result =
-        lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, receive_word(), &frame);
+    const cw_result result = lika_asc85_biss_decode(encoder, my_zero_bit, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -119,12 +120,13 @@ static cw_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    print_reports(lika_asc85_single_cycle_data_reports(&encoder, &frame));
+    print_reports(lika_asc85_biss_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_asc85_single_cycle_data_verdict(&encoder, &frame);
+    verdict = lika_asc85_biss_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_asc85_degrees(&encoder, (uint64_t)frame.position));
+        printf("  that is %.3f degrees\n", lika_asc85_biss_degrees(encoder,
+            (uint64_t)frame.position));
     }
     return CW_OK;
 }
@@ -132,14 +134,14 @@ static cw_result show_frame(void)
 /* Profile ID 42h: a worked example [6.4 p.23] */
 static cw_result show_profile_id(cw_failure *failure)
 {
-    lika_asc85_reg_profile_id held;
-    const cw_result result = lika_asc85_read_profile_id(&transport, &encoder, &held, failure);
+    lika_asc85_biss_reg_profile_id held;
+    const cw_result result = lika_asc85_biss_read_profile_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Profile ID 42h",
-        LIKA_ASC85_REG_PROFILE_ID_ADDRESS,
-        LIKA_ASC85_REG_PROFILE_ID_LENGTH);
+        LIKA_ASC85_BISS_REG_PROFILE_ID_ADDRESS,
+        LIKA_ASC85_BISS_REG_PROFILE_ID_LENGTH);
     printf("  variant: %llu\n", (unsigned long long)held.variant);
     printf("  data_length: %llu\n", (unsigned long long)held.data_length);
     return CW_OK;
@@ -148,14 +150,15 @@ static cw_result show_profile_id(cw_failure *failure)
 /* Serial number 44h: a worked example [6.4 p.23] */
 static cw_result show_serial_number(cw_failure *failure)
 {
-    lika_asc85_reg_serial_number held;
-    const cw_result result = lika_asc85_read_serial_number(&transport, &encoder, &held, failure);
+    lika_asc85_biss_reg_serial_number held;
+    const cw_result result =
+        lika_asc85_biss_read_serial_number(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Serial number 44h",
-        LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS,
-        LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH);
+        LIKA_ASC85_BISS_REG_SERIAL_NUMBER_ADDRESS,
+        LIKA_ASC85_BISS_REG_SERIAL_NUMBER_LENGTH);
     printf("  serial: %llu\n", (unsigned long long)held.serial);
     return CW_OK;
 }
@@ -163,14 +166,14 @@ static cw_result show_serial_number(cw_failure *failure)
 /* Device ID 78h: a worked example [6.4 p.31] */
 static cw_result show_device_id(cw_failure *failure)
 {
-    lika_asc85_reg_device_id held;
-    const cw_result result = lika_asc85_read_device_id(&transport, &encoder, &held, failure);
+    lika_asc85_biss_reg_device_id held;
+    const cw_result result = lika_asc85_biss_read_device_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Device ID 78h",
-        LIKA_ASC85_REG_DEVICE_ID_ADDRESS,
-        LIKA_ASC85_REG_DEVICE_ID_LENGTH);
+        LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS,
+        LIKA_ASC85_BISS_REG_DEVICE_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
     printf("  release: %.*s\n", (int)sizeof(held.release), held.release);
     return CW_OK;
@@ -179,14 +182,15 @@ static cw_result show_device_id(cw_failure *failure)
 /* Manufacturer ID 7Eh: a worked example [6.4 p.32] */
 static cw_result show_manufacturer_id(cw_failure *failure)
 {
-    lika_asc85_reg_manufacturer_id held;
-    const cw_result result = lika_asc85_read_manufacturer_id(&transport, &encoder, &held, failure);
+    lika_asc85_biss_reg_manufacturer_id held;
+    const cw_result result =
+        lika_asc85_biss_read_manufacturer_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
-        LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS,
-        LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH);
+        LIKA_ASC85_BISS_REG_MANUFACTURER_ID_ADDRESS,
+        LIKA_ASC85_BISS_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
     return CW_OK;
 }

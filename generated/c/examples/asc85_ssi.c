@@ -10,10 +10,10 @@
 #include <stdio.h>
 
 #include "codewheel/receive.h"
-#include "lika/asc85.h"
+#include "lika/asc85_ssi.h"
 
 /* The order code from the label, ASC8525/GG1. The compiler computes the position of each bit. */
-static const lika_asc85_variant encoder = LIKA_ASC85_25_GG1;
+static const lika_asc85_ssi *const encoder = &LIKA_ASC85_SSI_25_GG1;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */
 #define AT_MOST 100U
@@ -23,7 +23,7 @@ static const lika_asc85_variant encoder = LIKA_ASC85_25_GG1;
 /* SSI word, as sent by the encoder: made up, since the manual shows none. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
-    static const uint8_t sent[LIKA_ASC85_25_GG1_SSI_RX_BYTES] = {
+    static const uint8_t sent[LIKA_ASC85_SSI_25_GG1_RX_BYTES] = {
         0xFDU, 0x8AU, 0xE7U, 0xC0U
     };
     size_t at;
@@ -34,16 +34,16 @@ static void spi_receive(uint8_t *buffer, size_t size)
 
 static cw_result receive_word(uint64_t *word)
 {
-    uint8_t rx[LIKA_ASC85_25_GG1_SSI_RX_BYTES];
+    uint8_t rx[LIKA_ASC85_SSI_25_GG1_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_ASC85_25_GG1_SSI_BITS, word);
+    return cw_ssi_receive(rx, sizeof(rx), LIKA_ASC85_SSI_25_GG1_BITS, word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
 
 static cw_result show_frame(void)
 {
-    lika_asc85_ssi_word frame;
+    lika_asc85_ssi_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -52,22 +52,22 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    lika_asc85_ssi_word again;
+    lika_asc85_ssi_frame again;
     uint64_t word = 0U;
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_asc85_ssi_word_decode(&encoder, word, &frame);
+        result = lika_asc85_ssi_decode(encoder, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_asc85_ssi_word_decode(&encoder, word, &again);
+        result = lika_asc85_ssi_decode(encoder, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_asc85_modulus(&encoder), AT_MOST);
+            lika_asc85_ssi_modulus(encoder), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -75,10 +75,11 @@ static cw_result show_frame(void)
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_asc85_ssi_word_verdict(&encoder, &frame);
+    verdict = lika_asc85_ssi_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_asc85_degrees(&encoder, (uint64_t)frame.position));
+        printf("  that is %.3f degrees\n", lika_asc85_ssi_degrees(encoder,
+            (uint64_t)frame.position));
     }
     return CW_OK;
 }

@@ -9,10 +9,13 @@
  */
 #include <stdio.h>
 
-#include "lika/sma21.h"
+#include "lika/sma21_biss.h"
+#include "lika/sma21_biss_reports.h"
+#include "lika/sma21_biss_registers.h"
+#include "lika/sma21_biss_procedures.h"
 
 /* The order code from the label, SMA21-SC1-0050. The compiler computes the position of each bit. */
-static const lika_sma21_variant encoder = LIKA_SMA21_SC1_0050;
+static const lika_sma21_biss *const encoder = &LIKA_SMA21_BISS_SC1_0050;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
@@ -88,7 +91,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_sma21_report_text(left);
+        const cw_report_text *const text = lika_sma21_biss_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -98,7 +101,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(void)
 {
-    lika_sma21_single_cycle_data frame;
+    lika_sma21_biss_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -107,7 +110,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_sma21_single_cycle_data_decode(&encoder, receive_word(), &frame);
+    const cw_result result = lika_sma21_biss_decode(encoder, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -115,12 +118,12 @@ static cw_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    print_reports(lika_sma21_single_cycle_data_reports(&encoder, &frame));
+    print_reports(lika_sma21_biss_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_sma21_single_cycle_data_verdict(&encoder, &frame);
+    verdict = lika_sma21_biss_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(&encoder,
+        printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(encoder,
             (int64_t)frame.position));
     }
     return CW_OK;
@@ -132,20 +135,20 @@ static cw_result show_frame(void)
 static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 100000");
-    return lika_sma21_set_preset(&transport, &encoder, 100000U, failure);
+    return lika_sma21_biss_set_preset(&transport, encoder, 100000U, failure);
 }
 
 /* Profile ID 42h: a worked example [6.4 p.28] */
 static cw_result show_profile_id(cw_failure *failure)
 {
-    lika_sma21_reg_profile_id held;
-    const cw_result result = lika_sma21_read_profile_id(&transport, &encoder, &held, failure);
+    lika_sma21_biss_reg_profile_id held;
+    const cw_result result = lika_sma21_biss_read_profile_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Profile ID 42h",
-        LIKA_SMA21_REG_PROFILE_ID_ADDRESS,
-        LIKA_SMA21_REG_PROFILE_ID_LENGTH);
+        LIKA_SMA21_BISS_REG_PROFILE_ID_ADDRESS,
+        LIKA_SMA21_BISS_REG_PROFILE_ID_LENGTH);
     printf("  profile_id: %llu\n", (unsigned long long)held.profile_id);
     return CW_OK;
 }
@@ -155,13 +158,13 @@ static cw_result show_absolute_resolution(cw_failure *failure)
 {
     uint8_t held;
     const cw_result result =
-        lika_sma21_read_absolute_resolution(&transport, &encoder, &held, failure);
+        lika_sma21_biss_read_absolute_resolution(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Absolute resolution 4Dh",
-        LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS,
-        LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH);
+        LIKA_SMA21_BISS_REG_ABSOLUTE_RESOLUTION_ADDRESS,
+        LIKA_SMA21_BISS_REG_ABSOLUTE_RESOLUTION_LENGTH);
     printf("  value: %u\n", (unsigned)held);
     return CW_OK;
 }
@@ -169,14 +172,15 @@ static cw_result show_absolute_resolution(cw_failure *failure)
 /* Configuration 49h: a worked example [6.4 p.30, 12 p.51] */
 static cw_result show_configuration(cw_failure *failure)
 {
-    lika_sma21_reg_configuration held;
-    const cw_result result = lika_sma21_read_configuration(&transport, &encoder, &held, failure);
+    lika_sma21_biss_reg_configuration held;
+    const cw_result result =
+        lika_sma21_biss_read_configuration(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Configuration 49h",
-        LIKA_SMA21_REG_CONFIGURATION_ADDRESS,
-        LIKA_SMA21_REG_CONFIGURATION_LENGTH);
+        LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS,
+        LIKA_SMA21_BISS_REG_CONFIGURATION_LENGTH);
     printf("  counting_direction: %llu (%s)\n",
         (unsigned long long)held.counting_direction,
         "0 Standard, 1 Inverted");
@@ -193,14 +197,15 @@ static cw_result show_configuration(cw_failure *failure)
 /* Preset / Offset 50h: a worked example [6.6.2 p.35] */
 static cw_result show_preset_offset(cw_failure *failure)
 {
-    lika_sma21_reg_preset_offset held;
-    const cw_result result = lika_sma21_read_preset_offset(&transport, &encoder, &held, failure);
+    lika_sma21_biss_reg_preset_offset held;
+    const cw_result result =
+        lika_sma21_biss_read_preset_offset(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Preset / Offset 50h",
-        LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS,
-        LIKA_SMA21_REG_PRESET_OFFSET_LENGTH);
+        LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS,
+        LIKA_SMA21_BISS_REG_PRESET_OFFSET_LENGTH);
     printf("  preset_offset: %llu\n", (unsigned long long)held.preset_offset);
     return CW_OK;
 }
@@ -208,14 +213,15 @@ static cw_result show_preset_offset(cw_failure *failure)
 /* Manufacturer ID 7Eh: a worked example [6.4 p.34] */
 static cw_result show_manufacturer_id(cw_failure *failure)
 {
-    lika_sma21_reg_manufacturer_id held;
-    const cw_result result = lika_sma21_read_manufacturer_id(&transport, &encoder, &held, failure);
+    lika_sma21_biss_reg_manufacturer_id held;
+    const cw_result result =
+        lika_sma21_biss_read_manufacturer_id(&transport, encoder, &held, failure);
     if (result != CW_OK) {
         return result;
     }
     print_registers("Manufacturer ID 7Eh",
-        LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS,
-        LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH);
+        LIKA_SMA21_BISS_REG_MANUFACTURER_ID_ADDRESS,
+        LIKA_SMA21_BISS_REG_MANUFACTURER_ID_LENGTH);
     printf("  name: %.*s\n", (int)sizeof(held.name), held.name);
     return CW_OK;
 }

@@ -12,13 +12,13 @@
 
 #include "codewheel/receive.h"
 #include "codewheel/tracker.h"
-#include "lika/sma21.h"
+#include "lika/sma21_biss.h"
 
 /* The order code from the label, SMA21-SC1-0001. */
-static const lika_sma21_variant encoder = LIKA_SMA21_SC1_0001;
+static const lika_sma21_biss *const encoder = &LIKA_SMA21_BISS_SC1_0001;
 
 /* One frame as SPI receives it: acknowledge, start bit, CDS, word and stop bit. */
-static uint8_t rx[LIKA_SMA21_SC1_0001_BISS_RX_BYTES];
+static uint8_t rx[LIKA_SMA21_BISS_SC1_0001_RX_BYTES];
 
 /* Position of the axis. After a preset, call cw_tracker_restart(&axis, now_us). */
 static cw_tracker axis;
@@ -43,11 +43,11 @@ static bool spi_receive(uint8_t *buffer, size_t size)
 /* Call it when DMA has filled the buffer, with the time at which the frame began. */
 static void spi_dma_done(uint32_t now_us)
 {
-    lika_sma21_single_cycle_data frame;
+    lika_sma21_biss_frame frame;
     uint64_t word;
-    if (cw_biss_receive(rx, sizeof(rx), LIKA_SMA21_SC1_0001_BISS_BITS, &word) == CW_OK
-        && lika_sma21_single_cycle_data_decode(&encoder, word, &frame) == CW_OK
-        && lika_sma21_single_cycle_data_verdict(&encoder, &frame) != CW_NOT_USABLE) {
+    if (LIKA_SMA21_BISS_RECEIVE(SC1_0001, rx, &word) == CW_OK
+        && lika_sma21_biss_decode(encoder, word, &frame) == CW_OK
+        && lika_sma21_biss_verdict(encoder, &frame) != CW_NOT_USABLE) {
         cw_tracker_add(&axis, frame.position, now_us);
     }
 }
@@ -56,7 +56,7 @@ int main(void)
 {
     uint32_t now_us = 0U;
     const cw_tracker_config config = {
-        lika_sma21_biss_modulus(&encoder), MAX_SPEED, BOOT_US, LOST_AFTER_US, LOST_AFTER_REFUSED
+        lika_sma21_biss_modulus(encoder), MAX_SPEED, BOOT_US, LOST_AFTER_US, LOST_AFTER_REFUSED
     };
     cw_tracker_start(&axis, &config, now_us);
     while (spi_receive(rx, sizeof(rx))) {

@@ -12,10 +12,12 @@
 
 #include "codewheel/receive.h"
 #include "codewheel/runner.h"
-#include "lika/sma21.h"
+#include "lika/sma21_rs485.h"
+#include "lika/sma21_rs485_reports.h"
+#include "lika/sma21_rs485_procedures.h"
 
 /* The order code from the label, SMA21-JP1-0005. The compiler computes the position of each bit. */
-static const lika_sma21_variant encoder = LIKA_SMA21_JP1_0005;
+static const lika_sma21_rs485 *const encoder = &LIKA_SMA21_RS485_JP1_0005;
 
 /* Time between two requests. */
 #define POLL_US 1000U
@@ -87,7 +89,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_sma21_report_text(left);
+        const cw_report_text *const text = lika_sma21_rs485_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -97,7 +99,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(const uint8_t *bytes, size_t length)
 {
-    lika_sma21_position_reply frame;
+    lika_sma21_rs485_position_reply frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -106,7 +108,7 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_sma21_position_reply_decode(&encoder, bytes, length, &frame);
+    const cw_result result = lika_sma21_rs485_position_reply_decode(encoder, bytes, length, &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -123,12 +125,12 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
     printf("  low_amplitude_error: %s\n", frame.low_amplitude_error ? "yes" : "no");
     printf("  signal_strength_alarm: %s\n", frame.signal_strength_alarm ? "yes" : "no");
     printf("  temperature_alarm: %s\n", frame.temperature_alarm ? "yes" : "no");
-    print_reports(lika_sma21_position_reply_reports(&encoder, &frame));
+    print_reports(lika_sma21_rs485_position_reply_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_sma21_position_reply_verdict(&encoder, &frame);
+    verdict = lika_sma21_rs485_position_reply_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(&encoder,
+        printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(encoder,
             (int64_t)frame.position));
     }
     return CW_OK;
@@ -239,7 +241,7 @@ static void loop(void)
         go_on();
     } else {
         pause_us = POLL_US;
-        (void)ask(LIKA_SMA21_RS485_CONTROL_POSITION, LIKA_SMA21_POSITION_REPLY_LENGTH);
+        (void)ask(LIKA_SMA21_RS485_CONTROL_POSITION, LIKA_SMA21_RS485_POSITION_REPLY_LENGTH);
     }
 }
 
@@ -247,7 +249,7 @@ static void loop(void)
 static cw_result start(void)
 {
     size_t count = 0U;
-    const cw_step *const steps = lika_sma21_reset_errors_steps(&count);
+    const cw_step *const steps = lika_sma21_rs485_reset_errors_steps(&count);
     const cw_result result = cw_runner_start(&runner, steps, count, NULL, 0U, now_us);
     printf("%s\n", "Reset all errors");
     running = result == CW_OK;

@@ -10,10 +10,11 @@
 #include <stdio.h>
 
 #include "codewheel/receive.h"
-#include "lika/sma21.h"
+#include "lika/sma21_ssi.h"
+#include "lika/sma21_ssi_reports.h"
 
 /* The order code from the label, SMA21-BG1-0001. The compiler computes the position of each bit. */
-static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
+static const lika_sma21_ssi *const encoder = &LIKA_SMA21_SSI_BG1_0001;
 
 /* Set this yourself: the most counts that the axis can move from one word to the next. */
 #define AT_MOST 100U
@@ -23,7 +24,7 @@ static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
 /* SSI word, as sent by the encoder: made up, with the position of a worked example [5.2]. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
-    static const uint8_t sent[LIKA_SMA21_BG1_0001_SSI_RX_BYTES] = {
+    static const uint8_t sent[LIKA_SMA21_SSI_BG1_0001_RX_BYTES] = {
         0x80U, 0x01U, 0x88U, 0x60U
     };
     size_t at;
@@ -34,9 +35,9 @@ static void spi_receive(uint8_t *buffer, size_t size)
 
 static cw_result receive_word(uint64_t *word)
 {
-    uint8_t rx[LIKA_SMA21_BG1_0001_SSI_RX_BYTES];
+    uint8_t rx[LIKA_SMA21_SSI_BG1_0001_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_SMA21_BG1_0001_SSI_BITS, word);
+    return cw_ssi_receive(rx, sizeof(rx), LIKA_SMA21_SSI_BG1_0001_BITS, word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
@@ -46,7 +47,7 @@ static void print_reports(uint32_t reports)
 {
     uint32_t left;
     for (left = reports; left != 0U; left &= left - 1U) {
-        const cw_report_text *const text = lika_sma21_report_text(left);
+        const cw_report_text *const text = lika_sma21_ssi_report_text(left);
         printf("  report %s: %s\n", text->name, text->meaning);
         if (text->remedy[0] != '\0') {
             printf("    remedy: %s\n", text->remedy);
@@ -56,7 +57,7 @@ static void print_reports(uint32_t reports)
 
 static cw_result show_frame(void)
 {
-    lika_sma21_ssi_word frame;
+    lika_sma21_ssi_frame frame;
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -65,22 +66,22 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    lika_sma21_ssi_word again;
+    lika_sma21_ssi_frame again;
     uint64_t word = 0U;
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_sma21_ssi_word_decode(&encoder, word, &frame);
+        result = lika_sma21_ssi_decode(encoder, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_sma21_ssi_word_decode(&encoder, word, &again);
+        result = lika_sma21_ssi_decode(encoder, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_sma21_ssi_modulus(&encoder), AT_MOST);
+            lika_sma21_ssi_modulus(encoder), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -88,13 +89,12 @@ static cw_result show_frame(void)
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
-    print_reports(lika_sma21_ssi_word_reports(&encoder, &frame));
+    print_reports(lika_sma21_ssi_reports(encoder, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_sma21_ssi_word_verdict(&encoder, &frame);
+    verdict = lika_sma21_ssi_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(&encoder,
-            (int64_t)frame.position));
+        printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(encoder, (int64_t)frame.position));
     }
     return CW_OK;
 }

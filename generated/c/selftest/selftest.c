@@ -9,10 +9,13 @@
 uint32_t lika_selftest(void)
 {
     static uint32_t (*const tests[])(void) = {
-        lika_am36_selftest,
-        lika_amm5_selftest,
-        lika_asc85_selftest,
-        lika_sma21_selftest,
+        lika_am36_biss_selftest,
+        lika_amm5_biss_selftest,
+        lika_amm5_rs485_selftest,
+        lika_asc85_biss_selftest,
+        lika_sma21_ssi_selftest,
+        lika_sma21_biss_selftest,
+        lika_sma21_rs485_selftest,
         cw_selftest
     };
     uint32_t index;

@@ -16,10 +16,13 @@ extern "C" {
 #endif
 
 /** Check a family. Return 0 if all checks pass, else the number of the first one that failed. */
-uint32_t lika_am36_selftest(void);
-uint32_t lika_amm5_selftest(void);
-uint32_t lika_asc85_selftest(void);
-uint32_t lika_sma21_selftest(void);
+uint32_t lika_am36_biss_selftest(void);
+uint32_t lika_amm5_biss_selftest(void);
+uint32_t lika_amm5_rs485_selftest(void);
+uint32_t lika_asc85_biss_selftest(void);
+uint32_t lika_sma21_ssi_selftest(void);
+uint32_t lika_sma21_biss_selftest(void);
+uint32_t lika_sma21_rs485_selftest(void);
 
 /** Check the runtime, which all families share. */
 uint32_t cw_selftest(void);

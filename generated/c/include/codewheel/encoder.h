@@ -146,9 +146,9 @@ static inline size_t cw_label_match(const char *label, const char *code)
 
 /** A pattern for labels, the index of its order code, and the parts that it leaves open. */
 typedef struct cw_open_code {
-    const char *pattern;
-    uint16_t code;
-    uint16_t unlisted;
+    const char *pattern; /**< letters, and the marks that cw_label_match knows */
+    uint16_t code; /**< index of the order code, or CW_NO_CODE */
+    uint16_t unlisted; /**< bits of the parts that are left open */
 } cw_open_code;
 
 /** Index that means "no such order code". */

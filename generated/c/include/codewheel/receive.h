@@ -49,24 +49,109 @@ static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
     return (byte >> left) & 1U;
 }
 
+/** Return 4 bytes as a number. The first one is the most significant. */
+static inline uint32_t cw_received_4_bytes(const uint8_t *rx)
+{
+#if defined(__GNUC__) && defined(__ARM_FEATURE_UNALIGNED) && \
+    (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
+    uint32_t loaded;
+    (void)__builtin_memcpy(&loaded, rx, 4U);
+    return __builtin_bswap32(loaded);
+#else
+    return ((uint32_t)rx[0] << 24U) | ((uint32_t)rx[1] << 16U) | ((uint32_t)rx[2] << 8U) |
+        (uint32_t)rx[3];
+#endif
+}
+
+/** Return the number of zeros above the highest 1 of a number, which must not be 0. */
+static inline uint32_t cw_received_zeros(uint32_t value)
+{
+#if defined(__GNUC__) && defined(__ARM_FEATURE_CLZ)
+    return (uint32_t)__builtin_clz(value);
+#else
+    uint32_t left = value;
+    uint32_t zeros = 0U;
+    while (left < 0x1000000U) {
+        left <<= 8U;
+        zeros += 8U;
+    }
+    while (left < 0x80000000U) {
+        left <<= 1U;
+        zeros++;
+    }
+    return zeros;
+#endif
+}
+
 /** Return up to 64 bits as a number. Its most significant bit is the bit at first. */
 static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
     /* Work on two halves, since small processors are slow at shifting 64 bits. */
     const size_t end = first + (size_t)bits;
+    const uint32_t skip = (uint32_t)first & 7U;
+    size_t at = first / 8U;
     uint32_t high = 0U;
     uint32_t low = 0U;
-    size_t at;
-    for (at = first; at < end; at++) {
-        high = ((high & 0x7FFFFFFFU) << 1U) | (low >> 31U);
-        low = ((low & 0x7FFFFFFFU) << 1U) | cw_received_bit(rx, at);
+    uint32_t byte = 0xFFU;
+    if (bits == 0U) {
+        return 0U;
     }
+    const size_t last = (end - 1U) / 8U;
+    byte = (byte >> skip) & (uint32_t)rx[at];
+    while (at < last) {
+        high = (high << 8U) | (low >> 24U);
+        low = (low << 8U) | byte;
+        at++;
+        byte = rx[at];
+    }
+    /* Use 1 to 8 bits of the last byte. A word of up to 64 bits can be spread over 9 bytes. */
+    const size_t left = end - (8U * last);
+    const uint32_t used = (uint32_t)left;
+    high = (high << used) | (low >> (32U - used));
+    low = (low << used) | (byte >> (8U - used));
     return ((uint64_t)high << 32U) | low;
+}
+
+/**
+ * Return up to 64 bits of a buffer as a number, as cw_received_bits does, but faster.
+ *
+ * @param rx  the buffer
+ * @param size  number of bytes in it
+ * @param first  place of the first bit
+ * @param bits  number of bits, all of which must be in the buffer
+ */
+static inline uint64_t cw_received_word(
+    const uint8_t *rx, size_t size, size_t first, uint32_t bits)
+{
+    const size_t wanted = (first / 8U) + 8U;
+    if ((size < 8U) || (bits == 0U) || (bits > 57U)) {
+        return cw_received_bits(rx, first, bits);
+    }
+    /* Take 8 bytes from that of the first bit on, or the last 8, and drop the bits before. */
+    const size_t end = (wanted > size) ? size : wanted;
+    const size_t before = (first + 64U) - (8U * end);
+    uint32_t high = cw_received_4_bytes(&rx[end - 8U]);
+    uint32_t low = cw_received_4_bytes(&rx[end - 4U]);
+    uint32_t drop = (uint32_t)before;
+    if (drop > 31U) {
+        high = low;
+        low = 0U;
+        drop -= 32U;
+    }
+    high = (high << drop) | ((low >> 1U) >> (31U - drop));
+    low <<= drop;
+    if (bits > 32U) {
+        const uint32_t more = 64U - bits;
+        const uint32_t above = high >> more;
+        return ((uint64_t)above << 32U) | (low >> more) | ((high << 1U) << (31U - more));
+    }
+    return high >> (32U - bits);
 }
 
 /** Convert SPI words of 16 bits, each received most significant bit first, to 2 * count bytes. */
 static inline void cw_received_words16(const uint16_t *words, size_t count, uint8_t *rx)
 {
+    CW_ASSERT((words != NULL) && (rx != NULL));
     size_t at;
     for (at = 0U; at < count; at++) {
         rx[2U * at] = (uint8_t)((uint32_t)words[at] >> 8U);
@@ -77,11 +162,33 @@ static inline void cw_received_words16(const uint16_t *words, size_t count, uint
 /** Convert SPI words of 32 bits, each received most significant bit first, to 4 * count bytes. */
 static inline void cw_received_words32(const uint32_t *words, size_t count, uint8_t *rx)
 {
+    CW_ASSERT((words != NULL) && (rx != NULL));
     size_t at;
     for (at = 0U; at < (4U * count); at++) {
         const size_t left = 24U - (8U * (at % 4U));
         rx[at] = (uint8_t)((words[at / 4U] >> left) & 0xFFU);
     }
+}
+
+/**
+ * Return one bit of each of 8 samples, that of the first sample in bit 7.
+ *
+ * @param samples  the samples
+ * @param place  place of the bit in each sample, 0 to 7
+ */
+static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t place)
+{
+    /* Compilers turn each of the sums into one load, where the processor has such a load. */
+    const uint32_t first = (uint32_t)samples[0] | ((uint32_t)samples[1] << 8U) |
+        ((uint32_t)samples[2] << 16U) | ((uint32_t)samples[3] << 24U);
+    const uint32_t then = (uint32_t)samples[4] | ((uint32_t)samples[5] << 8U) |
+        ((uint32_t)samples[6] << 16U) | ((uint32_t)samples[7] << 24U);
+    uint32_t bits = ((first >> place) & 0x01010101U) << 4U;
+    bits |= (then >> place) & 0x01010101U;
+    /* Sample n is now bit 8n + 4, or bit 8n - 32. Copy it to bit 31 - n, where nothing else is. */
+    bits |= bits << 9U;
+    bits |= bits << 18U;
+    return bits >> 24U;
 }
 
 /**
@@ -98,14 +205,34 @@ static inline void cw_received_words32(const uint32_t *words, size_t count, uint
 static inline size_t cw_received_samples(
     const uint8_t *samples, size_t count, uint8_t mask, uint8_t *rx)
 {
+    CW_ASSERT((samples != NULL) && (rx != NULL));
     const size_t size = (count / 8U) + (((count % 8U) != 0U) ? 1U : 0U);
+    const uint32_t pin = mask;
+    uint32_t place = 0U;
+    size_t whole = 0U;
     size_t byte;
-    for (byte = 0U; byte < size; byte++) {
+    if (pin > 0x0FU) {
+        place = 4U;
+    }
+    if ((pin & 0xCCU) != 0U) {
+        place += 2U;
+    }
+    if ((pin & 0xAAU) != 0U) {
+        place++;
+    }
+    if (pin == ((uint32_t)1U << place)) {
+        whole = count / 8U;
+    }
+    for (byte = 0U; byte < whole; byte++) {
+        rx[byte] = (uint8_t)cw_received_8_samples(&samples[8U * byte], place);
+    }
+    /* The rest, or all of them if the mask has several bits or none. */
+    for (byte = whole; byte < size; byte++) {
         uint32_t bits = 0U;
         size_t at;
         for (at = 8U * byte; at < ((8U * byte) + 8U); at++) {
             bits = (bits << 1U) | (((at >= count) ||
-                (((uint32_t)samples[at] & mask) != 0U)) ? 1U : 0U);
+                (((uint32_t)samples[at] & pin) != 0U)) ? 1U : 0U);
         }
         rx[byte] = (uint8_t)bits;
     }
@@ -113,6 +240,33 @@ static inline size_t cw_received_samples(
 }
 
 /* -- BiSS C ------------------------------------------------------------------------------------ */
+
+/**
+ * Return the place of the start bit, which is the first 1 after a 0. If there is none, return
+ * received, or received + 1 if there is no 0 either.
+ */
+static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
+{
+    uint32_t before = 0x80000000U; /* bit 31 is the bit before the next one */
+    size_t at;
+    for (at = 0U; (at + 32U) <= received; at += 32U) {
+        const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
+        const uint32_t rising = bits & ~(before | (bits >> 1U));
+        if (rising != 0U) {
+            return at + cw_received_zeros(rising);
+        }
+        before = (bits & 1U) << 31U;
+    }
+    while (at < received) {
+        const uint32_t bit = cw_received_bit(rx, at);
+        if ((bit != 0U) && (before == 0U)) {
+            return at;
+        }
+        before = bit << 31U;
+        at++;
+    }
+    return (before == 0U) ? received : (received + 1U);
+}
 
 /**
  * Extract the word of single cycle data from the bits received on SLO, one bit for each clock:
@@ -156,32 +310,26 @@ CW_NODISCARD
 static inline cw_result cw_biss_receive_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint64_t *word)
 {
-    const size_t end = received;
-    size_t at = 0U;
-    size_t first;
-    while ((at < end) && (cw_received_bit(rx, at) != 0U)) {
-        at++;
-    }
-    if (at == end) {
+    CW_ASSERT((rx != NULL) && (word != NULL));
+    const size_t start = cw_biss_start(rx, received);
+    const size_t first = start + 2U;
+    const size_t stop = first + (size_t)bits;
+    if (start > received) {
         return CW_FAULT_LINE_HIGH;
     }
-    if (at == 0U) {
+    if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    while ((at < end) && (cw_received_bit(rx, at) == 0U)) {
-        at++;
-    }
-    if (at == end) {
+    if (start == received) {
         return CW_FAULT_NO_START;
     }
-    first = at + 2U;
-    if ((bits > 64U) || ((first + (size_t)bits) > end)) {
+    if ((bits > 64U) || (stop > received)) {
         return CW_FAULT_LENGTH;
     }
-    if (((first + (size_t)bits) < end) && (cw_received_bit(rx, first + (size_t)bits) != 0U)) {
+    if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
         return CW_FAULT_CONSTANT;
     }
-    *word = cw_received_bits(rx, first, bits);
+    *word = cw_received_word(rx, (received + 7U) / 8U, first, bits);
     return CW_OK;
 }
 
@@ -205,18 +353,12 @@ static inline cw_result cw_biss_receive(
 CW_NODISCARD
 static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
-    const size_t end = received;
-    size_t at = 0U;
-    while ((at < end) && (cw_received_bit(rx, at) != 0U)) {
-        at++;
-    }
-    while ((at < end) && (cw_received_bit(rx, at) == 0U)) {
-        at++;
-    }
-    if ((at + 1U) >= end) {
+    CW_ASSERT((rx != NULL) && (cds != NULL));
+    const size_t cds_at = cw_biss_start(rx, received) + 1U;
+    if (cds_at >= received) {
         return CW_FAULT_LENGTH;
     }
-    *cds = cw_received_bit(rx, at + 1U) != 0U;
+    *cds = cw_received_bit(rx, cds_at) != 0U;
     return CW_OK;
 }
 
@@ -256,6 +398,7 @@ CW_NODISCARD
 static inline cw_result cw_ssi_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
 {
+    CW_ASSERT((rx != NULL) && (word != NULL));
     uint64_t found;
     if ((bits > 64U) || (((size_t)bits + 2U) > (8U * size))) {
         return CW_FAULT_LENGTH;
@@ -367,6 +510,7 @@ static inline cw_result cw_rs485_ask(
     cw_rs485_line *line, uint8_t control, size_t length, size_t echo, uint32_t now_us,
     uint32_t at_most_us)
 {
+    CW_ASSERT(line != NULL);
     if ((length == 0U) || (length > CW_RECEIVE_RS485_BYTES)) {
         return CW_FAULT_LENGTH;
     }
@@ -383,6 +527,7 @@ static inline cw_result cw_rs485_ask(
 /** Add a received byte. Return true if it completes the reply. Bytes after that are dropped. */
 static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
 {
+    CW_ASSERT(line != NULL);
     if (line->echo != 0U) {
         line->echo--;
         return false;
@@ -402,6 +547,7 @@ static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
 /** Resume after the decoder has rejected a reply: search for another start after its first byte. */
 static inline void cw_rs485_resume(cw_rs485_line *line)
 {
+    CW_ASSERT(line != NULL);
     const size_t count = line->count;
     size_t from = 1U;
     size_t at;
@@ -422,6 +568,7 @@ static inline void cw_rs485_resume(cw_rs485_line *line)
  */
 static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 {
+    CW_ASSERT(line != NULL);
     /* Compute now - since in 64 bits, without the wraparound that checkers warn about. */
     const uint64_t passed = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
     return (passed > line->at_most_us) && (line->count != line->length);
@@ -444,6 +591,7 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 CW_NODISCARD
 static inline cw_result cw_rs485_reason(const cw_rs485_line *line)
 {
+    CW_ASSERT(line != NULL);
     if (line->count == line->length) {
         return CW_OK;
     }

@@ -34,6 +34,14 @@ extern "C" {
 #endif
 
 /**
+ * Checks the pointers that are passed to receive.h and tracker.h. By default it does nothing. To
+ * check them, define it before including the first header, for example as assert(condition).
+ */
+#ifndef CW_ASSERT
+#define CW_ASSERT(condition) ((void)0)
+#endif
+
+/**
  * Result of a decoder, an encoder or an access. If a frame has several errors, the result is the
  * first of them in this order. A function that does not return CW_OK leaves its outputs unchanged.
  * CW_OK means that the frame is well formed. To find out if its position is usable, call its

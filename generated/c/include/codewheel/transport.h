@@ -118,10 +118,14 @@ static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t valu
  */
 typedef struct cw_transport {
     void *context; /**< passed to each function unchanged */
+    /** Read length bytes from consecutive register addresses. */
     int32_t (*read_registers)(void *context, uint16_t address, uint8_t *bytes, size_t length);
+    /** Write length bytes to consecutive register addresses. */
     int32_t (*write_registers)(
         void *context, uint16_t address, const uint8_t *bytes, size_t length);
+    /** Wait at least this long. */
     int32_t (*wait_us)(void *context, uint32_t microseconds);
+    /** Send a request, and receive its reply. */
     int32_t (*send_request)(void *context, uint8_t request, uint8_t *reply, size_t length);
     uint32_t poll_at_most; /**< maximum number of readings per poll, or 0 for both defaults */
     uint32_t poll_pause_us; /**< pause between two readings of a poll */
