@@ -75,7 +75,8 @@ def declared(texts: Iterable[str]) -> Declared:
     macros = [
         (name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()
     ]
-    assert not any(rest for _, rest, _ in _MACRO.findall(code)), "a macro with arguments"
+    with_arguments = {name for name, rest, _ in _MACRO.findall(code) if rest}
+    assert all(name.endswith(("_RECEIVE", "CW_ASSERT")) for name in with_arguments), "a macro with arguments"
     enums = _ENUM.findall(code)
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
     enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))

@@ -50,7 +50,7 @@ def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkey
 
 def test_the_comment_is_that_of_the_header(generated: Path) -> None:
     (shown,) = fences("c")
-    assert shown in (generated / "c" / "include" / "tolvarn" / "tv62_s042.h").read_text(encoding="utf-8")
+    assert shown in _c(generated, "tv62_s042")
 
 
 def test_the_wait_that_is_forgotten_is_told(tmp_path: Path) -> None:
@@ -65,12 +65,18 @@ def test_the_wait_that_is_forgotten_is_told(tmp_path: Path) -> None:
     assert len(told) == 2
 
 
+def _c(generated: Path, family: str) -> str:
+    """All headers of a family."""
+    headers = (generated / "c" / "include" / "tolvarn").glob(f"{family}_*.h")
+    others = () if family == "tv62_s042" else ("tv62_s042_",)
+    return "\n".join(path.read_text(encoding="utf-8") for path in sorted(headers) if not path.name.startswith(others))
+
+
 def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> None:
     """The numbers of the Technical Info, as a user of each output gets them."""
-    header = (generated / "c" / "include" / "tolvarn" / "tv62_s042.h").read_text(encoding="utf-8")
-    standard = (generated / "c" / "include" / "tolvarn" / "tv62.h").read_text(encoding="utf-8")
-    assert "#define TOLVARN_TV62_S042_REG_BANK_WAIT_AT_LEAST_MS 80U" in header
-    assert "#define TOLVARN_TV62_REG_BANK_WAIT_AT_LEAST_MS 50U" in standard
+    header, standard = _c(generated, "tv62_s042"), _c(generated, "tv62")
+    assert "#define TOLVARN_TV62_S042_BISS_REG_BANK_WAIT_AT_LEAST_MS 80U" in header
+    assert "#define TOLVARN_TV62_BISS_REG_BANK_WAIT_AT_LEAST_MS 50U" in standard
     assert "verlay" not in standard
     texts: Mapping[str, str] = {
         "C": header,
@@ -113,11 +119,11 @@ else:
 def test_the_generated_c_compiles_beside_that_of_the_standard_models(generated: Path, tmp_path: Path) -> None:
     program = tmp_path / "both.c"
     program.write_text(
-        """#include "tolvarn/tv62.h"
-#include "tolvarn/tv62_s042.h"
+        """#include "tolvarn/tv62_biss_registers.h"
+#include "tolvarn/tv62_s042_biss_registers.h"
 int main(void) {
-    return (TOLVARN_TV62_S042_REG_BANK_WAIT_AT_LEAST_MS == 80U)
-        && (TOLVARN_TV62_REG_BANK_WAIT_AT_LEAST_MS == 50U) ? 0 : 1;
+    return (TOLVARN_TV62_S042_BISS_REG_BANK_WAIT_AT_LEAST_MS == 80U)
+        && (TOLVARN_TV62_BISS_REG_BANK_WAIT_AT_LEAST_MS == 50U) ? 0 : 1;
 }
 """,
         encoding="utf-8",

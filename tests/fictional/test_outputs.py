@@ -29,7 +29,7 @@ def test_all_four_targets(generated: Path) -> None:
     made = {path.relative_to(generated).as_posix() for path in generated.rglob("*") if path.is_file()}
     assert {
         "python/tolvarn_encoders/tv62.py",
-        "c/include/tolvarn/tv62.h",
+        "c/include/tolvarn/tv62_biss.h",
         "biss/idbiss5476.xml",
         "biss/tolvarn-tv62.xml",
         "docs/tv62.md",
@@ -112,7 +112,10 @@ def test_python_registers_and_procedure(tv62: ModuleType) -> None:
 # -------------------------------------------------------------------------------------------------------------------- C
 
 PROGRAM = r"""
-#include "tolvarn/tv62.h"
+#include "tolvarn/tv62_biss_procedures.h"
+#include "tolvarn/tv62_biss_registers.h"
+#include "tolvarn/tv62_biss_simulate.h"
+#include "tolvarn/tv62_ssi_simulate.h"
 #include <stdio.h>
 
 #define CHECK(condition) \
@@ -120,9 +123,9 @@ PROGRAM = r"""
 
 int main(void)
 {
-    static const tolvarn_tv62_variant m13 = TOLVARN_TV62_M13_S1;
-    static const tolvarn_tv62_variant s17 = TOLVARN_TV62_S17_S1;
-    static const tolvarn_tv62_variant m17 = TOLVARN_TV62_M17_B1;
+    static const tolvarn_tv62_ssi m13 = TOLVARN_TV62_SSI_M13_S1;
+    static const tolvarn_tv62_ssi s17 = TOLVARN_TV62_SSI_S17_S1;
+    static const tolvarn_tv62_biss m17 = TOLVARN_TV62_BISS_M17_B1;
     static const uint8_t upper_bytes[2] = { 0xB6U, 0x03U };
     static const uint8_t lower_bytes[2] = { 0x06U, 0xFFU };
     static const uint8_t written[6][2] = {
@@ -133,48 +136,48 @@ int main(void)
     };
     static const uint8_t minus_one = 0xFFU;
     int failures = 0;
-    tolvarn_tv62_ssi_word word;
-    tolvarn_tv62_position_data position;
-    tolvarn_tv62_temperature_data temperature;
-    tolvarn_tv62_reg_upper_limit upper;
-    tolvarn_tv62_reg_lower_limit lower;
-    cw_step steps[TOLVARN_TV62_SET_PRESET_STEPS_COUNT];
-    cw_step more[TOLVARN_TV62_SET_TEMPERATURE_LIMITS_STEPS_COUNT];
-    tolvarn_tv62_reg_correction correction;
+    tolvarn_tv62_ssi_frame word;
+    tolvarn_tv62_biss_position_data position;
+    tolvarn_tv62_biss_temperature_data temperature;
+    tolvarn_tv62_biss_reg_upper_limit upper;
+    tolvarn_tv62_biss_reg_lower_limit lower;
+    cw_step steps[TOLVARN_TV62_BISS_SET_PRESET_STEPS_COUNT];
+    cw_step more[TOLVARN_TV62_BISS_SET_TEMPERATURE_LIMITS_STEPS_COUNT];
+    tolvarn_tv62_biss_reg_correction correction;
     uint8_t bytes[2];
     uint64_t raw = 0U;
     size_t count = 0U;
     size_t index;
     size_t writes = 0U;
 
-    CHECK(tolvarn_tv62_ssi_word_decode(&m13, 0x01FFFC18U, &word) == CW_OK);
+    CHECK(tolvarn_tv62_ssi_decode(&m13, 0x01FFFC18U, &word) == CW_OK);
     CHECK(word.position == -1000 && !word.alarm);
-    CHECK(tolvarn_tv62_ssi_word_encode(&m13, &word, &raw) == CW_OK && raw == 0x01FFFC18U);
-    CHECK(tolvarn_tv62_ssi_word_decode(&s17, 0x80001234U, &word) == CW_OK && word.position == 4660 && word.alarm);
-    CHECK(tolvarn_tv62_ssi_word_decode(&m13, 0x7FFFFC18U, &word) == CW_FAULT_CONSTANT);
-    CHECK(tolvarn_tv62_position_data_decode(&m17, UINT64_C(0x9A4FF98E54587), &position) == CW_OK);
+    CHECK(tolvarn_tv62_ssi_encode(&m13, &word, &raw) == CW_OK && raw == 0x01FFFC18U);
+    CHECK(tolvarn_tv62_ssi_decode(&s17, 0x80001234U, &word) == CW_OK && word.position == 4660 && word.alarm);
+    CHECK(tolvarn_tv62_ssi_decode(&m13, 0x7FFFFC18U, &word) == CW_FAULT_CONSTANT);
+    CHECK(tolvarn_tv62_biss_position_data_decode(&m17, UINT64_C(0x9A4FF98E54587), &position) == CW_OK);
     CHECK(position.multiturn == 1234U && position.singleturn == 65432U);
     CHECK(!position.error && !position.warning && position.life_counter == 37U);
-    CHECK(tolvarn_tv62_position_data_encode(&m17, &position, &raw) == CW_OK && raw == UINT64_C(0x9A4FF98E54587));
-    CHECK(tolvarn_tv62_position_data_decode(&m17, UINT64_C(0x9A4FF98E54586), &position) == CW_FAULT_CRC);
-    CHECK(tolvarn_tv62_temperature_data_decode(&m17, 0x1D65U, &temperature) == CW_OK);
+    CHECK(tolvarn_tv62_biss_position_data_encode(&m17, &position, &raw) == CW_OK && raw == UINT64_C(0x9A4FF98E54587));
+    CHECK(tolvarn_tv62_biss_position_data_decode(&m17, UINT64_C(0x9A4FF98E54586), &position) == CW_FAULT_CRC);
+    CHECK(tolvarn_tv62_biss_temperature_data_decode(&m17, 0x1D65U, &temperature) == CW_OK);
     CHECK(temperature.temperature == 235);
-    CHECK(tolvarn_tv62_temperature_data_decode(&m17, 0x1FED51U, &temperature) == CW_OK);
+    CHECK(tolvarn_tv62_biss_temperature_data_decode(&m17, 0x1FED51U, &temperature) == CW_OK);
     CHECK(temperature.temperature == -150);
-    CHECK(tolvarn_tv62_temperature_data_decode(&m17, 0x1FED31U, &temperature) == CW_FAULT_CRC);
-    CHECK(tolvarn_tv62_reg_upper_limit_decode(&m17, upper_bytes, 2U, &upper) == CW_OK && upper.upper_limit == 950);
-    CHECK(tolvarn_tv62_reg_lower_limit_decode(&m17, lower_bytes, 2U, &lower) == CW_OK);
+    CHECK(tolvarn_tv62_biss_temperature_data_decode(&m17, 0x1FED31U, &temperature) == CW_FAULT_CRC);
+    CHECK(tolvarn_tv62_biss_reg_upper_limit_decode(&m17, upper_bytes, 2U, &upper) == CW_OK && upper.upper_limit == 950);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_decode(&m17, lower_bytes, 2U, &lower) == CW_OK);
     CHECK(lower.lower_limit == -250);
-    CHECK(tolvarn_tv62_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_OK);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_OK);
     CHECK(bytes[0] == 0x06U && bytes[1] == 0xFFU);
     lower.lower_limit = -400;
-    CHECK(tolvarn_tv62_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_OK);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_OK);
     lower.lower_limit = -401;
-    CHECK(tolvarn_tv62_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
     lower.lower_limit = 1201;
-    CHECK(tolvarn_tv62_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
-    CHECK(tolvarn_tv62_set_preset_steps(
-        &m17, 1000000U, steps, TOLVARN_TV62_SET_PRESET_STEPS_COUNT, &count) == CW_OK);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
+    CHECK(tolvarn_tv62_biss_set_preset_steps(
+        &m17, 1000000U, steps, TOLVARN_TV62_BISS_SET_PRESET_STEPS_COUNT, &count) == CW_OK);
     for (index = 0U; index < count; index++) {
         if (steps[index].kind == CW_STEP_WRITE) {
             CHECK(writes < 6U && steps[index].address == written[writes][0] &&
@@ -183,8 +186,8 @@ int main(void)
         }
     }
     CHECK(writes == 6U);
-    CHECK(tolvarn_tv62_set_temperature_limits_steps(&m17, 800, -300, more,
-        TOLVARN_TV62_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == CW_OK);
+    CHECK(tolvarn_tv62_biss_set_temperature_limits_steps(&m17, 800, -300, more,
+        TOLVARN_TV62_BISS_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == CW_OK);
     for (index = 0U, writes = 0U; index < count; index++) {
         if (more[index].kind == CW_STEP_WRITE) {
             CHECK(writes < 6U && more[index].address == limits[writes][0] && more[index].value == limits[writes][1]);
@@ -192,9 +195,9 @@ int main(void)
         }
     }
     CHECK(writes == 6U);
-    CHECK(tolvarn_tv62_set_temperature_limits_steps(&m17, 800, -401, more,
-        TOLVARN_TV62_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == CW_FAULT_RANGE);
-    CHECK(tolvarn_tv62_reg_correction_decode(&m17, &minus_one, 1U, &correction) == CW_OK);
+    CHECK(tolvarn_tv62_biss_set_temperature_limits_steps(&m17, 800, -401, more,
+        TOLVARN_TV62_BISS_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == CW_FAULT_RANGE);
+    CHECK(tolvarn_tv62_biss_reg_correction_decode(&m17, &minus_one, 1U, &correction) == CW_OK);
     CHECK(correction.correction == -1);
     return failures == 0 ? 0 : 1;
 }
@@ -219,8 +222,8 @@ def test_c_decodes_the_manual(generated: Path, tmp_path: Path, compiler: str, st
 
 
 def test_c_names_the_banks(generated: Path) -> None:
-    header = (generated / "c" / "include" / "tolvarn" / "tv62.h").read_text(encoding="utf-8")
-    upper = header[header.index("TOLVARN_TV62_REG_UPPER_LIMIT_ADDRESS") - 800 :][:1200]
+    header = (generated / "c" / "include" / "tolvarn" / "tv62_biss_registers.h").read_text(encoding="utf-8")
+    upper = header[header.index("TOLVARN_TV62_BISS_REG_UPPER_LIMIT_ADDRESS") :][:1200]
     assert "bank 2" in upper.lower() or "_UPPER_LIMIT_BANK 2" in upper
 
 

@@ -225,7 +225,7 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
     assert code == 0
     assert {line.split()[0] for line in out.splitlines()} == {"read", "unchanged", "all"}
     assert run(capsys, *command, "--check")[0] == 0
-    victim = next(tmp_path.rglob("tv62.h"))
+    victim = next(tmp_path.rglob("tv62_biss.h"))
     victim.write_text("changed")
     code, out, err = run(capsys, *command, "--check")
     assert code == 1

@@ -165,14 +165,15 @@ def flat(text: str) -> str:
 
 #: What C says in code, and Python gives as data.
 IN_CODE = {
-    ("c", "wide", "Default: 12 34."): "#define ACME_SAID_REG_WIDE_DEFAULT 0x1234U",
+    ("c", "wide", "Default: 12 34."): "#define ACME_SAID_BISS_REG_WIDE_DEFAULT 0x1234U",
     (
         "c",
         "bounded",
         "Limits: 3 to 200.",
-    ): "#define ACME_SAID_REG_BOUNDED_MIN 3U #define ACME_SAID_REG_BOUNDED_MAX 200U",
-    ("c", "least", "Limits: at least 3."): "#define ACME_SAID_REG_LEAST_MIN 3U",
-    ("c", "greatest", "Limits: at most 200."): "#define ACME_SAID_REG_GREATEST_MAX 200U",
+    ): "#define ACME_SAID_BISS_REG_BOUNDED_MIN 3U /**< limit of its value */ "
+    "#define ACME_SAID_BISS_REG_BOUNDED_MAX 200U",
+    ("c", "least", "Limits: at least 3."): "#define ACME_SAID_BISS_REG_LEAST_MIN 3U",
+    ("c", "greatest", "Limits: at most 200."): "#define ACME_SAID_BISS_REG_GREATEST_MAX 200U",
     ("c", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): "if (cable_m < 50U) { return 400000U;",
     ("python", "ssi", "Clock: 100 kHz to 4 MHz [5.1]."): 'clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.1")',
     ("python", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): (
@@ -199,7 +200,8 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     """Each output as one line of text, and how it writes a statement."""
     shown = [device_text(device), *(variant_text(device, find(device, item.code)) for item in device.variants)]
     pages = " ".join(text for path, text in generate(Library((device,))).items() if path.startswith("docs/said"))
-    header = re.sub(r"\n +\* ", " ", generate_c(Library((device,)))["c/include/acme/said.h"])
+    headers = (text for path, text in generate_c(Library((device,))).items() if path.startswith("c/include/acme/said"))
+    header = re.sub(r"\n +\* ", " ", "\n".join(headers))
     files = generate_python(Library((device,)))
     module = files["python/acme_encoders/said.py"] + files["python/acme_encoders/facts/said.py"]
     return {

@@ -56,11 +56,25 @@ class StructCodec:
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:
             yield self.word_crc.name
-        if self.name == self.struct.context.prefix and self.reports is not None and self.reports.verdict:
+        if self.measured:
             yield f"{self.name}_position"
         if self.tells_difference:
             yield f"{self.name}_is_expected"
             yield from (self.expected_macro(field) for field in self.expected if self.is_the_same(field))
+
+    @property
+    def measured(self) -> str:
+        """The field or join with the position that a function returns, or an empty text if there is no such function.
+
+        Only the frame of an interface with one frame has it, if its verdict is known.
+        """
+        context, layout = self.struct.context, self.struct.layout
+        measurement = context.device.measurement_of(context.interface.name)
+        has_verdict = self.reports is not None and bool(self.reports.verdict)
+        if measurement is None or self.name != context.prefix or not has_verdict:
+            return ""
+        names = {item.name for item in layout.fields} | {item.name for item in layout.joins}
+        return measurement.of if measurement.of in names else ""
 
     @property
     def about_unused(self) -> str:

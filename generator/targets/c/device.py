@@ -154,12 +154,8 @@ class DeviceView:
     @property
     def measured(self) -> str:
         """The field or join with the position, in the only frame of the interface. Empty if there is none."""
-        measurement = self.device.measurement_of(self.context.interface.name)
-        only = self.interface.codecs[0].struct.layout if len(self.interface.codecs) == 1 else None
-        if only is None or measurement is None:
-            return ""
-        names = {item.name for item in only.fields} | {item.name for item in only.joins}
-        return measurement.of if measurement.of in names else ""
+        codecs = self.interface.codecs
+        return codecs[0].measured if len(codecs) == 1 else ""
 
     @property
     def manual(self) -> str:

@@ -33,7 +33,7 @@ from .selftest import AllTests, FamilyTest, selftest_files
 
 ONLY = Option(
     "only",
-    "order codes, interfaces (biss, amm5_biss) and families to generate, separated by commas; empty for all",
+    "order codes, interfaces (biss, FAMILY_biss) and families to generate, separated by commas; empty for all",
     "",
 )
 
@@ -52,7 +52,7 @@ class FamilyHeader(Family):
 
 
 class PartHeader(Family):
-    part: Annotated[Part, "which of the further headers it is"]
+    further: Annotated[Part, "which of the further headers it is"]
 
 
 class Receiver(Family):
@@ -108,7 +108,7 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
     values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
     yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:
-        yield f"{view.maker.name}/{part.file}", _render(library, "part.h.jinja", values | {"part": part})
+        yield f"{view.maker.name}/{part.file}", _render(library, "part.h.jinja", values | {"further": part})
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:

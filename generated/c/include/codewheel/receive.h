@@ -185,7 +185,7 @@ static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t pl
         ((uint32_t)samples[6] << 16U) | ((uint32_t)samples[7] << 24U);
     uint32_t bits = ((first >> place) & 0x01010101U) << 4U;
     bits |= (then >> place) & 0x01010101U;
-    /* Sample n is now bit 8n + 4, or bit 8n - 32. Copy it to bit 31 - n, where nothing else is. */
+    /* Sample n is now bit 8n + 4, or bit 8n - 32. Copy it to bit 31 - n, which is free. */
     bits |= bits << 9U;
     bits |= bits << 18U;
     return bits >> 24U;
