@@ -305,7 +305,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
 
 
 def _kind_of(place: Path) -> str:
-    """Return ``folder``, ``link``, ``file`` (for anything else), or an empty text if nothing exists."""
+    """Return ``folder``, ``link``, ``file`` (for anything else), or an empty string if nothing exists."""
     try:
         mode = os.lstat(place).st_mode
     except (FileNotFoundError, NotADirectoryError):

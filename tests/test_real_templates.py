@@ -26,7 +26,7 @@ ALLOWED = {
 
 
 def fault_of(text: str, setting: Environment) -> str:
-    """Return the reason why a template should be ordinary source, or an empty text."""
+    """Return the reason why a template should be ordinary source, or an empty string."""
     tree = setting.parse(text)
     lines = {node.lineno for node in tree.find_all((nodes.Expr, nodes.Stmt)) if not isinstance(node, _TEXT)}
     share = 100 * len(lines) / max(text.count("\n"), 1)

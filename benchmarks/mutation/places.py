@@ -93,7 +93,7 @@ class Place:
     path: Path
     keys: str
     value: Any
-    #: The definition of the value in the language, such as ``name`` or ``expression``, or an empty text.
+    #: The definition of the value in the language, such as ``name`` or ``expression``, or an empty string.
     kind: str
     schema: Mapping[str, Any]
     #: True if the value is optional.

@@ -17,7 +17,7 @@ from .pairs import Pair, name_of
 from .value_text import arrow, differing_items, plain, shown, without_words
 
 _Item = TypeVar("_Item")
-#: Rules whose changes are described by their place alone.
+#: Rules whose changes are described only by their location.
 _IN_WORDS = ("words", "source")
 _SOURCE = Member("source", rule="source")
 

@@ -49,7 +49,7 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
 
 
 def undecided(device: Device, layout: Layout, answers: Container[str], wrong: str = "cannot be decoded") -> str:
-    """Return the questions to answer before a frame of this layout can be used, or an empty text if there are none.
+    """Return the questions to answer before a frame of this layout can be used, or an empty string if there are none.
 
     ``wrong`` is the predicate of the message about the action that needs the answers.
     """

@@ -31,7 +31,7 @@ _CANNOT = (
 
 @dataclass(frozen=True)
 class _Touched:
-    """A passage with the facts that have a value or name in it, and the number of all facts that cite its section."""
+    """A passage with the facts whose value or name appears in it, and the number of all facts that cite its section."""
 
     passage: Passage
     facts: Sequence[Citing]

@@ -39,8 +39,8 @@ If a file begins with the following line, editors can complete and explain keys 
 _SECOND = """\
 `FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
 another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two
-files. A second reading contains only facts. It has all the keys above except `manufacturer`, the keys for prose, and
-the parts that explain or calculate.
+files. The second transcription contains only facts. It has all the keys above except `manufacturer`, the keys for
+prose, and the parts that explain or calculate.
 
 Omitted keys for prose: {prose}.
 

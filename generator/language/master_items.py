@@ -27,7 +27,7 @@ NUMBERS: Mapping[str, str] = {
     "frame_bits": "all bits from the first of the data to the last of the CRC",
     "crc_polynomial": "CRC polynomial with its top bit, or 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
-    "crc_polynomial_without_last_1": "CRC polynomial without its last 1",
+    "crc_polynomial_without_last_1": "CRC polynomial without its trailing 1 (Koopman notation)",
     "crc_start": "start value of the CRC",
     "crc_inverted": "1 if the CRC is sent inverted",
     "clock_min_hz": "slowest clock of the encoder, in Hz",

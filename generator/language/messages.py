@@ -35,7 +35,7 @@ PATTERNS = {
     "^[a-z][a-z0-9]*$": "it must begin with a lowercase letter and contain only lowercase letters and digits",
     "^[a-z]{2}$": "a language code has two lowercase letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is written as year-month-day, as in 2024-05-10",
-    "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is written as year-month-day, as in 2024-05-10, or as the year alone",
+    "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is written as year-month-day, as in 2024-05-10, or as a year",
     "^[0-9]{1,2}(:[0-9]{1,2})?$": "bits are written as the highest and the lowest, as in 5:0, or as one bit, as in 7",
     '^https?://[^\\s<>"|`^{}\\[\\]\\\\]+$': (
         "a URL begins with https:// and contains no spaces, quotes, bars or brackets except ( ); "

@@ -165,7 +165,7 @@ def holder(path: Path) -> Path:
     """Return what to remove for an error at ``path``: the nearest list item, the parent of a field, or the place.
 
     Removing only a width or a key would cause further errors, such as a missing key or bits without a field. Prose
-    can be removed alone.
+    can be removed individually.
     """
     if path[-1:] and path[-1] in WORDS_ONLY:
         return path

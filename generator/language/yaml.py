@@ -179,8 +179,8 @@ class _Parser:
             raise _refused(
                 event,
                 "too-large",
-                f"there are more than {MAX_VALUES} values up to here, including those repeated by aliases; remove the"
-                " aliases",
+                f"there are more than {MAX_VALUES} values up to this point, counting those repeated by aliases; remove"
+                " the aliases",
             )
 
     def _list(self, mark: Mark, path: Path, depth: int) -> _Value:

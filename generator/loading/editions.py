@@ -49,7 +49,7 @@ def chosen(device: Device, wanted: str) -> str:
     names = [item.revision for item in device.editions] or [device.manual.revision]
     if wanted in names:
         return wanted
-    # A year alone does not determine which edition was the latest on a given day.
+    # A year does not determine which edition was the latest on a given day.
     dated = [item for item in device.editions if _DATE.fullmatch(item.date)]
     if _DATE.fullmatch(wanted) and dated:
         then = [item.revision for item in dated if item.date <= wanted]

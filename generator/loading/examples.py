@@ -151,7 +151,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
 
 
 def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield errors in the bits, differences from the printed values, and from the result of encoding these."""
+    """Yield bit errors, and differences from the printed values or from the re-encoded values."""
     problems = decoded.problems
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
         problems = problems[:1]

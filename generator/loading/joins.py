@@ -74,7 +74,7 @@ def _check_parities(layout: Layout, site: Site) -> None:
 
 
 def _no_plain_bits(kind: Kind) -> str:
-    """Return why a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
+    """Return the reason that a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
 
     A joined number consists of bits as sent. A part with a different value would contradict it.
     """

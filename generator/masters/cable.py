@@ -57,7 +57,7 @@ class CableTable:
         return max((row for row in self.rows if row.has(metres)), key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
-        """Return a sentence about the cables that allow a clock, or an empty text without a table."""
+        """Return a sentence about the cables that allow a clock, or an empty string without a table."""
         if not self.rows:
             return ""
         allowing = (row for row in self.rows if clock_hz <= row.highest_hz)

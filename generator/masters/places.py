@@ -55,7 +55,7 @@ class Place:
 
     @property
     def location(self) -> str:
-        """The place in words, or an empty text if it is not given."""
+        """The place in words, or an empty string if it is not given."""
         if self.index is not None:
             return f"0x{self.index:04X}:{self.subindex:02X}"
         words = self.symbol or self.register or (f"address {self.address}" if self.address is not None else "")
@@ -143,7 +143,7 @@ def _bits(text: str) -> tuple[int | None, int | None]:
 
 
 def misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
-    """Return why a place cannot hold a value, or an empty text."""
+    """Return the reason that a location cannot hold a value, or an empty string."""
     if not isinstance(value, int):
         return ""
     for place in places:

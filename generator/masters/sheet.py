@@ -100,7 +100,7 @@ class Sheet:
         return [name for name in names if name in file.get("on", names)]
 
     def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
-        """Return the conditions for this setting alone."""
+        """Return the conditions that apply only to this setting."""
         return tuple(item for item in self.writing if item.of == (setting.name,))
 
     @property
@@ -267,7 +267,7 @@ def _setting(item: Raw, master: Master, record: Record) -> Setting:
 
 
 def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
-    """Return the cables that allow the clock of a setting, or an empty text if the user gave a cable length."""
+    """Return the cables that allow the clock of a setting, or an empty string if the user gave a cable length."""
     if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & item.keys():
         return ""
     chosen = _best_listed(item, record)["hz"] if "clocks" in item else _best_of_any(item["any_clock"], record)

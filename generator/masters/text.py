@@ -101,7 +101,7 @@ def _crc(record: Record) -> str:
         return "none"
     whole = number["crc_polynomial"]
     spellings = f"0x{whole:02X} ({whole}) with its top bit, 0x{number['crc_polynomial_without_top_bit']:02X} without it"
-    spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its last 1"
+    spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its trailing 1 (Koopman notation)"
     return (
         f"{number['crc_bits']} bits, polynomial {spellings}, start value {number['crc_start']}, "
         f"sent {'inverted' if number['crc_inverted'] else 'not inverted'}"
@@ -123,7 +123,7 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
 
 
 def bound(setting: Setting) -> str:
-    """Return ``at least ``, ``at most ``, ``below `` or an empty text."""
+    """Return ``at least ``, ``at most ``, ``below `` or an empty string."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
@@ -143,7 +143,7 @@ def condition(rule: Writing) -> str:
 
 
 def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
-    """Yield the conditions for this setting alone, after the advice to leave a protected factory default unchanged."""
+    """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
     own = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in own):
         yield f"{setting.text} is the factory default. Leave it unless it was changed."

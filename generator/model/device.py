@@ -59,7 +59,7 @@ class Parameter:
 
     @property
     def register(self) -> str:
-        """Register that holds the parameter at run time, or an empty text."""
+        """Register that holds the parameter at run time, or an empty string."""
         return self.read_from.partition(".")[0]
 
     @property
@@ -409,7 +409,7 @@ class Device:
         return next(item for item in self.registers if item.name == name)
 
     def bank_selector(self, register: Register) -> str:
-        """Return the register that selects the bank of this register, or an empty text if there is none."""
+        """Return the register that selects the bank of this register, or an empty string if there is none."""
         interface = self.interface(register.interface)
         return interface.bank_select if isinstance(interface, Biss) and register.bank is not None else ""
 

@@ -137,7 +137,7 @@ class Field:
 
     @property
     def padding_of(self) -> str:
-        """Name of the padded field, or an empty text if this field is not padding."""
+        """Name of the padded field, or an empty string if this field is not padding."""
         return self.kind.padding_of if isinstance(self.kind, Constant) else ""
 
     @property

@@ -9,7 +9,7 @@ from .expressions import Expression
 
 
 def bounded(register: Register) -> str:
-    """Return the name of the limited field or join, or an empty text if the limits apply to the whole register."""
+    """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
     names = [*(item.name for item in register.layout.joins), *(item.name for item in register.layout.fields)]
     if register.limits_of in names:
         return register.limits_of

@@ -15,7 +15,7 @@ def edition_before(device: Device, revision: str) -> str:
 
 
 def told_by_label(device: Device, match: Match) -> str:
-    """Return the edition whose labels are written like this one, or an empty text if the label does not identify it."""
+    """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
     patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
     found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
     return next(found, "")

@@ -76,7 +76,7 @@ def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) ->
     Args:
         device: The family.
         variant: One of its order codes.
-        held: Register bytes by address. Other registers have their defaults.
+        held: Register bytes by address. Other registers are at their defaults.
 
     Raises:
         RegisterError: There is no parameter at an address, or a value is invalid.

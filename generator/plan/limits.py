@@ -62,7 +62,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 
 
 def limited_member(register: Register) -> str:
-    """Return the name of the limited field or join, or an empty text if the limits apply to the whole register."""
+    """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
     layout = register.layout
     if register.limits_of in {*(item.name for item in layout.joins), *(item.name for item in layout.fields)}:
         return register.limits_of

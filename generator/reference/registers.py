@@ -30,7 +30,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
 
 
 def _not_known(device: Device, item: Erratum, name: str) -> str:
-    """Return the message that this edition or overlay does not define a register, or an empty text if it does."""
+    """Return the message that this edition or overlay does not define a register, or an empty string if it does."""
     where = f"in edition {device.edition} of the manual" if item.edition else f"according to the overlay {item.overlay}"
     if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
         return ""

@@ -78,7 +78,7 @@ def anchor(name: str) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table of Markdown cells without empty columns, or an empty text if all are empty."""
+    """Return a table of Markdown cells without empty columns, or an empty string if all are empty."""
     listed = [list(row) for row in rows]
     kept = [index for index in range(len(head)) if any(row[index] for row in listed)]
     if not kept:

@@ -56,7 +56,7 @@ def title(item: Titled) -> str:
 
 
 def printed(item: Named) -> str:
-    """Return the name used in any edition of the manual, or an empty text."""
+    """Return the name used in any edition of the manual, or an empty string."""
     return item.printed_name or ", ".join(item.names.values())
 
 

@@ -52,7 +52,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
 
 
 def deciding(field: Field) -> str:
-    """Return the bits of a flag or an unused field that lead to its verdict, or an empty text for any other field."""
+    """Return the bits of a flag or an unused field that lead to its verdict, or an empty string for any other field."""
     match field.kind:
         case Flag(active_low=low):
             return "0" if low else "1"
@@ -65,7 +65,7 @@ def deciding(field: Field) -> str:
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
-    """Return the remedy with the titles of its manual steps, or an empty text."""
+    """Return the remedy with the titles of its manual steps, or an empty string."""
     return with_steps(advice(field, alarm), by_hand(field, alarm))
 
 

@@ -75,8 +75,8 @@ TERMS = (
     ),
     Term(
         "CRC polynomial",
-        "The divisor of a CRC. Masters expect it with its top bit, without its top bit, or without its last 1: three "
-        "numbers for the same polynomial.",
+        "The divisor of a CRC. Masters expect it with its top bit, without its top bit, or without its "
+        "trailing 1 (Koopman notation): three numbers for the same polynomial.",
         ("crc",),
     ),
     Term(

@@ -78,7 +78,7 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
-    """Return why ``problem`` is not a problem of a device in the library, or an empty string if it is one."""
+    """Return the reason that ``problem`` is not one of a device in the library, or an empty string if it is one."""
     if not isinstance(problem, TargetProblem):
         return f"this is {_kind(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
@@ -89,7 +89,7 @@ def _fault_of_problem(problem: object, library: Library) -> str:
 
 
 def _fault_of_files(files: object) -> str:
-    """Return why ``files`` is not a mapping of paths to text, or an empty string if it is one."""
+    """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is one."""
     if not isinstance(files, Mapping):
         return f"this is {_kind(files)}"
     for path, text in files.items():

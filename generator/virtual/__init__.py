@@ -1,6 +1,6 @@
-"""Virtual encoders: they answer like the encoder of an order code, over RS-485, BiSS and SSI, with faults on demand.
+"""Virtual encoders that behave like the encoder of an order code over RS-485, BiSS and SSI, with faults on demand.
 
-They use the model and the reference codec alone, so they also judge generated code.
+They use only the model and the reference codec, so they can also check generated code.
 """
 
 from .biss import BissLine as BissLine

@@ -1,4 +1,4 @@
-"""BiSS face of a virtual encoder: single cycles, register access, and the data line clock by clock.
+"""BiSS interface of a virtual encoder: single cycles, register access, and the data line clock by clock.
 
 Source of the protocol: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 3 to 14.
 """
@@ -28,7 +28,7 @@ class BissLine(ByLevels):
         acknowledge: Number of zeros before the start bit.
 
     Raises:
-        ValueError: The encoder has another interface.
+        ValueError: The encoder has a different interface.
     """
 
     def __init__(self, encoder: VirtualEncoder, acknowledge: int = 3) -> None:
@@ -47,7 +47,7 @@ class BissLine(ByLevels):
         return self.encoder.place(self.encoder.layouts("encoder")[0]).bits
 
     def frame(self) -> int:
-        """Return the single cycle data of this moment, the first bit sent being the most significant."""
+        """Return the current single cycle data. The first bit sent is the most significant."""
         return self.exchange(0)[1]
 
     def exchange(self, cdm: int) -> tuple[int, int]:
@@ -64,7 +64,7 @@ class BissLine(ByLevels):
         return data[start], int("".join(map(str, data[start + 1 : start + 1 + self.bits])), 2)
 
     def cycle(self, cdm: int) -> list[int]:
-        """Return the bits of one cycle from the second rising edge of MA on: acknowledge, start, CDS, data, stop."""
+        """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop."""
         encoder, faults = self.encoder, self.encoder.faults
         fault = faults.draw()
         cds = self._control(cdm)
@@ -91,7 +91,7 @@ class BissLine(ByLevels):
         return bits
 
     def clock(self, ma: int) -> int:
-        """Set the level of MA, and return the level of SLO after that."""
+        """Set the level of MA, and return the resulting level of SLO."""
         if ma and not self._ma:
             self._edges += 1
             if self._edges == 1:
@@ -124,7 +124,7 @@ class BissLine(ByLevels):
         return 0
 
     def _registers(self) -> Generator[int, int, int]:
-        """Answer one control frame: yields and finally returns a CDS bit, and is sent the next CDM bit for each."""
+        """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit."""
         memory = self.encoder.memory
         cdm, head = (yield 1), 0
         for _ in range(15):

@@ -1,4 +1,4 @@
-"""Encoder that exists only in the computer: its position, flags, supply and registers."""
+"""Simulated encoder: its position, flags, supply and registers."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ READY_S = 0.01
 class VirtualEncoder:
     """Encoder of an order code.
 
-    A position becomes a frame on the line objects ``Rs485Line``, ``BissLine`` and ``SsiLine``.
+    ``Rs485Line``, ``BissLine`` and ``SsiLine`` send its position in frames.
 
     Args:
         order_code: Order code, as on the label.
         position: Position in counts, or a function of the time in seconds that returns it.
         choose: Answers to questions that the manual leaves open, by name.
-        registers: Bytes of registers at the start, by name.
+        registers: Initial bytes of registers, by name.
         faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
-        seed: Start of the random sequence of the faults.
-        clock: Function that returns the time in seconds. By default, real time since now.
+        seed: Seed of the random faults.
+        clock: Function that returns the time in seconds. By default, the time since the encoder was created.
         edition: Revision of the manual. By default, that of the spec.
         specs: Specs to use. By default, those shipped with codewheel.
 
     Attributes:
         device: The family.
-        flags: Names of the active flags and alarms. Change it with ``set_flag`` and ``clear_flag``.
+        flags: Names of the active flags and alarms. Change them with ``set_flag`` and ``clear_flag``.
         memory: The registers.
-        faults: The faults, and how often each was injected.
+        faults: The faults, and the number of times that each was injected.
 
     Raises:
         ValueError: There is no such order code, edition, register, answer or fault, or an answer is missing.
@@ -93,11 +93,11 @@ class VirtualEncoder:
         return self.device.position_names(self.variant.interface)
 
     def position_now(self) -> int:
-        """Return the position that the encoder sends at this moment."""
+        """Return the position that the encoder currently sends."""
         return 0 if self.is_busy() and self._not_ready else (self.raw_position() + self._offset) % self.counts
 
     def parts_now(self) -> dict[str, int]:
-        """Return the position of this moment as its fields."""
+        """Return the current position as its fields."""
         position, values = self.position_now(), dict[str, int]()
         for name, width in reversed(self._parts()):
             values[name] = position & ((1 << width) - 1)
@@ -105,15 +105,15 @@ class VirtualEncoder:
         return values
 
     def raw_position(self) -> int:
-        """Return the position at this moment without presets and resets."""
+        """Return the current position without presets and resets."""
         return int(self.position(self._now()) if callable(self.position) else self.position)
 
     def set_position(self, value: int) -> None:
-        """Report ``value`` at the present position of the shaft, as a preset or reset does."""
+        """Report ``value`` at the current shaft position, as a preset or reset does."""
         self._offset = value - self.raw_position()
 
     def add_offset(self, value: int) -> None:
-        """Report the position of the shaft plus ``value``."""
+        """Report the shaft position plus ``value``."""
         self._offset = value
 
     def set_flag(self, *names: str) -> None:
@@ -133,7 +133,7 @@ class VirtualEncoder:
         self.flags.difference_update(names)
 
     def reset(self, procedure: str) -> None:
-        """Act on a reset: clear its alarms, and set to 0 the parts of the position that its name contains."""
+        """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0."""
         self.flags -= {item.name for item in self.device.alarms if procedure in item.cleared_by}
         low = 0
         value = (self.raw_position() + self._offset) % self.counts
@@ -154,7 +154,7 @@ class VirtualEncoder:
         self._busy_until = max(self._busy_until, self.clock() + seconds)
 
     def is_off(self) -> bool:
-        """Return whether the encoder has no supply."""
+        """Return whether the encoder is powered off."""
         return self.clock() < self._off_until
 
     def is_busy(self) -> bool:
@@ -171,7 +171,7 @@ class VirtualEncoder:
         return frozenset(item.name for item in self.device.alarms if item.register)
 
     def frame(self, layout: Layout, given: Mapping[str, int | str | bool] | None = None) -> int:
-        """Return a frame of this moment as one number. ``given`` are fields that the request determines."""
+        """Return a frame with the current values as one number. The request determines the fields ``given``."""
         self._instant = self.clock()
         try:
             return codec.encode(self.device, self.place(layout), self._values(layout, given or {}))
@@ -179,7 +179,7 @@ class VirtualEncoder:
             self._instant = None
 
     def place(self, layout: Layout) -> PlacedLayout:
-        """Return a layout as it is for this encoder with its present registers."""
+        """Return a layout for this encoder with its current registers."""
         if self._placed[0] is not self.variant:
             self._placed = (self.variant, {})
         if layout.name not in self._placed[1]:
@@ -207,7 +207,7 @@ class VirtualEncoder:
         )
 
     def _now(self) -> float:
-        """Return the time. It stands still while a frame is made, so that its fields belong together."""
+        """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
     def _values(self, layout: Layout, given: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:

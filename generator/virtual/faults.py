@@ -1,4 +1,4 @@
-"""Faults of a line or an encoder, by name, each at a rate."""
+"""Faults of a line or an encoder, by name, each with a rate."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Faults:
 
     Args:
         texts: Names, each with a rate per reply, such as ``flip:1e-3``. Without a rate, every reply has the fault.
-        seed: Start of the random sequence.
+        seed: Seed of the random sequence.
 
     Attributes:
-        injected: How often each fault was injected.
+        injected: Number of times that each fault was injected.
 
     Raises:
         ValueError: There is no such fault, or the rate is not 0 to 1.
@@ -44,7 +44,7 @@ class Faults:
         self._rates = [_rate(text) for text in ([texts] if isinstance(texts, str) else texts)]
 
     def draw(self) -> str:
-        """Return the fault of the next reply, or an empty text."""
+        """Return the fault of the next reply, or an empty string."""
         for name, rate in self._rates:
             if self.random.random() < rate:
                 self.injected[name] += 1
@@ -52,7 +52,7 @@ class Faults:
         return ""
 
     def damaged(self, name: str, reply: bytes, request: bytes) -> bytes:
-        """Return the bytes on the line in place of a reply with this fault."""
+        """Return the bytes that this fault puts on the line in place of the reply."""
         chance = self.random
         if name == "lost":
             return b""

@@ -1,4 +1,4 @@
-"""Clocked line as bytes: a level of the clock for each level of the data line, so that a socket can carry it."""
+"""Clocked line as bytes, so that a socket can carry it: a clock level for each level of the data line."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class ByLevels(ABC):
                 self._levels.append(ord("0") + self.timeout())
 
     def send(self) -> bytes:
-        """Return the answers, each once."""
+        """Return each answer once."""
         data = bytes(self._levels)
         self._levels.clear()
         return data

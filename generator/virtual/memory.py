@@ -1,8 +1,8 @@
 """Registers of a virtual encoder: access rules, self-clearing commands with their effects, waits, and the EEPROM.
 
-The model states the access rules, defaults, waits, and the values that steps of procedures poll for. It has no word for
-the effect of a command, so that follows from the words in the name of its value: ``save``, ``activate``, ``restore``,
-``reset``, ``simulate`` and ``clear``.
+The model states the access rules, defaults, waits, and the values that steps of procedures poll for. It does not
+describe the effect of a command, so the effect is inferred from words in the name of its value: ``save``, ``activate``,
+``restore``, ``reset``, ``simulate`` and ``clear``.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Lose what was not saved."""
+        """Discard values that were not saved."""
         for name, register in self.registers.items():
             self._bytes[name][:] = self._saved[name] if register.volatile else self._bytes[name]
             self._take_over(register)

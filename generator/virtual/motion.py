@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable
 
-#: Position in counts as a function of the time in seconds. A number stands still.
+#: Position in counts as a function of the time in seconds. A number is a constant position.
 Position = int | Callable[[float], float]
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -16,7 +16,7 @@ def motion(text: str, counts: int) -> Position:
     """Parse a position.
 
     Args:
-        text: A number of counts, ``sine:0.5Hz`` (to and fro through all positions), or ``ramp:1000`` (counts per
+        text: A number of counts, ``sine:0.5Hz`` (back and forth through all positions), or ``ramp:1000`` (counts per
             second).
         counts: Number of positions of the encoder.
 
@@ -24,7 +24,7 @@ def motion(text: str, counts: int) -> Position:
         The position.
 
     Raises:
-        ValueError: The text has another form.
+        ValueError: The text has a different form.
     """
     try:
         return int(text, 0)

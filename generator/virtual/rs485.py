@@ -1,4 +1,4 @@
-"""RS-485 face of a virtual encoder: bytes of requests in, bytes of replies out, each at its time."""
+"""RS-485 interface of a virtual encoder: takes the bytes of requests, and sends those of replies in time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .encoder import VirtualEncoder
 
 #: Seconds after which the rest of an incomplete request is discarded.
 GAP_S = 0.005
-#: Seconds that a fault of the line lasts, that a busy encoder stays busy, and that the EEPROM needs for a byte.
+#: Durations in seconds: a line fault, a busy encoder, and an EEPROM access for one byte.
 OUTAGE_S = BUSY_S = 0.02
 EEPROM_S = 0.003
 #: Tolerance in seconds of the interval between the requests of a reset.
@@ -24,7 +24,7 @@ class Rs485Line:
         encoder: The encoder.
 
     Raises:
-        ValueError: The encoder has another interface.
+        ValueError: The encoder has a different interface.
     """
 
     def __init__(self, encoder: VirtualEncoder) -> None:
@@ -42,7 +42,7 @@ class Rs485Line:
         self._memory_busy_until = 0.0
 
     def receive(self, data: bytes) -> None:
-        """Take bytes that the master sends at this moment."""
+        """Take bytes that the master sends now."""
         now = self.encoder.clock()
         if now - self._since > GAP_S:
             self._received = b""
@@ -67,7 +67,7 @@ class Rs485Line:
         return self._out[0][0] if self._out else None
 
     def send(self) -> bytes:
-        """Return the bytes that arrive at the master by this moment, each once."""
+        """Return the bytes that have reached the master, each once."""
         now, data = self.encoder.clock(), b""
         while self._out and self._out[0][0] <= now:
             data += self._out.popleft()[1]

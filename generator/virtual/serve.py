@@ -15,7 +15,7 @@ from .encoder import VirtualEncoder
 from .rs485 import Rs485Line
 from .ssi import SsiLine
 
-#: Longest wait in seconds before the server looks whether it should stop.
+#: Longest wait in seconds before the server checks whether it should stop.
 _TICK_S = 0.2
 
 
@@ -28,7 +28,7 @@ class Line(Protocol):
 
 
 class _Port(NamedTuple):
-    """End of a connection: the number to wait for, and functions to read and write. ``name`` is what users open."""
+    """End of a connection: the file descriptor to wait for, and functions to read and write. Users open ``name``."""
 
     name: str
     handle: Callable[[], int]
@@ -65,13 +65,13 @@ def terminal() -> _Port:
 
 
 def listen_tcp(port: int = 0) -> _Port:
-    """Listen on this computer over TCP. The name is a URL that pyserial opens."""
+    """Listen for TCP connections from this computer. The name is a URL that pyserial opens."""
     server = socket.create_server(("127.0.0.1", port))
     return listener(server, f"socket://127.0.0.1:{server.getsockname()[1]}")
 
 
 def listener(server: socket.socket, name: str) -> _Port:
-    """Serve one client after the other on a socket that listens."""
+    """Serve one client after another on a listening socket."""
     clients: list[socket.socket] = []
 
     def read() -> bytes:
@@ -107,7 +107,7 @@ def listener(server: socket.socket, name: str) -> _Port:
 
 
 def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:
-    """Serve a line until ``stop`` is set, or else for ever."""
+    """Serve a line until ``stop`` is set. Without ``stop``, serve forever."""
     while stop is None or not stop.is_set():
         due = line.due()
         wait = _TICK_S if due is None else min(_TICK_S, max(0.0, due - encoder.clock()))
@@ -120,7 +120,7 @@ def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None =
 
 @contextmanager
 def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = False) -> Iterator[str]:
-    """Serve an encoder in a thread, for the time of a ``with`` statement.
+    """Serve an encoder in a thread during a ``with`` statement.
 
     Args:
         encoder: The encoder.

@@ -1,4 +1,4 @@
-"""SSI face of a virtual encoder: words, and the data line clock by clock."""
+"""SSI interface of a virtual encoder: words, and the data line clock by clock."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class SsiLine(ByLevels):
         encoder: The encoder.
 
     Raises:
-        ValueError: The encoder has another interface.
+        ValueError: The encoder has a different interface.
     """
 
     def __init__(self, encoder: VirtualEncoder) -> None:
@@ -35,7 +35,7 @@ class SsiLine(ByLevels):
         return self.encoder.layouts("encoder")[0]
 
     def word(self) -> int:
-        """Return the word of this moment, the first bit sent being the most significant. A fault can change it."""
+        """Return the current word, which a fault can change. The first bit sent is the most significant."""
         word, faults = self.encoder.frame(self._layout), self.encoder.faults
         fault = faults.draw()
         if fault == "flip":

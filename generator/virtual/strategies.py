@@ -1,4 +1,4 @@
-"""Hypothesis strategies: frames of encoders, valid and disturbed, for tests of programs that decode them."""
+"""Hypothesis strategies: valid and corrupted frames of encoders, for tests of programs that decode them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .encoder import VirtualEncoder
 
 
 def positions(encoder: VirtualEncoder) -> st.SearchStrategy[int]:
-    """Return positions of an encoder, with those at the ends more often."""
+    """Return positions of an encoder, in which those near the ends are more frequent."""
     highest = encoder.counts - 1
     return st.one_of(st.sampled_from([0, 1, highest // 2, highest]), st.integers(0, highest))
 
@@ -42,7 +42,7 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
         layout: Name of the frame. By default, the first one with a whole position.
 
     Returns:
-        The frame, as those of ``frames``.
+        The frame, in the form that ``frames`` returns.
     """
     chosen = _layout(encoder, layout)
     encoder.position = draw(positions(encoder))

@@ -49,7 +49,7 @@ function defaultButton(register, text, show) {
   return button;
 }
 
-/** The limits of a register in numbers, or an empty text without limits. */
+/** The limits of a register in numbers, or an empty string without limits. */
 function boundsOf(at, { name, of, low, high }) {
   if (low === null && high === null) return "";
   const shown = [["at least", low], ["at most", high]].filter(([, one]) => one !== null)

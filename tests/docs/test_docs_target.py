@@ -353,7 +353,7 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
     assert "| `AMM5A21/65KSC1`, `AMM5B21/65KSC1` | 45 | 44:29 | 28:8 |" in page
     assert "| `AMM5A17/1SC1`, `AMM5B17/1SC1` | – | 48:33 | 32:16 | 15:0 |" in page
     assert f"| with its top bit | {code('0x43')} = 67 = {code('1000011b')} |" in page
-    assert "| without its last 1 | `0x21` |" in page
+    assert "| without its trailing 1 (Koopman notation) | `0x21` |" in page
     # Where the manual leaves it open, each place has its answer.
     assert "| bits 7:1 (`as_printed`)<br>bits 6:0 (`as_t_format`) |" in page
     assert "| bit 0 (`as_printed`)<br>bit 7 (`as_t_format`) |" in page

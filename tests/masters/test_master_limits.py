@@ -45,7 +45,7 @@ def changed(record: Record, **items: int | str | None) -> Record:
             "ic_mb",
             {"crc_polynomial": 0xB1},
             {"crc_polynomial": 0x12F},
-            "A CRC polynomial has at most 8 bits, including its last 1. Here: crc polynomial 0x12F.",
+            "A CRC polynomial has at most 8 bits, including its trailing 1. Here: crc polynomial 0x12F.",
         ),
         (
             "ti_motor_control_sdk",

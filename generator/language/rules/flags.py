@@ -21,9 +21,10 @@ def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> Non
             if "active" in field and "makes_position" not in field and "name" in field:
                 if field["name"] in INTERFACES[fields.interface].flags:
                     continue
-                wrong = f"{quoted(field['name'])} is in a frame with the position; set 'makes_position' to the verdict"
+                wrong = f"{quoted(field['name'])} is in a frame that contains the position; set 'makes_position'"
+                wrong += " to the verdict on the position while this flag is active:"
                 right = "not_usable, usable_with_warning or usable"
-                report.add("makes-position-missing", path, f"{wrong} while it is active: {right}")
+                report.add("makes-position-missing", path, f"{wrong} {right}")
 
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -46,7 +47,7 @@ def alarm_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
         if alarm["name"] in by_name(owner, "fields") and alarm.get("field", alarm["name"]) != alarm["name"]:
             wrong = (
-                f"the alarm {quoted(alarm['name'])} is named like a flag of {quoted(alarm[kind])}, but is about"
+                f"the alarm {quoted(alarm['name'])} has the same name as a flag of {quoted(alarm[kind])}, but describes"
                 f" {quoted(alarm['field'])}; use that flag, or rename the alarm"
             )
             report.add("alarm-name", (*path, "field"), wrong)

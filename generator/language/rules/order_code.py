@@ -242,7 +242,7 @@ def _check_values(spec: Spec, report: DocumentReport) -> None:
 
 
 def _wrong_expression(text: str) -> str:
-    """Return why ``text`` cannot be the expression of an open part, or an empty string if it can."""
+    """Return the reason that ``text`` cannot be the expression of an open part, or an empty string if it can."""
     try:
         re.compile(text)
     except (re.error, OverflowError) as error:

@@ -114,7 +114,7 @@ def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if name not in [value for _, value in steps]:
                 place, value = steps[-1]
                 wrong = (
-                    f"the procedure {quoted(name)} is named like a value of {quoted(register_name)}, but writes"
+                    f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
                     f" {quoted(value)}; write that value, or rename the procedure"
                 )
                 report.add("procedure-name", place, wrong)

@@ -20,7 +20,7 @@ class Alignment:
 
 @dataclass(frozen=True, slots=True)
 class OutputCode:
-    """Code of the position as stated in the manual: ``binary``, ``gray`` or ``by_order_code``."""
+    """Position encoding as stated in the manual: ``binary``, ``gray`` or ``by_order_code``."""
 
     code: str
     source: Sources

@@ -81,7 +81,7 @@ FRAMES = (
             "sums_up",
             "[name]",
             "For a flag: the flags that it combines. If the frame also carries these and one of them is active,"
-            " they alone decide the verdict on the position.",
+            " only they decide the verdict on the position.",
             "field-verdict",
             refers_to="any-fields",
             read="behaviour",

@@ -113,7 +113,7 @@ INTERFACES = (
         Member(
             "output_code",
             "name",
-            "Code of the position.",
+            "Position encoding.",
             "alignment",
             "code",
             form="word",

@@ -204,7 +204,7 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
 def _identifier(
     maker: Manufacturer, biss_id: int, about: Sequence[str], nodes: Sequence[Node], library: Library, left_out: str = ""
 ) -> str:
-    """Return the file with these encoders of a manufacturer. ``about`` is the beginning of the first comment."""
+    """Return the file that describes these encoders from one manufacturer. ``about`` begins its first comment."""
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
         "notes": ["\n".join([*about, _ABOUT]), *(f"Trademarks: {text}" for text in maker.trademarks)],

@@ -82,7 +82,7 @@ def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
     yield "with its top bit", f"`0x{full:X}` = {full} = `{full:b}b`"
     yield "without its top bit", f"`0x{crc.poly:02X}`"
     if full & 1:
-        yield "without its last 1", f"`0x{full >> 1:X}`"
+        yield "without its trailing 1 (Koopman notation)", f"`0x{full >> 1:X}`"
     yield "Width", counted(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{_yes(crc.refin)}, {_yes(crc.refout)}"

@@ -178,7 +178,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _times_read(counts: TimesRead | None) -> str:
-    """Return the text about facts confirmed by a second reading, or an empty text without one."""
+    """Return the text about facts confirmed by a second reading, or an empty string without one."""
     if counts is None:
         return ""
     every = counts.twice + counts.explained + counts.once

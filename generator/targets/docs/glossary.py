@@ -29,7 +29,7 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
 
 
 def _link(term: Term, here: Device, interface: Interface) -> str:
-    """Return a link to the section about the term on an interface page, or an empty text."""
+    """Return a link to the section about the term on an interface page, or an empty string."""
     if term.over is not None:
         section = term.section if isinstance(interface, term.over) and _has(here, interface, term.section) else ""
     else:

@@ -27,7 +27,7 @@ Section = dict[str, Any]
 
 
 class Sections(TypedDict):
-    device: Annotated[Device, "the family, reduced to the subject of the page"]
+    device: Annotated[Device, "the family, with only the data relevant to this page"]
     origin: Annotated[list[Said], "overlays and the edition of the family"]
     usable_page: Annotated[str, "the page on verdicts"]
     errata_at: Annotated[

@@ -169,7 +169,7 @@ def used_groups(interface: Interface) -> list[str]:
 
 
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
-    """Return a table of field positions by order code and choice, or an empty text if they are the same for all.
+    """Return a table of field positions by order code and choice, or an empty string if they are the same for all.
 
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """

@@ -114,7 +114,7 @@ class Codes:
 
     @cached_property
     def links_beside(self) -> dict[str, str]:
-        """Links to the page of each order code, for pages in the folder of the family."""
+        """Links to the page of each order code, relative to the folder of the family."""
         return self._links("")
 
     def page_links(self, kind: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Values that a file for a master writes, in the order of writing, and the reasons for those that it leaves out."""
+"""Values in a file for a master, in the order of writing, and the reasons for leaving out others."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Value = int | bool | str
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A value and its place on one channel. ``name`` is that of the setting, and ``key`` its name in the file.
+    """A value and its location on one channel. ``name`` is the name of the setting, and ``key`` its name in the file.
 
-    ``word`` is the value in the form that the file needs, and ``mark`` says that the value is derived or a bound.
+    ``word`` is the value in the notation of the file, and ``mark`` says whether the value is derived or a bound.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Entry:
 
     @property
     def symbol(self) -> tuple[str, str]:
-        """Structure and member of a symbol with a dot."""
+        """Structure and member of a symbol that contains a dot."""
         structure, _, member = self.place.symbol.rpartition(".")
         return structure, member
 
@@ -99,7 +99,7 @@ class Content:
 
 
 def content(sheet: Sheet, rule: Raw, device: str) -> Content:
-    """Return what a file of this format writes for a device."""
+    """Return the content of a file in this format for a device."""
     format_ = FILE_FORMATS[rule["format"]]
     found: list[Entry] = []
     left_out: list[str] = []
@@ -131,7 +131,7 @@ def _in_order(sheet: Sheet) -> Iterator[tuple[Setting, tuple[tuple[Write, ...], 
 
 
 def _reason(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
-    """Return why no file contains a setting, or an empty text."""
+    """Return the reason that no file contains a setting, or an empty string."""
     if setting.value is None:
         return setting.text
     if setting.bound == "below":
@@ -162,7 +162,7 @@ def _add(
 
 
 def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
-    """Return why a format cannot write a value to a place, or an empty text."""
+    """Return the reason that a format cannot write a value to this location, or an empty string."""
     if format_.needs == "name":
         return "" if key else "the file has no name for it"
     has_bits = place.high_bit is not None and bool(place.register or place.address is not None)

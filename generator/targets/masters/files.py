@@ -1,6 +1,6 @@
 """Files that BiSS and SSI masters load, for each order code or in bulk.
 
-The description of a master lists its file formats. A format is a row of ``FILE_FORMATS`` and a template of its name.
+The description of a master lists its file formats. A format is a row of ``FILE_FORMATS`` and a template with its name.
 """
 
 from __future__ import annotations
@@ -54,16 +54,16 @@ def file_text(
     library: Library | None = None,
     is_short: bool = False,
 ) -> str:
-    """Return the file of a master for order codes that have the same settings.
+    """Return the file for a master and for order codes that have the same settings.
 
     Args:
         device: The family.
-        codes: The order codes. The first one names things in the file.
+        codes: The order codes. Names in the file are based on the first one.
         found: The settings.
         rule: Entry of ``files`` in the description of the master.
         on: Device of the master.
         library: The library, for the user's templates.
-        is_short: True to leave out what is the same for all order codes of a family.
+        is_short: True to leave out the text that all order codes of a family share.
     """
     name = rule["format"]
     made = content(found, rule, on)
@@ -97,7 +97,7 @@ def _origin(device: Device, found: Sheet, rule: Raw, on: str) -> Iterator[str]:
 
 
 def _places(found: Sheet, on: str) -> Iterator[Place]:
-    """Yield the places of all settings on a device."""
+    """Yield the locations of all settings on a device."""
     yield from (place for item in found.settings for place in item.places if place.device == on)
 
 
@@ -121,12 +121,12 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
 
 
 def note(text: object) -> str:
-    """Return text for a comment on one line, which cannot end it in XML or C."""
+    """Return text that cannot end a one-line comment in XML or C."""
     return plain(text).replace("--", "- -").replace("*/", "* /")
 
 
 def filled(pattern: str, made: Content) -> str:
-    """Return a pattern with the values in braces filled in, by the names that they have in the file."""
+    """Fill in the names in braces in a pattern with the values that have these names in the file."""
     for item in made.entries:
         pattern = pattern.replace(f"{{{item.key}}}", item.word)
     return pattern
@@ -135,7 +135,7 @@ def filled(pattern: str, made: Content) -> str:
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``masters/<master>/<format>/<device>-<family>`` in bulk, or a file for each order code.
 
-    A bulk file has the files of all order codes of a family as comments, so that no tool loads the wrong one by
+    A bulk file contains the files of all order codes of a family as comments, so that no tool loads the wrong one by
     accident.
     """
     by_code = options.get(_BY_CODE.name, _BY_CODE.default) == _EACH
@@ -184,7 +184,7 @@ def _label(code: str, record: Record) -> str:
 
 
 def _bulk(start: str, device: Device, taken: Taken, rule: Raw, on: str, library: Library) -> dict[str, str]:
-    """Return one file with the same content once for all order codes that share it."""
+    """Return one file in which order codes with the same content share a block."""
     format_ = FILE_FORMATS[rule["format"]]
     alike: dict[tuple[object, ...], list[tuple[Sheet, Record, Sequence[str]]]] = {}
     for item in taken:

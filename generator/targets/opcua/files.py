@@ -2,7 +2,7 @@
 
 The types are those of OPC 40400-1 (OPC UA for the Powertrain, part 1), in the nodeset of version 1.0.0 of 2024-11-01.
 Chapter 7.8 defines the attributes and their units. An attribute that the spec does not give is left out. The nodeset is
-not part of this project: a server loads it first.
+not part of this project. A server must load it first.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Plate(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return ``opcua/<maker>-<device>/<order code>.xml`` for each listed order code whose type of encoder is known."""
+    """Return ``opcua/<maker>-<device>/<order code>.xml`` for each listed order code with a known encoder type."""
     files = licence_in("opcua")
     for device in library.devices:
         names = names_of_codes(item.code for item in device.variants)
@@ -53,7 +53,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _plate(device: Device, variant: Variant, name: str) -> Plate | None:
-    """Return the facts on the type plate, or None without a measurement, which tells the type of the encoder."""
+    """Return the facts on the type plate, or None if there is no measurement to determine the encoder type from."""
     measured = device.measurement_of(variant.interface)
     if measured is None:
         return None
