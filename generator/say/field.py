@@ -113,7 +113,10 @@ def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
     if kind.sums_up:
         yield said("Combines ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position and implemented:
-        yield said("While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}")
+        instead = ". If a flag that it combines is active in the same frame, that flag decides instead"
+        yield said(
+            "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{instead if kind.sums_up else ''}"
+        )
     if kind.only:
         elsewhere = kind.unexplained.makes_position
         worth = f", and {WORTH[elsewhere]}" if elsewhere is not None else ""

@@ -190,7 +190,7 @@ class Variant(Rotary, Wrapping):
         parts: Parts of the order code: model, singleturn, turns, output.
         singleturn_bits: Singleturn resolution given by the order code [5.2]. Unit: bits.
         multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
-        ssi_gray: Code of the position over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2].
+        ssi_gray: Position encoding over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
             of Information per revolution [6.5 p.31]. Unit: bits. Read at run time from register 56h
             (``singleturn_bits_used.bits``), 0 to 20. Applies only to BiSS C-mode. The value is the factory default
@@ -204,9 +204,9 @@ class Variant(Rotary, Wrapping):
         used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Read at run time
             from registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS
             C-mode. The value is the factory default unless set by with_registers().
-        output_code: Code of the position over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Read at run time
-            from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the
-            factory default unless set by with_registers().
+        output_code: Position encoding over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Read at run time from
+            register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
+            default unless set by with_registers().
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -252,7 +252,7 @@ class Variant(Rotary, Wrapping):
 
     @property
     def biss_gray(self) -> int:
-        """Code of the position over BiSS, as currently set: 1 Gray, 0 binary [6.5 p.26]. Equals ``1 - output_code``."""
+        """Position encoding over BiSS, as currently set: 1 Gray, 0 binary [6.5 p.26]. Equals ``1 - output_code``."""
         return 1 - self.output_code
 
     def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
@@ -310,7 +310,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -329,7 +329,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -376,7 +376,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -395,7 +395,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -522,7 +522,7 @@ class CountingDirection(IntEnum):
 
 
 class OutputCode(IntEnum):
-    """Output code: Code of the position."""
+    """Output code: Position encoding."""
 
     GRAY = 0
     """Gray: Gray code."""
@@ -614,7 +614,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -747,7 +747,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -973,7 +973,7 @@ class Configuration(FixedRegister, _Configuration):
         counting_direction: Counting direction: Direction of rotation in which the position counts up, seen from the
             shaft, while the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction
             input reverses the direction. After a change, a new preset must be set.
-        output_code: Output code: Code of the position. Default: 1.
+        output_code: Output code: Position encoding. Default: 1.
         enable_preset: Enable preset: Enables writing of the Preset registers and activation of the preset, by command
             or by the Zero setting/Preset input. Default: 0.
 
@@ -1712,8 +1712,8 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Load and save the default parameters [6.5 p.24, 6.5 p.28, 7 p.33].
 
-    Result: All parameters have their defaults, which are active and saved. All earlier values are lost, including the
-    preset. The frame has 44 bits again.
+    Result: All parameters are set to their defaults, which are both active and saved. All earlier values are lost,
+    including the preset. The frame has 44 bits again.
 
     The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must not turn by more
     than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
@@ -1755,8 +1755,8 @@ def set_resolution(
     Result: The new resolution is saved. The position at the moment of the last command becomes the preset value. Frames
     have the widths read in the last two steps.
 
-    The frame changes its length as soon as the resolution is written. The master must use the new length before it can
-    read a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
+    The frame length changes as soon as the resolution is written. The master must use the new length before it can read
+    a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
     Errata (full text in ERRATA):
         scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits

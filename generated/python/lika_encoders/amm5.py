@@ -277,7 +277,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -296,7 +296,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -343,7 +343,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -362,7 +362,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -703,7 +703,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -838,7 +838,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -1200,13 +1200,14 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
         variant: Encoder to which the frame belongs.
         data_id: Data ID: Type of the request, repeated in the reply.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
-            C.
+            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
+            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
-            Its ALMC shows the active error.
+            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
+            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
+            error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1323,13 +1324,14 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     Attributes:
         variant: Encoder to which the frame belongs.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
-            C.
+            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
+            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
-            Its ALMC shows the active error.
+            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
+            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
+            error.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
             Right-aligned in 24 bits, with zeros above it.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1441,13 +1443,14 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
 
     Attributes:
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
-            C.
+            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
+            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
-            Its ALMC shows the active error.
+            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
+            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
+            error.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
             identifies the encoder. The decoder also accepts other values.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1550,13 +1553,14 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     Attributes:
         variant: Encoder to which the frame belongs.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or
-            C.
+            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
+            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
             reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
             are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3.
-            Its ALMC shows the active error.
+            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
+            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
+            error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which

@@ -234,7 +234,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -253,7 +253,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -300,7 +300,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
             zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
                 depend on it.
 
@@ -327,7 +327,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
             zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
                 depend on it.
 
@@ -520,7 +520,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -621,7 +621,7 @@ class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
             zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -831,8 +831,8 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
 
     Attributes:
         amplitude_control_maximum_current: Amplitude control maximum current: Set together with Control error. Detected
-            by the monitoring of the output current of the amplitude control. True when 1: the output current of the
-            amplitude control has reached its upper threshold. False when 0: no active error.
+            by monitoring the amplitude control's output current. True when 1: the output current of the amplitude
+            control has reached its upper threshold. False when 0: no active error.
         signal_level_maximum_amplitude: Signal level maximum amplitude: Set together with Control error. Detected by the
             signal level monitoring. True when 1: the signal level has reached its upper threshold. False when 0: no
             active error.
@@ -843,8 +843,8 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
             amplitude of the differential signals. True when 1: a differential signal has reached the upper threshold of
             its AC amplitude. False when 0: no active error.
         amplitude_control_minimum_current: Amplitude control minimum current: Set together with Control error. Detected
-            by the monitoring of the output current of the amplitude control. True when 1: the output current of the
-            amplitude control has fallen to its lower threshold. False when 0: no active error.
+            by monitoring the amplitude control's output current. True when 1: the output current of the amplitude
+            control has fallen to its lower threshold. False when 0: no active error.
         signal_level_minimum_amplitude: Signal level minimum amplitude: Set together with Control error. Detected by the
             signal level monitoring. True when 1: the signal level has fallen to its lower threshold. False when 0: no
             active error.
@@ -1047,10 +1047,10 @@ class Position(RegisterOf["BissEncoder"], _Position):
 
     Byte order: low byte first, at 61h.
 
-    The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give their content. At 25
-    bits, the 26 bits are interpreted as the position and, in bit 6, the constant 0 bit of the BiSS frame. At a lower
-    resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in the other
-    registers of several bytes.
+    The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give their content. If the
+    resolution is 25 bits, the 26 bits are interpreted as the position and, in bit 6, the constant 0 bit of the BiSS
+    frame. At a lower resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in
+    the other registers of several bytes.
 
     Errata (full text in ERRATA):
         scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
@@ -1124,8 +1124,8 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
 
     Currently active error and warning messages.
 
-    Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. Reading out
-    position data resets a message. The message appears again while its cause persists.
+    Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. Reading the
+    position clears a message. The message appears again while its cause persists.
 
     Errata (full text in ERRATA):
         cycle_counter (open, omission): The command and the error are described as printed.

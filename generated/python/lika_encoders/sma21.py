@@ -217,7 +217,7 @@ class Variant(Linear, Wrapping):
         parts: Parts of the order code: output, supply, resolution.
         resolution_um: Resolution, the length of one count [4.10 p.18, 5.2 p.20]. Unit: µm.
         position_bits: Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
-        ssi_gray: Code of the position in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20].
+        ssi_gray: Position encoding in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20].
         scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. They
             are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
@@ -275,7 +275,7 @@ class Variant(Linear, Wrapping):
 
     @property
     def biss_gray(self) -> int:
-        """Code of the position in the BiSS single cycle data: 1 for Gray, 0 for binary [6.4 p.31]. Equals ``1 -
+        """Position encoding in the BiSS single cycle data: 1 for Gray, 0 for binary [6.4 p.31]. Equals ``1 -
         output_code``.
         """
         return 1 - self.output_code
@@ -344,7 +344,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -363,7 +363,7 @@ class SsiEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -410,7 +410,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -429,7 +429,7 @@ class BissEncoder(Variant):
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame, or the error.
@@ -743,7 +743,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -851,7 +851,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         Args:
             word: A number whose most significant bit was sent first, or a text of 0 and 1.
             variant: The encoder.
-            bits: Number of bits received, if known. A number alone does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -983,12 +983,14 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
-            position is usable, with a warning.
+            position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
+            decides instead.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable. Remedy: Reset the errors with data ID B.
+            usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
+            errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
         overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
@@ -1148,12 +1150,14 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
-            position is usable, with a warning.
+            position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
+            decides instead.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable. Remedy: Reset the errors with data ID B.
+            usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
+            errors with data ID B.
         position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it is a length. Unit: counts. Signed,
             in two's complement.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1288,12 +1292,14 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
-            position is usable, with a warning.
+            position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
+            decides instead.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable. Remedy: Reset the errors with data ID B.
+            usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
+            errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
         overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
@@ -1590,8 +1596,8 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
     Byte order: high byte first, at 42h.
 
-    The profile is the standard encoder profile, data format, with Variant 0-24 from 50 µm to 2 µm and Variant 0-24+++
-    at 1 µm.
+    The profile is the standard encoder profile. Its data format is Variant 0-24 for 50 µm to 2 µm and Variant 0-24+++
+    for 1 µm.
 
     Errata (full text in ERRATA):
         profile_variants (open, wrong data): Each is used as printed.

@@ -259,7 +259,7 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
-        yield "Position", verdict_line(judgement, variant)
+        yield "Position", verdict_line(judgement, variant, checked is not None)
 
 
 def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
@@ -292,7 +292,7 @@ def crc_line(crc: Crc) -> str:
     return ", ".join(filter(None, parts))
 
 
-def verdict_line(judgement: Judgement, variant: Variant) -> str:
+def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
     parts = []
     for verdict, items in judgement.worst_first:
@@ -305,7 +305,8 @@ def verdict_line(judgement: Judgement, variant: Variant) -> str:
             parts.append(f"{_VERDICT[verdict]} if {', or if '.join(causes)}")
     if not parts:
         return STYLE.phrase(said(WORTH[judgement.otherwise]))
-    return "; ".join([*parts, f"otherwise {_VERDICT[judgement.otherwise]}"])
+    correct = ", if the CRC is correct," if has_crc else ""
+    return "; ".join([*parts, f"otherwise{correct} {_VERDICT[judgement.otherwise]}"])
 
 
 _VERDICT = {

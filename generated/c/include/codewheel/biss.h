@@ -27,11 +27,11 @@
  * frame. The CRC is x^4 + x + 1 with initial value 0, and it is sent inverted. It covers CTS, ID
  * and ADR, or a data byte. No CRC covers S, R, W, P and IDL. Therefore:
  *  - A write that no slave understood looks like a refused one: R W comes back as 00.
- *  - If the S of a slave is lost on its way to the master, the two continue one bit apart. A value
- *    that is read then has a wrong CRC. A value that is written is not stored, but if its CRC ends
- *    in 0, which is true of half of all values, it comes back as if it had been stored. If CDM is
- *    one frame late, this happens only if the slave is busy and CDS is disturbed at the same time.
- *    Therefore, read written values back before a command uses them, as the VERIFY steps of
+ *  - If the slave's S bit is lost on its way to the master, the two stay out of step by one bit. A
+ *    value that is read then has a wrong CRC. A value that is written is not stored, but if its CRC
+ *    ends in 0, which is true of half of all values, it comes back as if it had been stored. If CDM
+ *    is one frame late, this happens only if the slave is busy and CDS is disturbed at the same
+ *    time. Therefore, read written values back before a command uses them, as the VERIFY steps of
  *    procedures do.
  *  - Zeros can complete a byte. If a write is aborted within a byte, the slave can store the bits
  *    sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of bit position and

@@ -575,8 +575,8 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 }
 
 /**
- * Return why there is no reply. Call it once _late returns true. If a decoder rejected a reply in
- * the meantime, the result of the decoder is the reason instead.
+ * Return the reason that there is no reply. Call it once _late returns true. If a decoder rejected
+ * a reply in the meantime, the result of the decoder is the reason instead.
  *
  * @param line  the reply and its state
  * @return

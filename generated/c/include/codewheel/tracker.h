@@ -64,7 +64,7 @@ typedef struct cw_tracker {
     uint32_t at_us; /**< time of the last accepted position, or of the start */
     uint32_t refused; /**< positions refused since the last accepted one */
     uint32_t elapsed_us; /**< time between the last two accepted positions */
-    uint32_t limit; /**< private: counts within reach per 2^20 us */
+    uint32_t limit; /**< private: maximum number of counts per 2^20 us */
     uint32_t boot_us; /**< private: as in the configuration */
     uint32_t lost_after_us; /**< private: 2^32 - 1: never */
     uint32_t refused_at_most; /**< private: lost_after_refused - 1 */
@@ -147,7 +147,7 @@ static inline uint64_t cw_tracker_shorter(uint64_t difference, uint64_t modulus)
     return (((forward + backward) >> 63U) == 0U) ? backward : forward;
 }
 
-/** Return the number of counts within reach after this time, which is below 2^31. */
+/** Return the maximum number of counts the shaft can move in this time. It is below 2^31. */
 static inline uint32_t cw_tracker_reach(uint32_t limit, uint32_t elapsed_us)
 {
     /* limit * units / 2^16 without a 64-bit product, which small processors do not have. */

@@ -299,8 +299,8 @@ static inline const cw_step *lika_am36_biss_restore_defaults_steps(size_t *count
 
 /**
  * Load and save the default parameters [6.5 p.24, 6.5 p.28, 7 p.33].
- * Result: All parameters have their defaults, which are active and saved. All earlier values are
- * lost, including the preset. The frame has 44 bits again.
+ * Result: All parameters are set to their defaults, which are both active and saved. All earlier
+ * values are lost, including the preset. The frame has 44 bits again.
  * The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must
  * not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise
  * the absolute position is lost.
@@ -437,8 +437,8 @@ typedef struct lika_am36_biss_set_resolution_read {
  * Before: The manual suggests doing this with the shaft at a standstill.
  * Result: The new resolution is saved. The position at the moment of the last command becomes the
  * preset value. Frames have the widths read in the last two steps.
- * The frame changes its length as soon as the resolution is written. The master must use the new
- * length before it can read a position again. The order of the steps follows from the warnings of
+ * The frame length changes as soon as the resolution is written. The master must use the new length
+ * before it can read a position again. The order of the steps follows from the warnings of
  * registers 48h, 4Bh, 4Eh and 50h.
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum preset_cleared_when (open, omission).

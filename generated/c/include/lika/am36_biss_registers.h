@@ -267,7 +267,7 @@ typedef enum lika_am36_biss_counting_direction {
     LIKA_AM36_BISS_COUNTING_DIRECTION_CCW = 0x1 /**< Counts up with counter-clockwise rotation. */
 } lika_am36_biss_counting_direction;
 
-/** Output code: Code of the position. */
+/** Output code: Position encoding. */
 typedef enum lika_am36_biss_output_code {
     LIKA_AM36_BISS_OUTPUT_CODE_GRAY = 0x0, /**< Gray code. */
     LIKA_AM36_BISS_OUTPUT_CODE_BINARY = 0x1 /**< Binary code. */

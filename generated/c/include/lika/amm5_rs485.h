@@ -512,8 +512,9 @@ typedef struct lika_amm5_rs485_singleturn_reply {
     lika_amm5_rs485_data_id data_id; /**< Data ID. */
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
-     * with data ID 7 or C.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
+     * ID 7 or C.
      */
     bool status_st_error;
     /**
@@ -521,7 +522,8 @@ typedef struct lika_amm5_rs485_singleturn_reply {
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
+     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
+     * Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
@@ -635,8 +637,9 @@ static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
 typedef struct lika_amm5_rs485_multiturn_reply {
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
-     * with data ID 7 or C.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
+     * ID 7 or C.
      */
     bool status_st_error;
     /**
@@ -644,7 +647,8 @@ typedef struct lika_amm5_rs485_multiturn_reply {
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
+     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
+     * Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
@@ -754,8 +758,9 @@ static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
 typedef struct lika_amm5_rs485_encoder_id_reply {
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
-     * with data ID 7 or C.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
+     * ID 7 or C.
      */
     bool status_st_error;
     /**
@@ -763,7 +768,8 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
+     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
+     * Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
@@ -867,8 +873,9 @@ static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
 typedef struct lika_amm5_rs485_complete_reply {
     /**
      * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. Remedy: Turn on the main power twice, or reset the error
-     * with data ID 7 or C.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
+     * ID 7 or C.
      */
     bool status_st_error;
     /**
@@ -876,7 +883,8 @@ typedef struct lika_amm5_rs485_complete_reply {
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
      * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. Remedy: Request data ID 3. Its ALMC shows the active error.
+     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
+     * Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**

@@ -218,9 +218,9 @@ static inline cw_result lika_asc85_biss_read_serial_number(
  */
 typedef struct lika_asc85_biss_reg_diagnostic_data {
     /**
-     * Amplitude control maximum current: Set together with Control error. Detected by the
-     * monitoring of the output current of the amplitude control. Active when 1: the output current
-     * of the amplitude control has reached its upper threshold. Inactive when 0: no active error.
+     * Amplitude control maximum current: Set together with Control error. Detected by monitoring
+     * the amplitude control's output current. Active when 1: the output current of the amplitude
+     * control has reached its upper threshold. Inactive when 0: no active error.
      */
     bool amplitude_control_maximum_current;
     /**
@@ -242,9 +242,9 @@ typedef struct lika_asc85_biss_reg_diagnostic_data {
      */
     bool ac_maximum_amplitude;
     /**
-     * Amplitude control minimum current: Set together with Control error. Detected by the
-     * monitoring of the output current of the amplitude control. Active when 1: the output current
-     * of the amplitude control has fallen to its lower threshold. Inactive when 0: no active error.
+     * Amplitude control minimum current: Set together with Control error. Detected by monitoring
+     * the amplitude control's output current. Active when 1: the output current of the amplitude
+     * control has fallen to its lower threshold. Inactive when 0: no active error.
      */
     bool amplitude_control_minimum_current;
     /**
@@ -549,9 +549,10 @@ static inline cw_result lika_asc85_biss_read_status(
  * Absolute position.
  * Byte order: low byte first, at 61h.
  * The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give
- * their content. At 25 bits, the 26 bits are interpreted as the position and, in bit 6, the
- * constant 0 bit of the BiSS frame. At a lower resolution, the position is also interpreted as
- * left-aligned. The low byte comes first, unlike in the other registers of several bytes.
+ * their content. If the resolution is 25 bits, the 26 bits are interpreted as the position and, in
+ * bit 6, the constant 0 bit of the BiSS frame. At a lower resolution, the position is also
+ * interpreted as left-aligned. The low byte comes first, unlike in the other registers of several
+ * bytes.
  * Erratum scd_length (open, wrong data): Used: Either layout is possible. The user must choose, and
  * there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
  * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
@@ -647,8 +648,7 @@ static inline cw_result lika_asc85_biss_read_position(
  * Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
  * Currently active error and warning messages.
  * Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or
- * both. Reading out position data resets a message. The message appears again while its cause
- * persists.
+ * both. Reading the position clears a message. The message appears again while its cause persists.
  * Erratum cycle_counter (open, omission).
  * Erratum warning_sources (open, omission).
  * Erratum error_reset (open, omission).

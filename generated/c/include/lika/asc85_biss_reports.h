@@ -51,7 +51,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * threshold. Bits 2, 3, 6 and 7 of the diagnostic data show which. [6.4 p.30]
  * Flag: Control error in Error register.
  * Stays active until it is reset.
- * Remedy: Reading out position data resets the message. It appears again while its cause persists.
+ * Remedy: Reading the position clears the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
  */
 #define LIKA_ASC85_BISS_ALARM_CONTROL_ERROR_MASK 0x01U
@@ -61,7 +61,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * line has reached a threshold. Bits 0, 1, 4 and 5 of the diagnostic data show which. [6.4 p.30]
  * Flag: Signal error in Error register.
  * Stays active until it is reset.
- * Remedy: Reading out position data resets the message. It appears again while its cause persists.
+ * Remedy: Reading the position clears the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
  */
 #define LIKA_ASC85_BISS_ALARM_SIGNAL_ERROR_MASK 0x02U
@@ -71,7 +71,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * interpolator failed. [6.4 p.30]
  * Flag: Synchronization error in Error register.
  * Stays active until it is reset.
- * Remedy: Reading out position data resets the message. It appears again while its cause persists.
+ * Remedy: Reading the position clears the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
  * Erratum cycle_counter (open, omission).
  */
@@ -87,8 +87,8 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Detected: At power-on, after a software reset, when the configuration is written to the EEPROM or
  * verified.
  * Remedy: The message clears itself at the end of a successful write or verification, but not of a
- * failed one. For all messages, reading out position data resets the message. It appears again
- * while its cause persists.
+ * failed one. Like all messages, it is cleared by reading the position. It appears again while its
+ * cause persists.
  * Cleared by: reset_errors.
  */
 #define LIKA_ASC85_BISS_ALARM_CONFIGURATION_ERROR_MASK 0x10U
@@ -98,7 +98,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * p.31]
  * Flag: Interpolation error in Error register.
  * Stays active until it is reset.
- * Remedy: Reading out position data resets the message. It appears again while its cause persists.
+ * Remedy: Reading the position clears the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
  */
 #define LIKA_ASC85_BISS_ALARM_INTERPOLATION_ERROR_MASK 0x20U
@@ -110,7 +110,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Flag: Absolute data error in Error register.
  * Detected: When the absolute data interface reads, for example after command 02.
  * Stays active until it is reset.
- * Remedy: Reading out position data resets the message. It appears again while its cause persists.
+ * Remedy: Reading the position clears the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
  */
 #define LIKA_ASC85_BISS_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U

@@ -184,7 +184,7 @@ static inline uint32_t lika_sma21_biss_scd_value_bits(const lika_sma21_biss *var
         ((uint32_t)variant->scd_padding_bits * variant->offset_selected);
 }
 
-/** Code of the position in the BiSS single cycle data: 1 for Gray, 0 for binary [6.4 p.31]. */
+/** Position encoding in the BiSS single cycle data: 1 for Gray, 0 for binary [6.4 p.31]. */
 static inline uint32_t lika_sma21_biss_biss_gray(const lika_sma21_biss *variant)
 {
     return 1U - variant->output_code;
@@ -238,8 +238,8 @@ typedef enum lika_sma21_biss_report {
  * The encoder is a slave, and it must be the only slave of its master. Do not connect it to a
  * network with several slaves. For everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock (MA) and Data (SLO) [6 p.24].
- * Profile: Standard encoder profile, data format, Variant 0-24 (50 um to 2 um) or Variant 0-24+++
- * (1 um) [6 p.24].
+ * Profile: Standard encoder profile, data format Variant 0-24 (50 um to 2 um) or Variant 0-24+++ (1
+ * um) [6 p.24].
  * Network: point to point, one slave only [6 p.24].
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the document "Protocol description

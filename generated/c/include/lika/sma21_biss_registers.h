@@ -36,8 +36,8 @@ extern "C" {
  * Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
  * Code of the profile used.
  * Byte order: high byte first, at 42h.
- * The profile is the standard encoder profile, data format, with Variant 0-24 from 50 um to 2 um
- * and Variant 0-24+++ at 1 um.
+ * The profile is the standard encoder profile. Its data format is Variant 0-24 for 50 um to 2 um
+ * and Variant 0-24+++ for 1 um.
  * Erratum profile_variants (open, wrong data): Used: Each is used as printed.
  *   bits 15:0  profile_id
  */

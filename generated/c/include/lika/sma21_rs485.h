@@ -316,7 +316,8 @@ typedef struct lika_sma21_rs485_position_reply {
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
      * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
      * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
-     * signal_strength_alarm. While it is active, the position is usable, with a warning.
+     * signal_strength_alarm. While it is active, the position is usable, with a warning. If a flag
+     * that it combines is active in the same frame, that flag decides instead.
      */
     bool status_alarm;
     /**
@@ -324,7 +325,8 @@ typedef struct lika_sma21_rs485_position_reply {
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
      * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable. Remedy: Reset the errors with data ID B.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
@@ -499,7 +501,8 @@ typedef struct lika_sma21_rs485_wide_position_reply {
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
      * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
      * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
-     * signal_strength_alarm. While it is active, the position is usable, with a warning.
+     * signal_strength_alarm. While it is active, the position is usable, with a warning. If a flag
+     * that it combines is active in the same frame, that flag decides instead.
      */
     bool status_alarm;
     /**
@@ -507,7 +510,8 @@ typedef struct lika_sma21_rs485_wide_position_reply {
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
      * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable. Remedy: Reset the errors with data ID B.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
@@ -632,7 +636,8 @@ typedef struct lika_sma21_rs485_identification_reply {
      * ea0: Not stored. The bit clears as soon as the cause is gone. Active when 1: encoder alarm
      * (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
      * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
-     * signal_strength_alarm. While it is active, the position is usable, with a warning.
+     * signal_strength_alarm. While it is active, the position is usable, with a warning. If a flag
+     * that it combines is active in the same frame, that flag decides instead.
      */
     bool status_alarm;
     /**
@@ -640,7 +645,8 @@ typedef struct lika_sma21_rs485_identification_reply {
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
      * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
      * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable. Remedy: Reset the errors with data ID B.
+     * active, the position is not usable. If a flag that it combines is active in the same frame,
+     * that flag decides instead. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**

@@ -184,12 +184,12 @@ CRCS: Final[tuple[Crc, ...]] = (
 # SSI
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
-# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 3 MHz.
+# Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
-# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 3 MHz.
+# Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
@@ -252,7 +252,7 @@ SSI: Final = SsiFacts(
 # Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
 #
 # Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
-# Printed: BiSS time-out self-adaptable to the clock, 10 µs max.
+# Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
 # Used: The time-out is at most 10 µs. No rule is given.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
@@ -481,7 +481,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(
                     name="output_code",
                     printed_name="Output code",
-                    meaning="Code of the position",
+                    meaning="Position encoding",
                     default=1,
                     source="6.5 p.26, 7 p.33",
                 ),
@@ -1116,7 +1116,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 3 MHz",
+        printed=(
+            "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz"
+        ),
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -1126,7 +1128,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 3 MHz",
+        printed=(
+            "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz"
+        ),
         used="Both limits are listed as printed.",
         why=(
             "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
@@ -1202,8 +1206,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
         used="The outputs do not derive a layout of the control frame from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data. Only the "
-            "master's bit follows, during the time-out."
+            "In the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data. After "
+            "the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1430,7 +1434,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout_length",
-        printed="BiSS time-out self-adaptable to the clock, 10 µs max.",
+        printed="BiSS time-out: \"Self-adaptable to the clock, 10 µs max.\"",
         used="The time-out is at most 10 µs. No rule is given.",
         why=(
             "The manual does not say how the time depends on the clock. In the BiSS protocol description, the "

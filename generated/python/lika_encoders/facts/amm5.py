@@ -204,12 +204,12 @@ CRCS: Final[tuple[Crc, ...]] = (
 # only one SSI variant, BG1.
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
-# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
-# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
@@ -1483,7 +1483,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="enclosure",
         value=(
             "The encoder must be protected by an enclosure that suits the application. According to the Italian "
-            "edition, encoder and disk must be protected against the industrial surroundings in which they are "
+            "edition, the encoder and the disk must be protected from the industrial environment in which they are "
             "installed."
         ),
         source="Preliminary information p.7, 1.3 p.8, it: 1.3 p.9",
@@ -1942,7 +1942,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed=(
+            "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz"
+        ),
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -1952,7 +1954,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed=(
+            "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz"
+        ),
         used="Both limits are listed as printed.",
         why=(
             "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
@@ -1981,8 +1985,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
         used="The outputs do not derive a layout of the control frame from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. Only the "
-            "master's bit follows, during the time-out."
+            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
+            "the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2083,7 +2087,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="position_under_error",
         printed=(
             "BUSY: all position data are 0. \"The battery is spent. The encoder cannot operate.\" Low battery "
-            "(warning alone): the position is kept. The manual does not say how the other errors affect the position."
+            "(warning only): the position is kept. The manual does not say how the other errors affect the position."
         ),
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
@@ -2692,7 +2696,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cable_drain_wire",
-        printed="English: tinned copper braid with tinned copper drain wire. Italian: tinned copper braid alone",
+        printed="English: tinned copper braid with tinned copper drain wire. Italian: tinned copper braid only",
         used="The cable has a drain wire.",
         why=(
             "Both describe the same cable. Only an inspection of the cable can settle it. This also determines "

@@ -140,12 +140,12 @@ CRCS: Final[tuple[Crc, ...]] = (
 # SSI
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
-# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
-# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz.
+# Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
@@ -373,8 +373,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="amplitude_control_maximum_current",
                     printed_name="Amplitude control maximum current",
                     meaning=(
-                        "Set together with Control error. Detected by the monitoring of the output current of the "
-                        "amplitude control."
+                        "Set together with Control error. Detected by monitoring the amplitude control's output "
+                        "current."
                     ),
                     active="high",
                     when_active="the output current of the amplitude control has reached its upper threshold",
@@ -418,8 +418,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="amplitude_control_minimum_current",
                     printed_name="Amplitude control minimum current",
                     meaning=(
-                        "Set together with Control error. Detected by the monitoring of the output current of the "
-                        "amplitude control."
+                        "Set together with Control error. Detected by monitoring the amplitude control's output "
+                        "current."
                     ),
                     active="high",
                     when_active="the output current of the amplitude control has fallen to its lower threshold",
@@ -578,9 +578,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Absolute position",
             note=(
                 "The table uses bits 31:6, which are 26 bits, and calls bits 5:0 \"not used\". It does not give their "
-                "content. At 25 bits, the 26 bits are interpreted as the position and, in bit 6, the constant 0 bit "
-                "of the BiSS frame. At a lower resolution, the position is also interpreted as left-aligned. The low "
-                "byte comes first, unlike in the other registers of several bytes."
+                "content. If the resolution is 25 bits, the 26 bits are interpreted as the position and, in bit 6, "
+                "the constant 0 bit of the BiSS frame. At a lower resolution, the position is also interpreted as "
+                "left-aligned. The low byte comes first, unlike in the other registers of several bytes."
             ),
             source="6.4 p.29",
         ),
@@ -656,7 +656,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Currently active error and warning messages",
             note=(
                 "Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. "
-                "Reading out position data resets a message. The message appears again while its cause persists."
+                "Reading the position clears a message. The message appears again while its cause persists."
             ),
             source="6.4 p.29",
         ),
@@ -704,7 +704,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="control_error",
         latch=True,
-        remedy="Reading out position data resets the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It appears again while its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
     ),
@@ -718,7 +718,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="signal_error",
         latch=True,
-        remedy="Reading out position data resets the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It appears again while its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
     ),
@@ -729,7 +729,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="synchronization_error",
         latch=True,
-        remedy="Reading out position data resets the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It appears again while its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
     ),
@@ -746,8 +746,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         field="configuration_error",
         detected="At power-on, after a software reset, when the configuration is written to the EEPROM or verified",
         remedy=(
-            "The message clears itself at the end of a successful write or verification, but not of a failed one. For "
-            "all messages, reading out position data resets the message. It appears again while its cause persists"
+            "The message clears itself at the end of a successful write or verification, but not of a failed one. "
+            "Like all messages, it is cleared by reading the position. It appears again while its cause persists"
         ),
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -759,7 +759,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="interpolation_error",
         latch=True,
-        remedy="Reading out position data resets the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It appears again while its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.31",
     ),
@@ -774,7 +774,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         field="absolute_data_error",
         detected="When the absolute data interface reads, for example after command 02",
         latch=True,
-        remedy="Reading out position data resets the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It appears again while its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.31",
     ),
@@ -1035,7 +1035,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The outputs say that neither the encoder nor its shaft may be machined.",
         why=(
             "Mounting the encoder as in 3.3 requires touching both. The same list has \"do not tool\" in the AM36 and "
-            "AMM5 manuals, so touch is probably a misprint of tool. This manual alone does not prove it."
+            "AMM5 manuals, so touch is probably a misprint of tool. This manual does not prove it."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1146,7 +1146,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed=(
+            "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz"
+        ),
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -1156,7 +1158,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 4 MHz",
+        printed=(
+            "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz"
+        ),
         used="Both limits are listed as printed.",
         why=(
             "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
@@ -1245,8 +1249,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
         used="The outputs do not derive a layout of the control frame from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. Only the "
-            "master's bit follows, during the time-out."
+            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
+            "the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,

@@ -177,12 +177,12 @@ CRCS: Final[tuple[Crc, ...]] = (
 # SSI
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
-# Printed: For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 1 MHz.
+# Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
 # Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
-# Printed: For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 1 MHz.
+# Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 #
 # Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
@@ -242,10 +242,10 @@ SSI: Final = SsiFacts(
 # Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field of 24
 # or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there is
 # rejected.
-# Why: The limit of the offset is the number of positions of the whole field minus that of the resolution, with a
-# reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits above the
-# position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an offset could confirm
-# this.
+# Why: The highest offset is the number of positions that the whole field can hold minus the number of positions at the
+# resolution. The limit refers to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the
+# bits above the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an
+# offset could confirm this.
 #
 # Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
@@ -261,7 +261,7 @@ SSI: Final = SsiFacts(
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.5 p.34"),
-    profile="Standard encoder profile, data format, Variant 0-24 (50 µm to 2 µm) or Variant 0-24+++ (1 µm)",
+    profile="Standard encoder profile, data format Variant 0-24 (50 µm to 2 µm) or Variant 0-24+++ (1 µm)",
     signals="EIA RS-422 for Clock (MA) and Data (SLO)",
     network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.24"),
     timeout=Timeout(rule=TimeoutRule.FOLLOWS_CLOCK, at_most_ns=16_000, source="6.5 p.34"),
@@ -982,8 +982,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             names=ReadOnly({"it": "ID Profilo"}),
             meaning="Code of the profile used",
             note=(
-                "The profile is the standard encoder profile, data format, with Variant 0-24 from 50 µm to 2 µm and "
-                "Variant 0-24+++ at 1 µm."
+                "The profile is the standard encoder profile. Its data format is Variant 0-24 for 50 µm to 2 µm and "
+                "Variant 0-24+++ for 1 µm."
             ),
             source="6.4 p.28",
         ),
@@ -1498,7 +1498,7 @@ TABLES: Final[tuple[Table, ...]] = (
         columns=(
             "Order code",
             "Resolution µm",
-            "Minimum distance of edges µs",
+            "Minimum time between edges µs",
             "Maximum AB frequency kHz, periods",
             "Maximum AB frequency kHz, edges",
             "Maximum speed m/s",
@@ -1512,8 +1512,8 @@ TABLES: Final[tuple[Table, ...]] = (
             ("SMA21-G1x-0001-... and SMA21-SCx-0001-...", "1", "0.25", "580", "2320", "2.4", "below 1.4"),
         ),
         note=(
-            "The minimum distance of edges corresponds to a highest counting frequency of 4 MHz. According to the "
-            "manual, the frequencies are calculated at the maximum speed with the minimum distance of edges."
+            "The minimum time between edges corresponds to a maximum counting frequency of 4 MHz. According to the "
+            "manual, the frequencies are calculated at the maximum speed with the minimum time between edges."
         ),
         source="8 p.44",
     ),
@@ -2033,7 +2033,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        printed="For cables below 400 m, the clock must be below 100 kHz. The clock ranges from 100 kHz to 1 MHz",
+        printed=(
+            "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz"
+        ),
         used="Both limits are listed as printed.",
         why="For cables of 200 m or more, the table allows no clock within the range.",
         status=Status.OPEN,
@@ -2043,7 +2045,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        printed="For cables below 50 m, the clock must be below 400 kHz. The clock ranges from 100 kHz to 1 MHz",
+        printed=(
+            "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz"
+        ),
         used="Both limits are listed as printed.",
         why=(
             "50 m is the shortest cable length in the table. According to the table, no cable may be used at 400 kHz "
@@ -2072,8 +2076,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
         used="The outputs do not derive a layout of the control frame from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. Only the "
-            "master's bit follows, during the time-out."
+            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
+            "the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2105,10 +2109,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "nonzero bit there is rejected."
         ),
         why=(
-            "The limit of the offset is the number of positions of the whole field minus that of the resolution, with "
-            "a reference to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the bits "
-            "above the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with "
-            "an offset could confirm this."
+            "The highest offset is the number of positions that the whole field can hold minus the number of "
+            "positions at the resolution. The limit refers to that field. The sum is therefore meant to fill the "
+            "field, so from 50 µm to 5 µm the bits above the position carry data. The zeros of 6.2 apply without an "
+            "offset. Only a frame of an encoder with an offset could confirm this."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2131,8 +2135,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used=(
             "Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over "
-            "RS-485, it wraps around after as many counts as its bits can represent. The 48-bit position can be "
-            "negative."
+            "RS-485, it wraps around at the full range of its field. The 48-bit position can be negative."
         ),
         why=(
             "A preset of 0 or a reset of the position within the travel leaves positions below it. All position "
@@ -2452,8 +2455,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="rs485_reset_duration",
         printed=(
-            "Send no request until the initialization is over. No request is accepted while the position is reset. No "
-            "time is given."
+            "Send no request until the initialization is over. No request is accepted while the position is being "
+            "reset. No time is given."
         ),
         used="The outputs give no waiting time.",
         why=(

@@ -45,7 +45,7 @@ class Access(NamedTuple):
 
 
 class Accesses:
-    """Finder of accesses. It follows the bits of successive cycles, like a slave and a master at once."""
+    """Finder of accesses. It follows the bits of successive cycles from both sides, master and slave."""
 
     def __init__(self) -> None:
         self._zeros = self._at = self._sent = self._answers = 0
@@ -74,7 +74,7 @@ class Accesses:
             place += 1
 
     def finish(self) -> Iterator[Access]:
-        """Yield the access that the end of the capture cuts."""
+        """Yield the access that the end of the capture cuts off."""
         if not self._is_free and self._is_known():
             yield self._access(None, _ENDED)
 

@@ -14,7 +14,7 @@ from .shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
 from .table import ErrorKind
 
 _HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
-#: Flags of BiSS frames, which are active at level 0, and the verdict on the position that they lead to.
+#: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
 _FLAGS: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
 
 
@@ -25,7 +25,7 @@ class BissLayout(NamedTuple):
         text: The layout as text.
         shape: Its description for ``decode_many``.
         modulus: Number of counts after which the position wraps around.
-        counts_per_turn: Number of counts in one revolution. 0 if the layout does not tell.
+        counts_per_turn: Number of counts in one revolution. 0 if the layout does not specify it.
     """
 
     text: str
@@ -39,13 +39,13 @@ class BissLayout(NamedTuple):
         return self.text
 
     def from_turns(self, turns: float) -> int:
-        """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not tell."""
+        """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not specify them."""
         if not self.counts_per_turn:
             raise ValueError("the layout does not tell the size of a count: use multiturn=...,singleturn=...")
         return round(turns * self.counts_per_turn)
 
     def micrometres(self, counts: int) -> int:
-        """Raise ValueError, because a layout does not tell the size of a count."""
+        """Raise ValueError, because a layout does not specify the size of a count."""
         raise ValueError("the layout does not tell the size of a count")
 
     def decode_many(self, frames: Any) -> Any:
@@ -59,7 +59,7 @@ class BissLayout(NamedTuple):
         """
         from .bulk_decode import decode_many
 
-        # The layout has the members of an encoder that a table uses.
+        # The layout has those members of an encoder that a table uses.
         stand_in: Any = self
         encoder: Encoder = stand_in
         return decode_many(frames, self.shape, encoder)
@@ -69,7 +69,7 @@ def biss_layout(text: str) -> BissLayout:
     """Return a layout of BiSS frames.
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
-    ``singleturn=24`` are numbers with their widths in bits. ``error`` and ``warning`` are bits, active at level 0.
+    ``singleturn=24`` are numbers with their widths in bits. ``error`` and ``warning`` are active-low bits.
     ``zero=2`` are bits that are always 0, and ``unused=2`` bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6
     bits with this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any
     other name with a number of bits is a number.

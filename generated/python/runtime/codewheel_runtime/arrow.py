@@ -144,7 +144,10 @@ def _rows_of(array: Any, length: int) -> Any:
 
 
 def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
-    """Convert rows of bytes to the form that ``decode_many`` expects: unchanged, or as numbers. None is kept."""
+    """Return rows of bytes in the form that ``decode_many`` expects: unchanged, or converted to integers.
+
+    None is kept.
+    """
     if shape.length:
         return list(items)
     return [int.from_bytes(row, "big") if row else None for row in items]

@@ -124,7 +124,7 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
 
 
 def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
-    """Return the encoder or the layout, and leave only the names of files in ``files``."""
+    """Return the encoder or the layout, and remove its label from ``files``."""
     if chosen.biss is not None:
         try:
             return biss_layout(chosen.biss)

@@ -25,9 +25,9 @@ start value 0, inverted, over CTS, ID and ADR, or over a byte of data. S, R, W, 
 Therefore:
 
 * A write that no slave understood looks like a refused one: R W comes back as 00.
-* If the S of a slave is lost on its way to the master, master and slave continue one bit apart. A byte read then fails
-  its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they had
-  been stored. Read back what you write.
+* If the slave's S bit is lost on its way to the master, master and slave stay out of step by one bit. A byte read then
+  fails its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they
+  had been stored. Read back what you write.
 * Zeros can complete a byte: if a write is aborted within a byte, the slave can store the bits that it has received,
   followed by zeros, if the CRC of that value is 0 (one in 68 combinations of bit position and value). Write such a
   register again, and take special care if any value in it starts an action.

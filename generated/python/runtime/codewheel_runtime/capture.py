@@ -31,7 +31,7 @@ __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"
 np: Any = import_module("numpy")
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
-#: Number of lost cycles and accesses that a summary has in full.
+#: Maximum number of lost cycles and of accesses that a summary lists.
 _SHOWN: Final = 1000
 #: Files, or an array of samples.
 Captured = Any
@@ -41,11 +41,11 @@ class Probes(NamedTuple):
     """Connection and timing of a capture.
 
     Attributes:
-        clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a usual name.
+        clock: Channel of the clock (MA), by name or by number from 1. The default is found by common channel names.
         data: Channel of the data line (SLO), or of the serial line.
-        rate: Samples per second, if the file does not contain it.
-        rest: Shortest rest of the clock between two cycles in seconds. The default is 1.4 periods. A longer one is
-            needed if the master pauses within a frame.
+        rate: Sample rate in Hz, needed if the file does not specify it.
+        rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
+        if the master pauses within a frame.
         baud: Bits per second on a serial line, if they differ from the manual.
     """
 
@@ -60,7 +60,7 @@ class Capture(NamedTuple):
     """Contents of a capture.
 
     Attributes:
-        table: Columns of the frames, with ``time`` in seconds. It is ``sample`` if the sample rate is unknown. The time
+        table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time
             of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
         lost: Cycles or bytes that contain no frame, with the reason.
         accesses: Accesses to registers over BiSS.
@@ -116,7 +116,7 @@ class CaptureSummary(NamedTuple):
 
 
 class _Log:
-    """Lost cycles, accesses and other frames that were found on the way."""
+    """Lost cycles, accesses and other frames found during decoding."""
 
     def __init__(self, limit: int | None) -> None:
         self._limit = limit
@@ -208,7 +208,7 @@ def _chained(first: Found, others: Generator[Found, None, None]) -> Generator[Fo
 
 
 def _kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
-    """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless wanted."""
+    """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
     wanted = layout_of(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
     for item in layouts_of(encoder):
@@ -254,8 +254,8 @@ class Captures(NamedTuple):
                 whose bits are the channels. Or the two binary files of Saleae: that of the clock and of the data line.
             clock: Channel of the clock (MA), by name or by number from 1.
             data: Channel of the data line (SLO), or of the serial line.
-            rate: Samples per second, if the source does not contain it.
-            rest: Shortest rest of the clock between two cycles in seconds. The default is 1.4 periods of the clock.
+            rate: Sample rate in Hz, needed if the source does not specify it.
+            rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods of the clock.
             baud: Bits per second on a serial line, if they differ from the manual.
             layout: Kind of the replies, if the encoder sends several kinds. The default is the most frequent one with a
                 position.
@@ -368,7 +368,7 @@ def _parts(opened: _Opened, log: _Log) -> Generator[Part, None, None]:
 
 
 class _Derived:
-    """Position and speed in SI units. The speed of the first frame of a table is measured from the last table."""
+    """Position and speed in SI units. The first speed in a table uses the last frame of the previous table."""
 
     def __init__(self, time: str) -> None:
         self._time = time

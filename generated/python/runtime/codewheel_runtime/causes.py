@@ -39,7 +39,7 @@ _LEAST_BITS: Final = 12
 
 
 def _dead_line(frame: object, bits: int, has_crc: bool) -> str:
-    """Return the description of a dead line, or an empty text if the line changes."""
+    """Return the description of a dead line, or an empty string if the line changes."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, frame))
         number, bits = int.from_bytes(data, "big"), 8 * len(data)

@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Finds the frames of BiSS and SSI in the edges of a clock and a data line.
 
-A cycle begins at the first falling edge of the clock after a rest. Over SSI, each rising edge then shifts out a bit.
+A cycle begins at the first falling edge of the clock after a pause. Over SSI, each rising edge then shifts out a bit.
 Over BiSS, the data line is high at rest, goes low as an acknowledgement, and rises with the start bit. CDS, the frame
 and its CRC follow. The levels of the data line after the last bit of the frame are ignored.
 
@@ -21,18 +21,18 @@ from .signals import Edges, Signals
 
 np: Any = import_module("numpy")
 
-#: Number of periods without an edge after which the clock is at rest. BiSS slaves end a cycle after 1.5 or more.
+#: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more.
 _REST: Final = 1.4
-#: A pulse that is shorter than this part of a period is a disturbance.
+#: A pulse shorter than this fraction of a period is a glitch.
 _SPIKE: Final = 0.15
-#: Longest delay of a data line, in periods of the clock, for which the next stretch of the capture is awaited.
+#: Longest delay of a data line, in clock periods, for which the finder waits for the next stretch of the capture.
 _DELAY: Final = 256
-#: With fewer samples in a period of the clock, the positions of edges are averaged, and the delay of some bits.
+#: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of some bits.
 _COARSE: Final = 8
 _AVERAGED: Final = 16
-#: Number of edges without a rest after which a signal is not a clock.
+#: Number of edges without a pause after which a signal is not considered a clock.
 _ENDLESS: Final = 1 << 22
-#: Lowest rest, so that no period is 0.
+#: Shortest pause, so that no period is 0.
 _LEAST: Final = 1e-12
 #: Number of edges of the clock that are needed to determine its period.
 _FEW: Final = 64
@@ -43,7 +43,7 @@ class Lost(NamedTuple):
 
     Attributes:
         time: Time of the beginning, in seconds or in samples.
-        reason: What was found instead of a frame.
+        reason: Description of what was found instead of a frame.
     """
 
     time: float
@@ -83,11 +83,11 @@ def clocked(
         name: Name of the file, for errors.
         kind: Interface of the encoder.
         bits: Number of bits in a frame.
-        rest: Shortest rest between two cycles in seconds, or in samples if the sample rate is unknown. By default, 1.4
+        rest: Shortest pause between two cycles in seconds, or in samples if the sample rate is unknown. By default, 1.4
             periods of the clock.
 
     Raises:
-        InputError: The clock never changes, or never rests.
+        InputError: The clock never changes, or never pauses.
     """
     unit = signals.seconds or 1.0
     finder = _Cycles(kind, bits, rest / unit if rest else None, 0.5 if signals.is_sampled else 0.0, unit)
@@ -111,7 +111,7 @@ class _Cycles:
         self._end, self._done, self.is_clocked, self._is_new = 0.0, 0, False, True
 
     def feed(self, part: Edges, name: str) -> Found | None:
-        """Return the frames that are complete with the next stretch of the capture."""
+        """Return the frames that the next stretch of the capture completes."""
         if self._is_new:
             self._levels, self._begin, self._is_new = (part.levels[0], part.levels[1]), part.begin, False
         self._clock = np.concatenate([self._clock, part.times[0]])
@@ -142,7 +142,7 @@ class _Cycles:
         return self._cut(self._ends() if len(self._clock) else np.zeros(0, np.int64), True)
 
     def _set_rest(self) -> None:
-        # Two edges later, within a cycle, is one period later, whatever the duty cycle is.
+        # Within a cycle, two edges are one period, regardless of the duty cycle.
         spans = self._clock[2:] - self._clock[:-2]
         usual = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
@@ -256,7 +256,7 @@ class _Cycles:
         return (np.searchsorted(data, times.ravel(), "right").reshape(times.shape) & 1) ^ self._levels[1]
 
     def _refined(self, times: Any, known: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
-        """Return better times of the clock's edges, the delay, and half a bit, for few samples per period.
+        """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
 
         A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
         a sample.

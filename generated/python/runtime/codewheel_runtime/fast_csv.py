@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Reads CSV files in blocks with pyarrow. Blocks with anything unusual are read row by row, with the same result."""
+"""Reads CSV files in blocks with pyarrow. Blocks with unusual content are read row by row, with the same result."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Block(NamedTuple):
 
 
 def whole_lines(data: bytes, file: BinaryIO) -> Iterator[bytes]:
-    """Yield blocks that end with a line. The rest of the file may not. ``data`` was read before."""
+    """Yield blocks that end with a line. The last block may not. ``data`` was read before."""
     while more := file.read(BLOCK):
         data += more
         end = data.rfind(b"\n") + 1
@@ -130,7 +130,7 @@ def _words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
 
 
 def _bytes(cells: Any, length: int, pc: Any) -> Any:
-    """Return rows of bytes, or None if a cell has another length or is not hexadecimal."""
+    """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
     cells = pc.replace_substring(cells, " ", "")
     count = len(cells)
     _, offsets, data = cells.buffers()

@@ -68,7 +68,7 @@ class Link:
         retries: Number of further attempts after a failure.
 
     Raises:
-        InterfaceError: The encoder has another interface.
+        InterfaceError: The encoder has a different interface.
     """
 
     def __init__(self, encoder: Encoder, transport: Transport, *, timeout_s: float = 0.05, retries: int = 3) -> None:
@@ -222,7 +222,7 @@ def open_encoder(
         The link, for a ``with`` statement.
 
     Raises:
-        InterfaceError: The encoder has another interface.
+        InterfaceError: The encoder has a different interface.
         PortError: The port cannot be opened, or pyserial is not installed.
     """
     if encoder.interface is not Interface.RS485:
@@ -266,7 +266,7 @@ class Ports:
 
         Raises:
             OrderCodeError: There is no such order code.
-            InterfaceError: The encoder has another interface.
+            InterfaceError: The encoder has a different interface.
             PortError: The port cannot be opened, or pyserial is not installed.
         """
         encoder = self._lookup(label) if isinstance(label, str) else label

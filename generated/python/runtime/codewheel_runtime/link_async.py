@@ -87,7 +87,7 @@ class AsyncLink:
         retries: Number of further attempts after a failure.
 
     Raises:
-        InterfaceError: The encoder has another interface.
+        InterfaceError: The encoder has a different interface.
     """
 
     def __init__(
@@ -155,7 +155,7 @@ def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries:
         The link.
 
     Raises:
-        InterfaceError: The encoder has another interface.
+        InterfaceError: The encoder has a different interface.
         PortError: The port cannot be opened, or pyserial is not installed.
     """
     Session(encoder)

@@ -11,7 +11,7 @@ from .encoder import Encoder
 
 
 class Rotary(Encoder):
-    """Encoder whose positions are angles. Over an interface without them, the methods raise ValueError."""
+    """Encoder whose positions are angles. If the interface has none, the methods raise ValueError."""
 
     @property
     def counts_per_turn(self) -> int:
@@ -46,7 +46,7 @@ class Rotary(Encoder):
 
 
 class Linear(Encoder):
-    """Encoder whose positions are lengths. Over an interface without them, the methods raise ValueError."""
+    """Encoder whose positions are lengths. If the interface has none, the methods raise ValueError."""
 
     @property
     def step_um(self) -> int:
@@ -71,7 +71,7 @@ class Linear(Encoder):
 
 
 class Wrapping(Encoder):
-    """Encoder whose positions wrap around. Over an interface where they do not, the methods raise ValueError."""
+    """Encoder whose positions wrap around. If they do not wrap around, the methods raise ValueError."""
 
     @property
     def modulus(self) -> int:

@@ -15,7 +15,7 @@ from .encoder import Encoder
 _RATE = 10
 #: Time over which speed and rate are measured.
 _SPAN_S = 0.5
-#: Number of failures in succession after which an encoder that never answered is given up.
+#: Number of failures in succession after which to give up if the encoder never answered.
 _GIVEN_UP = 10
 
 
@@ -36,7 +36,7 @@ def watch(
     interval_s: float = 0.0,
     out: TextIO | None = None,
 ) -> None:
-    """Read an encoder and show it, until the program is interrupted.
+    """Show live readings of an encoder until the program is interrupted.
 
     On a terminal, the screen is updated ten times per second. Elsewhere, each reading is a line.
 
@@ -46,10 +46,10 @@ def watch(
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
         interval_s: Time in seconds between two readings.
-        out: Where to write. The default is standard output.
+        out: File to write to. The default is standard output.
 
     Raises:
-        RuntimeError: The encoder never answered. It is the error of ``reader``.
+        RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
     screen = _Screen(encoder, place, out or sys.stdout)
     done = 0
@@ -191,7 +191,7 @@ def _measure(encoder: Any, position: int | None) -> tuple[str, str]:
 
 
 def _kind(error: RuntimeError) -> str:
-    """Return the words for the class of an error: NoReplyError is 'no reply'."""
+    """Return the text for an error class: 'no reply' for NoReplyError."""
     words: list[str] = []
     for character in type(error).__name__.removesuffix("Error"):
         if character.isupper() or not words:

@@ -75,7 +75,7 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
         if len(at):
             _mark((top, bottom), at, f"{name} ({len(at)})", colour)
     if top.get_legend_handles_labels()[1]:
-        # Above the axes, where it hides nothing.
+        # Above the axes, where it does not cover the plot.
         top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
     for axes in (top, bottom):
         axes.grid(alpha=0.3)
@@ -101,7 +101,7 @@ def save(
         sources: Files that were read, which are not replaced.
 
     Raises:
-        UsageError: The format is not known, the file exists, or the table has no times or no position.
+        UsageError: The format is unknown, the file exists, or the table has no times or no positions.
         OSError: The file cannot be written.
     """
     kind = PurePath(target).suffix.lower().removeprefix(".")
@@ -116,7 +116,7 @@ def save(
 
 
 def _unit(table: Table) -> tuple[Unit, str, SpeedUnit, str]:
-    """Return the first unit that the encoder measures in."""
+    """Return the first unit that the encoder supports."""
     for item in _UNITS:
         try:
             table[:0].in_units(item[0])
@@ -157,7 +157,7 @@ def _thinned(times: Any, values: Any) -> tuple[Any, Any]:
 
 
 def _mark(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
-    """Mark times with thin lines over the whole height."""
+    """Mark times with thin vertical lines."""
     shown = times if len(times) <= _POINTS // 10 else times[:: -(-len(times) // (_POINTS // 10))]
     for place, one in enumerate(axes):
         lines = _COLLECTIONS.LineCollection(

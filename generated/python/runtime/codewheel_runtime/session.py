@@ -1,16 +1,16 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Requests and replies over RS-485, without input and output: time-outs, resynchronisation and retries.
+"""Requests and replies over RS-485, without I/O: time-outs, resynchronisation and retries.
 
 The methods of a :class:`Session` are generators that yield each action as an :class:`Ask`, and receive the bytes that
 arrived. ``link`` carries them out with any transport, such as a serial port, and ``link_async`` does so for asyncio.
 
-A reply has no number that connects it to its request, and its CRC of eight bits misses one disturbance in 256. So the
-session accepts a reply only if it begins with the first byte of its request, is a valid frame, and is the last that
-arrived. After any failure it resynchronises: it sends a request of another kind, and discards everything
-before the reply to that. A late reply can therefore not be taken for the reply to the next request. If there is no
-reply to any other kind either, it waits four time-outs, so only a reply that is later than that could be mistaken.
+A reply carries no sequence number to match it to its request, and its 8-bit CRC misses 1 in 256 corrupted frames. So
+the session accepts a reply only if it begins with the first byte of its request, is a valid frame, and is the last that
+arrived. After any failure it resynchronises: it sends a request of another kind, and discards everything before the
+reply to that. A late reply can therefore not be mistaken for the reply to the next request. If there is no reply to any
+other kind either, it waits four time-outs, so only an even later reply could be mistaken.
 
-The reply to a write can equal its request, and then also the echo of it. Read back what you write.
+The reply to a write can be identical to the request, and therefore to its echo. Read back what you write.
 
 Not yet tested on hardware.
 """
@@ -48,9 +48,9 @@ __all__ = [
 
 _Result = TypeVar("_Result")
 
-#: Number of bytes after which a session stops to look for a reply.
+#: Number of bytes after which a session stops looking for a reply.
 _MOST_BYTES = 1024
-#: Seconds that a memory may be busy, and between two attempts.
+#: Seconds that a memory may be busy, and seconds between two attempts.
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 #: Number of time-outs after which no late reply is expected any more.
 _LATE = 4
@@ -82,11 +82,11 @@ class NoReplyError(LinkError):
 
 
 class DisturbedError(LinkError):
-    """Bytes arrived, but no valid reply."""
+    """Bytes arrived, but they are not a valid reply."""
 
 
 class WrongEncoderError(LinkError):
-    """The replies are those of another kind of encoder."""
+    """The replies are from a different kind of encoder."""
 
 
 class BusyError(LinkError):
@@ -140,7 +140,7 @@ class _Asked(NamedTuple):
 
 
 class Session:
-    """Requests and replies of one encoder, without input and output.
+    """Requests and replies of one encoder, without I/O.
 
     Args:
         encoder: The encoder, with RS-485.
@@ -150,7 +150,7 @@ class Session:
         clock: Function that returns the time in seconds.
 
     Raises:
-        InterfaceError: The encoder has another interface.
+        InterfaceError: The encoder has a different interface.
     """
 
     def __init__(
@@ -270,7 +270,7 @@ class Session:
                     return
                 except LinkError:
                     continue
-        # No kind is left. Let late replies arrive.
+        # There are no other kinds. Wait for late replies.
         yield from self.pause(_LATE * self.timeout_s)
 
     def _once(self, asked: _Asked) -> Work[bytes]:
@@ -283,7 +283,7 @@ class Session:
         while True:
             reply = self._reply_in(received, asked)
             if reply:
-                # After other bytes, or an echo, it could be by chance that a part of the reply looks like a reply.
+                # After other bytes, or an echo, part of the reply could look like a reply by chance.
                 is_clean = received.startswith(reply) and not received.startswith(asked.data + asked.data[:1])
                 more = yield Ask(b"", 0.0 if is_clean else _QUIET_S)
                 if not more:
@@ -299,7 +299,7 @@ class Session:
     def _reply_in(self, received: bytes, asked: _Asked) -> bytes:
         """Return the reply in the bytes that arrived, or nothing. Only repetitions of the reply may follow it."""
         length = asked.kind.length
-        # The last one first: an echo and a reply can look like a reply and one more byte.
+        # The last one comes first, because an echo and a reply can look like a reply and one more byte.
         for start in range(len(received) - length, -1, -1):
             reply, rest = received[start : start + length], received[start + length :]
             is_last = reply * (len(rest) // length) == rest
@@ -330,7 +330,7 @@ class Session:
             text = f"the line is low after {what}: only 00 arrives; check whether A and B are swapped"
             return DisturbedError(text, received)
         odd = self._odd(received, asked)
-        # A disturbed reply has a valid CRC once in 256 times, so one odd reply proves nothing.
+        # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
         self._odd_replies = self._odd_replies + 1 if odd else 0
         if self._odd_replies > 1:
             text = f"the reply {shown} to {what} is from another kind of encoder: {odd}; check the order code"
@@ -343,7 +343,7 @@ class Session:
         return DisturbedError(f"no valid reply to {what} in {shown}", received)
 
     def _odd(self, received: bytes, asked: _Asked) -> str:
-        """Return why bytes look like a reply of another kind of encoder, or an empty text."""
+        """Return the reason that bytes look like a reply of another kind of encoder, or an empty string."""
         if received[0] != asked.kind.control or len(received) < 3 or _xor(received):
             return ""
         if len(received) != asked.kind.length:

@@ -38,11 +38,11 @@ def opened_signals(paths: Sequence[str], names: Names, rate: float | None = None
     Args:
         paths: The file. Saleae's binary files have one signal each: the clock, then the data line.
         names: The channels of the signals.
-        rate: Samples per second, for a file that does not contain it.
+        rate: Sample rate in Hz, needed if the file does not specify it.
 
     Raises:
-        InputError: The file is not a capture, or has no such channels.
-        UsageError: Several files do not have one signal each.
+        InputError: The file is not a capture, or does not have these channels.
+        UsageError: There are several files, but not one signal in each.
         OSError: A file cannot be read.
     """
     with ExitStack() as stack:
@@ -109,7 +109,7 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
         raise InputError(path, "", f"samples of {size} bytes are not supported: expected 1, 2, 4 or 8")
     numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
     channels = [probes[number] for number in numbers]
-    # The number of a probe is also understood, although only those in use have names.
+    # The number of a probe is also accepted, although only probes in use have names.
     own = Names(*(_numbered(name, probes, numbers) for name in names))
     masks = tuple(1 << numbers[place] - 1 for place in own.places(channels, path))
     entries = _entries(archive, stem)
@@ -130,7 +130,7 @@ def _numbered(name: Any, probes: dict[int, str], numbers: list[int]) -> Any:
 
 
 def _entries(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
-    """Return the files with samples in their order: ``logic-1`` or ``logic-1-1``, ``logic-1-2`` and so on."""
+    """Return the files of samples in order: ``logic-1`` or ``logic-1-1``, ``logic-1-2`` and so on."""
     named = {entry.filename: entry for entry in archive.infolist()}
     if stem in named:
         return [named[stem]]
@@ -387,7 +387,7 @@ def _is_number(text: str) -> bool:
 
 
 def _unit_of(name: str) -> float | None:
-    """Return the unit of a column of times in seconds, or None if its name is not that of one."""
+    """Return the unit of a time column in seconds, or None if its name is not the name of one."""
     found = _TIME.fullmatch(name.strip())
     if found is None:
         return None
@@ -420,7 +420,7 @@ def _columns(
 
 
 def _regular(block: bytes, between: str | None, columns: list[int]) -> Any:
-    """Return the levels of rows that all have the same form, or None."""
+    """Return the levels if all rows have the same form, or None."""
     first = block[: block.index(b"\n") + 1]
     if len(block) % len(first):
         return None

@@ -37,7 +37,7 @@ class Signals(NamedTuple):
     """Signals of a capture.
 
     Attributes:
-        edges: The edges, one stretch after the other.
+        edges: The edges, one stretch after another.
         seconds: Length of a unit of time in seconds. None if the sample rate is unknown, and times are sample numbers.
         is_sampled: True if times are sample numbers, so that an edge can be up to one sample earlier than its time.
         total: Size of the file in the unit of ``done``, if known.
@@ -52,7 +52,8 @@ class Signals(NamedTuple):
 class Names(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
-    A name is that of a channel, or its number from 1. Empty names are found by the usual names of the lines.
+    A name is that of a channel, or its number from 1. An empty name is replaced by a channel with a common name for the
+    line.
     """
 
     clock: str | None = ""
@@ -150,7 +151,7 @@ def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
         samples: An array of whole numbers. In one dimension, each number is a sample, whose bits are the channels, the
             lowest bit first. In two dimensions, each row is a sample and each column a channel, 0 or 1.
         names: The channels, by their numbers from 1.
-        rate: Samples per second.
+        rate: Sample rate in Hz.
 
     Raises:
         TypeError: ``samples`` is not such an array.
@@ -174,13 +175,13 @@ def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
     return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True, len(found))
 
 
-# Edges of signals that are stored one by one
+# Edges of signals that are stored separately
 
 
 def merged(
     signals: Sequence[Generator[tuple[int, Any, int], None, None]], end: Callable[[], float]
 ) -> Generator[Edges, None, None]:
-    """Yield the edges of signals that are stored one by one.
+    """Yield the edges of signals that are stored separately.
 
     Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
     of the capture once all of them are exhausted.
@@ -194,7 +195,7 @@ def merged(
     begin = -np.inf
     alive = [True] * len(signals)
     while any(alive):
-        # The signal whose edges end first goes on.
+        # Continue with the signal whose edges end first.
         place = min((at for at in range(len(signals)) if alive[at]), key=lambda at: _last(waiting[at]))
         part = next(signals[place], None)
         alive[place] = part is not None

@@ -21,7 +21,7 @@ np: Any = import_module("numpy")
 _BITS: Final = 10
 #: Number of bytes that are kept until the next stretch of the capture is known.
 _KEPT: Final = 64
-#: Longest pause within a message, in times of a byte.
+#: Longest pause within a message, in byte times.
 _PAUSE: Final = 20
 
 
@@ -80,7 +80,7 @@ def _parts(signals: Signals) -> Iterator[Any]:
 
 
 class Kinds(NamedTuple):
-    """Kinds of frames on a line: those of the encoder and those of the master, by name, and the wanted one or none."""
+    """Kinds of frames on a line: those of the encoder and of the master, by name, and the requested one or none."""
 
     replies: Mapping[str, Shape]
     requests: Mapping[str, Shape]
@@ -90,8 +90,8 @@ class Kinds(NamedTuple):
 def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator[Found, None, None]:
     """Yield the replies of one kind.
 
-    The line may also carry the requests and replies of other kinds. Without a wanted kind, the most frequent kind with
-    a position is used.
+    The line may also carry the requests and replies of other kinds. If no kind is requested, the most frequent kind
+    with a position is used.
 
     Args:
         signals: The line.
@@ -125,7 +125,7 @@ class _Replies:
         self.wanted, self._done = kinds.wanted, 0
 
     def feed(self, part: _Bytes) -> Found:
-        """Return the replies that are complete with some more bytes."""
+        """Return the replies that further bytes complete."""
         self._values = np.concatenate([self._values, part.values])
         self._times = np.concatenate([self._times, part.times])
         self._good = np.concatenate([self._good, part.good])
@@ -137,7 +137,7 @@ class _Replies:
         return self._found(len(self._values))
 
     def told(self, found: Found) -> Found:
-        """Return what was found with the kind of the replies, which the first parts do not know."""
+        """Return the frames with the kind of the replies, which is not known at first."""
         if not self.wanted or len(found.frames):
             return found
         return found._replace(kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8))
