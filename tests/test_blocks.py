@@ -36,7 +36,7 @@ ELSEWHERE = {
     "docs/biss-xml.md": {
         ": $ python docs/example": "tests/biss/test_example_script.py::test_the_page_shows_what_it_prints"
     },
-    "docs/command-line.md": {"python: def": "tests/virtual/test_terminal.py::test_the_fixture_of_the_page"},
+    "docs/command-line.md": {"python: def": "tests/virtual/test_live_links.py::test_the_fixture_of_the_page"},
     "docs/editions.md": {
         "yaml: ": "tests/docs/test_editions_page.py::test_the_yaml_is_that_of_the_spec",
         ": $ codewheel": "tests/docs/test_editions_page.py::test_commands_print_what_is_shown",
@@ -124,7 +124,7 @@ EXCEPTIONS = {
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
     ("generated/python/README.md", "python: from lika_encoders import LinkError"): "needs a serial port. "
-    "tests/virtual/test_terminal.py opens a pseudo-terminal like this",
+    "tests/virtual/test_live_links.py opens a pseudo-terminal like this",
     ("examples/rust-target/README.md", ": pip install"): "as above; test_the_readme runs the line after it",
     (
         "examples/rust-target/README.md",

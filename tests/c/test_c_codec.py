@@ -491,7 +491,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
             data = random_.randbytes(min(length, longest.get(crc.name, 8)))
             bits = crc.name in ("dense_16", "started_5", "plain_20")
             made_ = compute_bits(crc, int.from_bytes(data, "big"), 8 * length) if bits else compute_bytes(crc, data)
-            pairs.append((f"WASC crc {crc.name} {data.hex()}", f"0 {made_}"))
+            pairs.append((f"{'WASC' if bits else 'WAJP'} crc {crc.name} {data.hex()}", f"0 {made_}"))
     check(run_words, pairs)
     assert {item.crc.name: item.form.value for item in crc_functions(words)} == {
         "dense_16": "table",

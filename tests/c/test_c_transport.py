@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import pytest
-from c_harness import FAMILIES
+from c_harness import FAMILIES, views_of
 from codewheel.model import Device
 from transport_harness import (
     CLOSE,
@@ -690,10 +690,8 @@ def test_values_that_the_manual_does_not_list_are_refused(machines: Callable[[st
 def test_there_is_a_function_for_every_access(family: str, machines: Callable[[str], Machine]) -> None:
     made = machines(family)
     for register in made.device.registers:
-        assert hasattr(made.library, f"read_{register.name}") == (register.access != "write_only")
-        assert hasattr(made.library, f"write_{register.name}") == (
-            register.access != "read_only" and not register.reserved
-        )
+        assert made.has(f"read_{register.name}") == (register.access != "write_only")
+        assert made.has(f"write_{register.name}") == (register.access != "read_only" and not register.reserved)
 
 
 @pytest.mark.parametrize(("name", "banks"), [("tv62", {1, 2}), ("banks", {0, 2})])
@@ -704,7 +702,7 @@ def test_a_register_in_a_bank_has_it_selected_first(
     made = machines(name)
     banked = [item for item in made.device.registers if item.bank is not None]
     assert {item.bank for item in banked} == banks
-    code = made.device.variants[0].code
+    code = next(item.code for item in made.device.variants if item.interface == "biss")
     for item in banked:
         answer = made.read(item.name, code, Encoder(memory=bytearray(128)))
         assert answer.record == [f"w 40 {item.bank:02X}", f"r {item.address:02X} {item.length}"]
@@ -756,7 +754,8 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
     answer = made.state("AM3616/4096-I7", encoder)
     assert answer.result == OK
     assert set(answer.record) == {"r 56 1", "r 57 1", "r 4B 3", "r 4E 2", "r 49 1"}
-    names = [item.name for item in made.device.set_parameters]
+    (view,) = (view for view in views_of(made.device) if view.read_state)
+    names = [item.name for item in view.device.set_parameters]
     held = {name: int.from_bytes(answer.data[8 * index : 8 * index + 8], "little") for index, name in enumerate(names)}
     assert (
         held["used_singleturn_bits"],

@@ -182,6 +182,10 @@ class Machine:
             )
         )
 
+    def has(self, name: str) -> bool:
+        """Whether any interface has the function."""
+        return any(hasattr(item, name) for item in self.libraries)
+
     def _function(self, name: str) -> Any:
         """The function, from the library of the interface that has it."""
         return next(getattr(item, name) for item in self.libraries if hasattr(item, name))

@@ -64,6 +64,10 @@ def without_nodiscard(code: str) -> str:
     )
 
 
+#: Macros that take arguments: a length at compile time, and a check that can be left out.
+_WITH_ARGUMENTS = ("_RECEIVE", "CW_ASSERT")
+
+
 def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
     code = "\n".join(map(without_nodiscard, map(without_texts, texts)))
@@ -76,7 +80,7 @@ def declared(texts: Iterable[str]) -> Declared:
         (name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()
     ]
     with_arguments = {name for name, rest, _ in _MACRO.findall(code) if rest}
-    assert all(name.endswith(("_RECEIVE", "CW_ASSERT")) for name in with_arguments), "a macro with arguments"
+    assert all(name.endswith(_WITH_ARGUMENTS) for name in with_arguments), "a macro with arguments"
     enums = _ENUM.findall(code)
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
     enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))
@@ -128,6 +132,8 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         settings = found.conditions.get(name, ())
         lines += [*settings, *made, *("#endif" for _ in settings)]
     for name, value in found.macros:
+        if name.endswith(_WITH_ARGUMENTS):
+            continue
         if value.startswith('"'):
             lines += _function("const char *", name, "void", f"return {name};")
         else:

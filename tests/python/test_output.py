@@ -126,6 +126,10 @@ def test_no_trace_of_the_machine(files: Mapping[str, str]) -> None:
     assert "/home/" not in text
 
 
+def _assigns_all(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+
+
 @pytest.mark.slow
 def test_imports_are_all_used(files: Mapping[str, str]) -> None:
     """Also where a field has the name of a function."""
@@ -137,12 +141,14 @@ def test_imports_are_all_used(files: Mapping[str, str]) -> None:
             else ast.Module([], [])
         )
         imported = {
-            alias.name
+            alias.asname or alias.name
             for node in tree.body
             if isinstance(node, ast.ImportFrom) and node.module != "__future__"
             for alias in node.names
         }
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        exported = next((node.value for node in tree.body if _assigns_all(node)), None)
+        names |= set(ast.literal_eval(exported)) if exported is not None else set()
         assert imported - names == set(), path
 
 

@@ -254,7 +254,7 @@
       .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
       .filter((one) => one.score > 0).sort((one, other) => other.score - one.score);
     const all = rank(false);
-    if (!all.some((one) => one.section.page.kind !== "project")) return rank(true);
+    if (all.every((one) => ["masters", "project"].includes(one.section.page.kind))) return rank(true);
     const isOwn = (one) => one.section.page === page;
     return page && !all.some(isOwn) ? [...rank(true).filter(isOwn), ...all] : all;
   }
