@@ -21,6 +21,7 @@ from ...model import (
     Register,
     RegisterExample,
     SendStep,
+    Variant,
     assert_never,
     cite,
     number_from_bytes,
@@ -40,8 +41,37 @@ class NoFrame(Exception):
     """The manual shows no frame of an interface, and none could be made up."""
 
 
+def chosen_variant(device: Device, interface: Interface) -> Variant:
+    """Return the order code of an interface with the most examples that are used as printed."""
+    given = (item for item in device.examples if _is_here(device, interface, item))
+    # An example without an order code holds for every one.
+    counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
+    variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
+    # Without any example, take the one with the finest resolution.
+    return max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
+
+
+def _is_here(device: Device, interface: Interface, example: Example) -> bool:
+    """Return True if the manual shows it for an order code with this interface."""
+    if example_variant(device, example).interface != interface.name:
+        return False
+    match example:
+        case RegisterExample():
+            register = device.register(example.register)
+            return register.interface == interface.name and register.readable
+        case FrameExample():
+            plain = not example.refused and example.sender == "encoder" and bool(example.layout)
+            return plain and not device.alternatives_of(device.layout(example.layout))
+        case ProcedureExample() | MeasureExample():
+            return True
+        case CrcExample():
+            return False
+        case _:
+            assert_never(example)
+
+
 class Chosen:
-    """The examples for one order code of an interface: the one with the most examples that are used as printed.
+    """The examples for the chosen order code of an interface.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -50,32 +80,10 @@ class Chosen:
     def __init__(self, device: Device, interface: Interface) -> None:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
-        given = [item for item in device.examples if self._is_here(item)]
-        # An example without an order code holds for every one.
-        counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
-        variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
-        # Without any example, take the one with the finest resolution.
-        self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
+        self.variant = chosen_variant(device, interface)
+        given = (item for item in device.examples if _is_here(device, interface, item))
         self.examples = [item for item in given if example_variant(device, item).code == self.variant.code]
         self.frame = self._frame()
-
-    def _is_here(self, example: Example) -> bool:
-        """Return True if the manual shows it for an order code with this interface."""
-        if example_variant(self.device, example).interface != self.interface.name:
-            return False
-        match example:
-            case RegisterExample():
-                register = self.device.register(example.register)
-                return register.interface == self.interface.name and register.readable
-            case FrameExample():
-                plain = not example.refused and example.sender == "encoder" and bool(example.layout)
-                return plain and not self.device.alternatives_of(self.device.layout(example.layout))
-            case ProcedureExample() | MeasureExample():
-                return True
-            case CrcExample():
-                return False
-            case _:
-                assert_never(example)
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
