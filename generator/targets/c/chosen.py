@@ -21,6 +21,7 @@ from ...model import (
     Register,
     RegisterExample,
     SendStep,
+    Values,
     Variant,
     assert_never,
     cite,
@@ -30,11 +31,12 @@ from ...model import (
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame as a number, and its source."""
+    """A frame as a number, its source, and the values of its fields as far as these are given."""
 
     layout: Layout
     wire: int
     about: str
+    values: Values
 
 
 class NoFrame(Exception):
@@ -125,7 +127,7 @@ class Chosen:
         first = min(worked, key=lambda item: (bool(item.erratum), any(source.document for source in item.source)))
         layout = self.device.layout(first.layout)
         wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
-        return Frame(layout, wire, f"a worked example [{cite(first.source)}]")
+        return Frame(layout, wire, f"a worked example [{cite(first.source)}]", first.values)
 
     def _made_up(self) -> Frame:
         sent = [item for item in self.interface.layouts if item.sender == "encoder"]
@@ -137,7 +139,7 @@ class Chosen:
         about = "made up, since the manual shows none"
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
-        return Frame(sent[0], sample.frame, about)
+        return Frame(sent[0], sample.frame, about, sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""

@@ -13,6 +13,7 @@ from ...model import Device, Ssi
 from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.run_time_parameters import held_parameters
+from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
 from ...say.origin import origin, other_editions, taken_away
 from .. import TargetError
@@ -170,7 +171,7 @@ class DeviceView:
         manual = self.device.manual
         editions = ", ".join(f"{item.language} {item.revision}" for item in manual.editions)
         dated = f" of {manual.date}" if manual.date else ""
-        beside = f"; compared with: {editions}" if editions else ""
+        beside = f", compared with: {editions}" if editions else ""
         return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
 
     @property
@@ -188,11 +189,10 @@ class DeviceView:
             if re.search(rf"\b{item.key}:", text)
         ]
 
-    @property
-    def modulus(self) -> str:
-        """The counts after which the position wraps around, as C, 0 if the manual gives none."""
-        rolls = self.positions is not None and "modulus" in self.positions.names
-        return f"{self.prefix}_modulus(encoder)" if rolls else "0U"
+    def modulus(self, encoder: str) -> str:
+        """Return the counts after which the position wraps around, as C, 0 if the manual gives none."""
+        where = self.positions
+        return f"{self.prefix}_modulus({encoder})" if where is not None and "modulus" in where.names else "0U"
 
     @property
     def usage(self) -> Usage | None:
@@ -204,7 +204,8 @@ class DeviceView:
             told = item.reports.verdict if item.reports is not None else ""
             if told and measurement and measurement.of in names and item.struct.layout.sender == "encoder":
                 twice = bool(item.measured) and isinstance(self.context.interface, Ssi) and not item.plan.crc
-                signed = twice and item.struct.member_type(measurement.of).startswith("int")
+                of = [part.meaning for part in item.plan.parts if part.field.name == measurement.of]
+                signed = any(isinstance(meaning, TwosComplement) for meaning in of)
                 request = self.interface.request_of(item.struct.layout)
                 return Usage(item, told, c_name(measurement.of), request, twice and not signed)
         return None

@@ -95,8 +95,10 @@ class InterfaceCode:
     def request_of(self, reply: Layout) -> str:
         """Return the macro of the request that a frame answers, or an empty text."""
         of = self.interface
-        asked = of.data_ids if isinstance(of, Rs485) else ()
-        return next((f"{self.upper}_CONTROL_{item.name}".upper() for item in asked if answer(of, item.id) is reply), "")
+        if not isinstance(of, Rs485):
+            return ""
+        names = (f"{self.upper}_CONTROL_{item.name}" for item in of.data_ids if answer(of, item.id) is reply)
+        return next(names, "").upper()
 
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()

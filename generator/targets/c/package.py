@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import Biss, Manufacturer
-from ...reference.codec import decode
 from .comments import ascii_text
 from .crcs import CrcCode
 from .device import DeviceView
@@ -138,12 +137,8 @@ class Guide:
 
     @property
     def result(self) -> object:
-        """The value of this number in the frame of the example, or None if it depends on a choice by the user."""
-        shown = self.example
-        if shown.asked or shown.data:
-            return None
-        placed = shown.frame.layout.place(shown.row.variant.parameters)
-        return decode(shown.view.device, placed, shown.frame.wire).values.get(self.number)
+        """The value of this number in the frame of the example, or None if it is not known."""
+        return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
 def guide(examples: Sequence[ExampleCode]) -> Guide | None:
