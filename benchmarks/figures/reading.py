@@ -66,6 +66,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     ("__str__", r"\{first\.operator, .*", "the operators of an expression"),
     ("package_files", r"path\.endswith\(.*", "the name of a file"),
     ("modulus", r"'modulus' in where\.names", "the functions that a family has, by their names"),
+    ("documents", r"re\.search\(.*item\.key.*", "the documents that comments cite, by their keys in the spec"),
     ("_render", r"template\.endswith\(.*", "the name of a template"),
     ("_holds|span_text|plain_expression", ".*", "an expression of the spec in words"),
     ("shared_names", ".*", "a name of the shared headers, in capitals or not"),

@@ -21,7 +21,7 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     of = device.interface(interface)
     if not isinstance(of, Rs485):
         return None
-    layout = _answer(of, next(item.id for item in of.data_ids if item.name == data_id))
+    layout = answer(of, next(item.id for item in of.data_ids if item.name == data_id))
     if layout is None or not layout.bits.is_constant:
         return None
     kind = layout.crc_field.kind if layout.crc_field is not None else None
@@ -29,7 +29,8 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     return Reply(layout.bits.constant // 8, is_xor)
 
 
-def _answer(interface: Rs485, value: int) -> Layout | None:
+def answer(interface: Rs485, value: int) -> Layout | None:
+    """Return the frame with which the encoder answers a data ID, or None if the spec has none."""
     for told in dispatches(interface.layouts):
         if told.sender == "encoder":
             return next((item.layout for item in told.branches if value in item.values), told.fallback)

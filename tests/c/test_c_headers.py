@@ -6,6 +6,8 @@ import re
 import shutil
 import subprocess
 from collections.abc import Mapping
+from functools import reduce
+from operator import xor
 from pathlib import Path
 
 import pytest
@@ -145,8 +147,9 @@ def test_no_version_date_or_path(include: Path, c_devices: tuple[Device, ...]) -
 def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
     readme = (include.parent / "README.md").read_text()
     code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
-    assert len(code) == 3
+    assert len(code) == 6
     main = """#include <stdio.h>
+#include <string.h>
 static uint8_t memory[0x80];
 int32_t bus_read(void *context, uint16_t address, uint8_t *bytes, size_t length)
 {
@@ -171,7 +174,9 @@ int32_t bus_wait(void *context, uint32_t microseconds)
 }
 int main(void)
 {
+    static const uint8_t ssi_sent[] = { @ssi@ }, reply_sent[] = { @reply@ };
     uint64_t position = 0U;
+    lika_amm5_rs485_complete_reply reply;
     cw_failure failure = { 0U, CW_STEP_READ, CW_STEP_READ, 0U, 0, false };
     printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);
     /* 1,000,003 with error and warning active, with the warning alone, and with neither; the CRC is right each time. */
@@ -182,20 +187,44 @@ int main(void)
     position = 0U;
     printf("%d", (int)read_encoder(0xF4243D3U, &position));
     printf(" %lu\\n", (unsigned long)position);
+    printf("%d", (int)read_encoder(@biss@U, &position));
+    printf(" %lu\\n", (unsigned long)position);
+    printf("%d", (int)ssi_position(&position));
+    (void)memcpy(ssi_rx[0], ssi_sent, sizeof ssi_sent);
+    (void)memcpy(ssi_rx[1], ssi_sent, sizeof ssi_sent);
+    printf(" %d", (int)ssi_position(&position));
+    printf(" %lu", (unsigned long)position);
+    ssi_rx[1][1] ^= 1U;
+    printf(" %d\\n", (int)ssi_position(&position));
+    printf("%d %d", (int)biss_position(&position), (int)rs485_ask(0U));
+    for (unsigned index = 0U; index < sizeof reply_sent; index++) {
+        printf(" %d", (int)rs485_received(reply_sent[index], &reply));
+    }
+    printf(" %lu\\n", (unsigned long)reply.position);
     printf("%d", (int)set_up(&failure));
     printf(" %d %02X %d\\n", (int)failure.step, (unsigned)failure.address, (int)failure.error);
     return 0;
 }
 """
-    program = compile_c(["gcc", "-std=c99"], code[0] + code[1] + code[2] + main, tmp_path, include)
+    # The 1 before an SSI word, 39 bits, and zeros. A reply of AMM5 7.3 after a foreign byte: turn 1, ENID 23h, XOR.
+    sent = {"ssi": (1 << 39 | 42 << 23 | 6016277) << 8, "biss": 0x55BCD15E2}
+    reply = bytes((0x1A, 0x00, *(7000519).to_bytes(3, "little"), 0x23, 1, 0, 0, 0))
+    reply = b"\xff" + reply + bytes([reduce(xor, reply)])
+    main = main.replace("@ssi@", ", ".join(map(str, sent["ssi"].to_bytes(6, "big")))).replace(
+        "@biss@", hex(sent["biss"])
+    )
+    main = main.replace("@reply@", ", ".join(map(str, reply)))
+    assert f"word `0x{sent['biss']:X}` of that program, `read_encoder` stores {42 << 21 | 1821973}." in readme
+    program = compile_c(["gcc", "-std=c99"], "".join(code) + main, tmp_path, include)
     written = ("11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00")
     read = [f"r {line[:2]} 1" for line in written]
     preset = "".join(f"{line}\n" for line in ("w 40 01", *(f"w {x}" for x in written), *read, "w 40 00", "w 77 01"))
+    snippets = f"1 {42 << 21 | 1821973}\n0 1 {42 << 23 | 6016277} 0\n0 1 {'0 ' * 11}1 {1 << 23 | 7000519}\n"
     # The serial number is read, the manual's preset is written and read back, and the command fails in step 16 with
     # the bus's own -5.
     assert (
         subprocess.run([str(program)], capture_output=True, text=True).stdout
-        == f"0 0\n0 0\n0 0\n1 1000003\nr 44 4\n{preset}5 16 77 -5\n"
+        == f"0 0\n0 0\n0 0\n1 1000003\n{snippets}r 44 4\n{preset}5 16 77 -5\n"
     )
 
 

@@ -143,7 +143,7 @@ def loop(made_once: MadeOnce) -> Path:
     def built(folder: Path) -> None:
         include = write(folder, devices_of())
         code = re.findall(r"```c\n(.*?)```", (include.parent / "README.md").read_text(), re.DOTALL)
-        compile_c([*GCC, "-O2", *SANITIZED], code[0] + code[2] + ENCODER, folder, include)
+        compile_c([*GCC, "-O2", *SANITIZED], code[0] + code[-1] + ENCODER, folder, include)
 
     return made_once("main_loop", built) / "program"
 

@@ -21,6 +21,8 @@ from ...model import (
     Register,
     RegisterExample,
     SendStep,
+    Values,
+    Variant,
     assert_never,
     cite,
     number_from_bytes,
@@ -29,19 +31,49 @@ from ...model import (
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame as a number, and its source."""
+    """A frame as a number, its source, and the values of its fields as far as these are given."""
 
     layout: Layout
     wire: int
     about: str
+    values: Values
 
 
 class NoFrame(Exception):
     """The manual shows no frame of an interface, and none could be made up."""
 
 
+def chosen_variant(device: Device, interface: Interface) -> Variant:
+    """Return the order code of an interface with the most examples that are used as printed."""
+    given = (item for item in device.examples if _is_here(device, interface, item))
+    # An example without an order code holds for every one.
+    counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
+    variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
+    # Without any example, take the one with the finest resolution.
+    return max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
+
+
+def _is_here(device: Device, interface: Interface, example: Example) -> bool:
+    """Return True if the manual shows it for an order code with this interface."""
+    if example_variant(device, example).interface != interface.name:
+        return False
+    match example:
+        case RegisterExample():
+            register = device.register(example.register)
+            return register.interface == interface.name and register.readable
+        case FrameExample():
+            plain = not example.refused and example.sender == "encoder" and bool(example.layout)
+            return plain and not device.alternatives_of(device.layout(example.layout))
+        case ProcedureExample() | MeasureExample():
+            return True
+        case CrcExample():
+            return False
+        case _:
+            assert_never(example)
+
+
 class Chosen:
-    """The examples for one order code of an interface: the one with the most examples that are used as printed.
+    """The examples for the chosen order code of an interface.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -50,32 +82,10 @@ class Chosen:
     def __init__(self, device: Device, interface: Interface) -> None:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
-        given = [item for item in device.examples if self._is_here(item)]
-        # An example without an order code holds for every one.
-        counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
-        variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
-        # Without any example, take the one with the finest resolution.
-        self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
+        self.variant = chosen_variant(device, interface)
+        given = (item for item in device.examples if _is_here(device, interface, item))
         self.examples = [item for item in given if example_variant(device, item).code == self.variant.code]
         self.frame = self._frame()
-
-    def _is_here(self, example: Example) -> bool:
-        """Return True if the manual shows it for an order code with this interface."""
-        if example_variant(self.device, example).interface != self.interface.name:
-            return False
-        match example:
-            case RegisterExample():
-                register = self.device.register(example.register)
-                return register.interface == self.interface.name and register.readable
-            case FrameExample():
-                plain = not example.refused and example.sender == "encoder" and bool(example.layout)
-                return plain and not self.device.alternatives_of(self.device.layout(example.layout))
-            case ProcedureExample() | MeasureExample():
-                return True
-            case CrcExample():
-                return False
-            case _:
-                assert_never(example)
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
@@ -117,7 +127,7 @@ class Chosen:
         first = min(worked, key=lambda item: (bool(item.erratum), any(source.document for source in item.source)))
         layout = self.device.layout(first.layout)
         wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
-        return Frame(layout, wire, f"a worked example [{cite(first.source)}]")
+        return Frame(layout, wire, f"a worked example [{cite(first.source)}]", first.values)
 
     def _made_up(self) -> Frame:
         sent = [item for item in self.interface.layouts if item.sender == "encoder"]
@@ -129,7 +139,7 @@ class Chosen:
         about = "made up, since the manual shows none"
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
-        return Frame(sent[0], sample.frame, about)
+        return Frame(sent[0], sample.frame, about, sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""

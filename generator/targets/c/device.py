@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device
+from ...model import Device, Ssi
 from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.run_time_parameters import held_parameters
+from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
 from ...say.origin import origin, other_editions, taken_away
 from .. import TargetError
 from .access import state_registers
+from .chosen import chosen_variant
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context
@@ -43,12 +46,16 @@ class _Declaring(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """The names for reading a position: an order code, the frame, its verdict function and the member."""
+    """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    code: str
+    ``twice`` is true if no CRC protects the frame, so that two frames must agree.
+    """
+
     frame: StructCodec
     verdict: str
     member: str
+    request: str
+    twice: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +81,9 @@ class DeviceView:
         self.reports, self.alternatives = context.reports, context.alternatives
         self.variants = VariantCode(context)
         self.interface = _at(partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name)
-        self.lengths = LengthCode(context, context.interface, self.variants.rows)
+        #: The order code in all samples.
+        self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
+        self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.positions = positions(context)
         # A register that selects banks comes first: the functions of the registers in its banks use its address.
         selecting = {device.bank_selector(item) for item in device.registers}
@@ -162,7 +171,7 @@ class DeviceView:
         manual = self.device.manual
         editions = ", ".join(f"{item.language} {item.revision}" for item in manual.editions)
         dated = f" of {manual.date}" if manual.date else ""
-        beside = f"; compared with: {editions}" if editions else ""
+        beside = f", compared with: {editions}" if editions else ""
         return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
 
     @property
@@ -172,22 +181,33 @@ class DeviceView:
             S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
         ]
 
-    @property
-    def documents(self) -> list[Paragraph]:
+    def documents(self, text: str) -> list[Paragraph]:
+        """Return the other documents that ``text`` cites."""
         return [
-            (f"  {item.key}: ", f"{item.title}{' - ' + item.url if item.url else ''}") for item in self.device.documents
+            (f"  {item.key}: ", f"{item.title}{' - ' + item.url if item.url else ''}")
+            for item in self.device.documents
+            if re.search(rf"\b{item.key}:", text)
         ]
+
+    def modulus(self, encoder: str) -> str:
+        """Return the counts after which the position wraps around, as C, 0 if the manual gives none."""
+        where = self.positions
+        return f"{self.prefix}_modulus({encoder})" if where is not None and "modulus" in where.names else "0U"
 
     @property
     def usage(self) -> Usage | None:
         """The example at the top of the header, None if no frame has a verdict and a position."""
-        measurement, row = self.device.measurement_of(self.context.interface.name), self.variants.rows[0]
+        measurement = self.device.measurement_of(self.context.interface.name)
         for item in self.interface.codecs if measurement is not None else ():
             names = {field.name for field in item.struct.layout.fields}
             names |= {join.name for join in item.struct.layout.joins}
             told = item.reports.verdict if item.reports is not None else ""
             if told and measurement and measurement.of in names and item.struct.layout.sender == "encoder":
-                return Usage(row.macro, item, told, c_name(measurement.of))
+                twice = bool(item.measured) and isinstance(self.context.interface, Ssi) and not item.plan.crc
+                of = [part.meaning for part in item.plan.parts if part.field.name == measurement.of]
+                signed = any(isinstance(meaning, TwosComplement) for meaning in of)
+                request = self.interface.request_of(item.struct.layout)
+                return Usage(item, told, c_name(measurement.of), request, twice and not signed)
         return None
 
     def errata(self, *paths: str) -> list[Paragraph]:

@@ -141,6 +141,10 @@ class ExampleCode:
         ]
 
     @property
+    def has_crc(self) -> bool:
+        return self.frame.layout.crc_field is not None
+
+    @property
     def title(self) -> str:
         name = words(self.frame.layout.name)
         return name[0].upper() + name[1:]
@@ -210,9 +214,7 @@ class ExampleCode:
     @property
     def modulus(self) -> str:
         """The counts after which the position wraps around, for a tracker."""
-        where = self.position
-        rolls = where is not None and "modulus" in where.names
-        return f"{where.prefix}_modulus(encoder)" if where is not None and rolls else "0U"
+        return self.view.modulus("encoder") if self.position is not None else "0U"
 
     @property
     def counts(self) -> str:

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Timeout, cite
 from ...plan.frames import Branch, Dispatch, dispatches
+from ...plan.replies import answer
 from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, settings
 from ...say.interface import interface as said_of
-from ...say.name import words
+from ...say.name import title
 from ...say.text import Said
 from ...say.timing import timing
 from .about import about_layout
@@ -91,6 +92,14 @@ class InterfaceCode:
         told |= {item.dispatch.fallback.name for item in self.tellers if item.dispatch.fallback is not None}
         return [item for item in self.interface.layouts if item.name in told]
 
+    def request_of(self, reply: Layout) -> str:
+        """Return the macro of the request that a frame answers, or an empty text."""
+        of = self.interface
+        if not isinstance(of, Rs485):
+            return ""
+        names = (f"{self.upper}_CONTROL_{item.name}" for item in of.data_ids if answer(of, item.id) is reply)
+        return next(names, "").upper()
+
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
@@ -122,10 +131,10 @@ class InterfaceCode:
             return 0
         return 500_000_000 * (timeout.half_clock_periods or 0)
 
-    def _macro(self, name: str, value: int, about: Said | None = None, hexadecimal: bool = False) -> Macro:
-        if about is not None:
+    def _macro(self, name: str, value: int, about: Said | str = "", hexadecimal: bool = False) -> Macro:
+        if isinstance(about, Said):
             self._said.append(about)
-        note = S.sentence(about) if about is not None else words(name.lower())
+        note = about if isinstance(about, str) else S.sentence(about)
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _macros(self) -> Iterator[Macro]:
@@ -134,7 +143,7 @@ class InterfaceCode:
             match fact:
                 case Clock():
                     yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
-                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz)
+                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz, "highest clock in Hz")
                 case CableLength():
                     self._said.append(about)  # A function states it.
                 case Timeout():
@@ -151,15 +160,16 @@ class InterfaceCode:
 
     def _port(self, port: Port, about: Said) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
-        yield self._macro("DATA_BITS", port.data_bits)
-        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], "parity")
-        yield self._macro("STOP_BITS", port.stop_bits)
+        yield self._macro("DATA_BITS", port.data_bits, "number of data bits")
+        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
+        yield self._macro("STOP_BITS", port.stop_bits, "number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
         for field in interface.control_data:
             yield self._macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
             for item in field.values:
-                yield self._macro(f"CONTROL_{field.name}_{item.name}", item.value, hexadecimal=True)
+                name = f"CONTROL_{field.name}_{item.name}"
+                yield self._macro(name, item.value, f"{title(field)}: {title(item)}", hexadecimal=True)
 
     def _timeout(self, timeout: Timeout, about: Said) -> Iterator[Macro]:
         numbers = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
@@ -167,7 +177,7 @@ class InterfaceCode:
             numbers += [(f"AT_{item.clock_hz}_HZ", item.timeout_ns) for item in timeout.printed]
         for name, value in numbers:
             if value is not None:
-                yield self._macro(f"TIMEOUT_{name}_NS", value, about if about not in self._said else None)
+                yield self._macro(f"TIMEOUT_{name}_NS", value, about if about not in self._said else "see above")
 
     def _controls(self) -> Iterator[Macro]:
         for item in self.interface.data_ids if isinstance(self.interface, Rs485) else ():

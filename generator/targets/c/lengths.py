@@ -17,7 +17,7 @@ from .variants import CodeRow
 class LengthCode:
     """The lengths of one interface, empty if none of its frames is carried as bits."""
 
-    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow]) -> None:
+    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow], shown: CodeRow) -> None:
         self.interface = interface
         found = list(received(context.device, interface))
         #: Names of the frames whose lengths these are.
@@ -30,7 +30,7 @@ class LengthCode:
         self.register_access = "".join(_register_access(interface, found))
         self._codes = {id(row.variant): row.code for row in rows}
         self._prefix = f"{context.PREFIX}_"
-        self._first = found[0] if found else None
+        self._shown = next((item for item in found if item.variant is shown.variant), None)
         self.macros = [macro for item in found for macro in self.macros_of(item)]
 
     @property
@@ -41,7 +41,7 @@ class LengthCode:
     @property
     def named(self) -> str:
         """Say how the macro names an order code."""
-        code = self.code_of(self._first) if self._first is not None else ""
+        code = self.code_of(self._shown) if self._shown is not None else ""
         return f"For code, write {code} for example, as in {self._prefix}{code}_BITS."
 
     def code_of(self, item: Received) -> str:
@@ -56,8 +56,8 @@ class LengthCode:
     def macros_of(self, item: Received) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         stem = f"{self._prefix}{self.code_of(item)}"
-        yield Macro(f"{stem}_BITS", number(item.bits), "bits of its frame")
-        yield Macro(f"{stem}_RX_BYTES", number(item.bytes), "bytes of its buffer")
+        yield Macro(f"{stem}_BITS", number(item.bits), "number of bits in its frame")
+        yield Macro(f"{stem}_RX_BYTES", number(item.bytes), "number of bytes in its buffer")
 
 
 def _register_access(interface: Interface, found: Sequence[Received]) -> Iterator[str]:

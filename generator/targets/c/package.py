@@ -110,6 +110,8 @@ class Guide:
     example: ExampleCode
     reads: ShownRegister | None
     runs: ShownRun | None
+    #: The programs of the same family, one for each interface, the example first.
+    wires: tuple[ExampleCode, ...]
 
     @property
     def over_biss(self) -> bool:
@@ -123,11 +125,20 @@ class Guide:
         return next(self.example.view.lengths.macros_of(mine)).name
 
     @property
-    def member(self) -> str:
-        """The first number of the frame."""
+    def number(self) -> str:
+        """The first number of the frame, by its name in the spec."""
         plan = self.example.struct.plan
-        names = (*(item.join.name for item in plan.wholes), *(item.field.name for item in plan.parts), "no_data")
-        return c_name(names[0])
+        return (*(item.join.name for item in plan.wholes), *(item.field.name for item in plan.parts), "no_data")[0]
+
+    @property
+    def member(self) -> str:
+        """The member that holds this number."""
+        return c_name(self.number)
+
+    @property
+    def result(self) -> object:
+        """The value of this number in the frame of the example, or None if it is not known."""
+        return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
 def guide(examples: Sequence[ExampleCode]) -> Guide | None:
@@ -136,9 +147,11 @@ def guide(examples: Sequence[ExampleCode]) -> Guide | None:
         return None
     shown = Counter(item.view.device.name for item in examples)
     example = max(examples, key=lambda item: (shown[item.view.device.name], item.run.code.count if item.run else 0))
+    ordered = sorted(examples, key=lambda item: item is not example)
     whole = [item for item in example.reads if item.access.struct]
     run = example.run if example.run is not None and not example.run.code.reads else None
-    return Guide(example, max(whole, key=lambda item: item.members, default=None), run)
+    wires = tuple(item for item in ordered if item.view.device.name == example.view.device.name)
+    return Guide(example, max(whole, key=lambda item: item.members, default=None), run, wires)
 
 
 def _order(version: str) -> tuple[int, ...]:
