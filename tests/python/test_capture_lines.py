@@ -247,6 +247,7 @@ def test_one_turn_is_a_position_with_degrees(command: Command) -> None:
         (["capture", "AMM5A21/65KSC1"], 2, "give the order code and the file of the capture, or --biss and the file"),
         (["capture", "AMM5A21", "it.npy"], 2, "AMM5A21"),
         (["capture", "it.npy"], 2, "it.npy is a file: give the order code in front of it, or --biss"),
+        (["capture", "it.npy", "it.npy"], 2, "it.npy is a file: give the order code in front of it, or --biss"),
         (["capture", "it.npy", *FIELDS, "--rate", "10MHz", "--si"], 2, "use singleturn=32 instead of position=32"),
         (["decode", "AMM5A21/65KSC1", "0x55bcd15e2", "--si"], 2, "--si needs a file with a column 'time'"),
         (["capture", "it.npy", "--biss", "position"], 2, "'position' is not a field"),

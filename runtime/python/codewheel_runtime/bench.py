@@ -126,11 +126,15 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
             return biss_layout(chosen.biss)
         except UsageError as error:
             raise Failed(error, USAGE) from None
-    chosen.order_code, *files = chosen.files
-    if not files and os.path.exists(chosen.order_code):
-        raise Failed(f"{chosen.order_code} is a file: give the order code in front of it, or --biss", USAGE)
-    encoder, chosen.files = encoder_of(package, chosen), files
-    if not files:
+    chosen.order_code, *chosen.files = chosen.files
+    try:
+        encoder = encoder_of(package, chosen)
+    except Failed:
+        if os.path.isfile(chosen.order_code):
+            said = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
+            raise Failed(said, USAGE) from None
+        raise
+    if not chosen.files:
         raise Failed("give the order code and the file of the capture, or --biss and the file", USAGE)
     return encoder
 
