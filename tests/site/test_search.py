@@ -138,7 +138,7 @@ rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
 gray code                       | Order codes and quantities | am36/biss.html#order-codes-and-quantities
 counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
-crc wrong                       | CRC errors          | docs/command-line.html#crc-errors
+crc wrong                       | The BiSS CRC is always wrong | docs/questions-crc-always-wrong.html
 crc fails                       | Why a CRC fails     | docs/why-a-crc-fails.html
 nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
 AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame

@@ -190,7 +190,7 @@ class Variant(Rotary, Wrapping):
         parts: Parts of the order code: model, singleturn, turns, output.
         singleturn_bits: Singleturn resolution given by the order code [5.2]. Unit: bits.
         multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
-        ssi_gray: Position encoding over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2].
+        ssi_gray: Position encoding over SSI, given by the order code: 1 Gray code, 0 binary code [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
             of Information per revolution [6.5 p.31]. Unit: bits. Read at run time from register 56h
             (``singleturn_bits_used.bits``), 0 to 20. Applies only to BiSS C-mode. The value is the factory default
@@ -204,9 +204,9 @@ class Variant(Rotary, Wrapping):
         used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Read at run time
             from registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS
             C-mode. The value is the factory default unless set by with_registers().
-        output_code: Position encoding over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Read at run time from
-            register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
-            default unless set by with_registers().
+        output_code: Position encoding over BiSS, as currently set: 0 Gray code, 1 binary code [6.5 p.26]. Read at run
+            time from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is
+            the factory default unless set by with_registers().
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -252,7 +252,9 @@ class Variant(Rotary, Wrapping):
 
     @property
     def biss_gray(self) -> int:
-        """Position encoding over BiSS, as currently set: 1 Gray, 0 binary [6.5 p.26]. Equals ``1 - output_code``."""
+        """Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. Equals ``1 -
+        output_code``.
+        """
         return 1 - self.output_code
 
     def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:

@@ -217,7 +217,7 @@ class Variant(Linear, Wrapping):
         parts: Parts of the order code: output, supply, resolution.
         resolution_um: Resolution, the length of one count [4.10 p.18, 5.2 p.20]. Unit: µm.
         position_bits: Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
-        ssi_gray: Position encoding in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20].
+        ssi_gray: Position encoding in the SSI word: 1 for Gray code, 0 for binary code [4.1 p.15, 5.2 p.20].
         scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. They
             are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
@@ -275,8 +275,8 @@ class Variant(Linear, Wrapping):
 
     @property
     def biss_gray(self) -> int:
-        """Position encoding in the BiSS single cycle data: 1 for Gray, 0 for binary [6.4 p.31]. Equals ``1 -
-        output_code``.
+        """Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31]. Equals ``1
+        - output_code``.
         """
         return 1 - self.output_code
 

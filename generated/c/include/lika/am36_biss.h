@@ -160,9 +160,9 @@ typedef struct lika_am36_biss {
      */
     uint32_t used_information;
     /**
-     * Position encoding over BiSS, as currently set: 0 Gray, 1 binary [6.5 p.26]. Read at run time
-     * from register 49h (Output code in Configuration), 0 to 1. lika_am36_biss_take_configuration()
-     * updates it.
+     * Position encoding over BiSS, as currently set: 0 Gray code, 1 binary code [6.5 p.26]. Read at
+     * run time from register 49h (Output code in Configuration), 0 to 1.
+     * lika_am36_biss_take_configuration() updates it.
      */
     uint8_t output_code;
 } lika_am36_biss;
@@ -182,7 +182,7 @@ static inline uint32_t lika_am36_biss_used_position_bits(const lika_am36_biss *v
     return (uint32_t)variant->used_singleturn_bits + variant->used_multiturn_bits;
 }
 
-/** Position encoding over BiSS, as currently set: 1 Gray, 0 binary [6.5 p.26]. */
+/** Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. */
 static inline uint32_t lika_am36_biss_biss_gray(const lika_am36_biss *variant)
 {
     return 1U - variant->output_code;

@@ -130,7 +130,7 @@ typedef struct lika_am36_ssi {
     uint8_t singleturn_bits;
     /** Number of bits for the revolutions given by the order code [5.2]. Unit: bits. */
     uint8_t multiturn_bits;
-    /** Position encoding over SSI, given by the order code: 1 Gray, 0 binary [5, 5.2]. */
+    /** Position encoding over SSI, given by the order code: 1 Gray code, 0 binary code [5, 5.2]. */
     uint8_t ssi_gray;
 } lika_am36_ssi;
 

@@ -184,7 +184,9 @@ static inline uint32_t lika_sma21_biss_scd_value_bits(const lika_sma21_biss *var
         ((uint32_t)variant->scd_padding_bits * variant->offset_selected);
 }
 
-/** Position encoding in the BiSS single cycle data: 1 for Gray, 0 for binary [6.4 p.31]. */
+/**
+ * Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31].
+ */
 static inline uint32_t lika_sma21_biss_biss_gray(const lika_sma21_biss *variant)
 {
     return 1U - variant->output_code;

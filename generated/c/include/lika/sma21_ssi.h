@@ -116,7 +116,9 @@ typedef struct lika_sma21_ssi {
      * Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
      */
     uint8_t position_bits;
-    /** Position encoding in the SSI word: 1 for Gray, 0 for binary [4.1 p.15, 5.2 p.20]. */
+    /**
+     * Position encoding in the SSI word: 1 for Gray code, 0 for binary code [4.1 p.15, 5.2 p.20].
+     */
     uint8_t ssi_gray;
 } lika_sma21_ssi;
 
