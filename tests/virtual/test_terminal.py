@@ -58,7 +58,7 @@ def test_the_live_example_of_the_package(generated_python: Package, capsys: pyte
     assert f'lookup("{CODE}")' in block
     turned = 3 * lika.lookup(CODE).counts_per_turn + 1_000_003
     with simulated(CODE, "--position", str(turned)) as port:
-        exec(block.replace("/dev/ttyUSB0", port).replace("range(100)", "range(3)"), {})
+        exec(re.sub(r'open_encoder\("[^"]+"', f'open_encoder("{port}"', block).replace("range(100)", "range(3)"), {})
         assert capsys.readouterr().out == f"{turned}\n" * 3
         with lika.open_encoder(port, CODE) as link:
             assert link.position() == 1_000_003, "the revolutions are reset"
