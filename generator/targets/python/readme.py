@@ -182,11 +182,13 @@ class Readme:
     def live(self) -> Shown | None:
         """Order code with RS-485, with the name of a procedure that clears most alarms, if there is one."""
         variant = self._example_variant("rs485")
+        if variant is None:
+            return None
         cleared = [name for alarm in self.device.alarms for name in alarm.cleared_by]
-        over = [item for item in self._procedures.values() if item.procedure.interface == "rs485"]
+        over = [item for item in self._procedures.values() if item.procedure.interface == variant.interface]
         resets = [item for item in over if item.procedure.name in cleared and not item.arguments]
         best = max(resets, key=lambda item: cleared.count(item.procedure.name), default=None)
-        return Shown(variant.code, "", best.name if best else "", "", module=self.context.module) if variant else None
+        return Shown(variant.code, "", best.name if best else "", "", module=self.context.module)
 
     @property
     def run_time(self) -> list[Shown]:
