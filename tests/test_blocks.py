@@ -104,6 +104,9 @@ ELSEWHERE = {
     "generated/python/README.md": {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
         "python: import": "tests/verify/test_stream.py::test_the_readme_of_an_engine",
+        "python: from lika_encoders import LinkError": (
+            "tests/virtual/test_terminal.py::test_the_live_example_of_the_package"
+        ),
     },
     "examples/python-two-manufacturers/README.md": {
         ": codewheel generate": "tests/python/test_two_manufacturers.py::test_the_example",
@@ -123,8 +126,6 @@ EXCEPTIONS = {
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
-    ("generated/python/README.md", "python: from lika_encoders import LinkError"): "needs a serial port. "
-    "tests/virtual/test_live_links.py opens a pseudo-terminal like this",
     ("examples/rust-target/README.md", ": pip install"): "as above; test_the_readme runs the line after it",
     (
         "examples/rust-target/README.md",

@@ -183,6 +183,12 @@ def archive(entries: dict[str, bytes]) -> bytes:
 META = b"[device 1]\ncapturefile=logic-1\nsamplerate=24 MHz\nprobe1=MA\nprobe2=SLO\nunitsize=1\n"
 
 
+def test_a_number_without_a_probe_is_quoted(tmp_path: Path) -> None:
+    paths = session(tmp_path / "it.sr", wave())
+    with pytest.raises(InputError, match=r"no channel '3'; the channels are 'MA', 'SLO'"):
+        read(paths, clock="3")
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -279,6 +285,7 @@ def test_mutated_files_give_a_table_or_one_line(form: str, tmp_path: Path) -> No
         ("position=32,error=2", "error is one bit"),
         ("position=32,crc=6", "is not a CRC"),
         ("position=32,crc=6:0x100", "is not a CRC"),
+        ("position=32,crc=6:0x44", "the last term of its polynomial must be 1, so 0x44 needs bit 0 set"),
         ("crc=6:0x43,position=32", "the CRC must be the last field"),
         ("a=1,a=2", "two fields have the same name"),
         ("position=1_0", "is not a field"),

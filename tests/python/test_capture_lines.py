@@ -210,7 +210,7 @@ def test_capture_command(command: Command) -> None:
     )
     assert code == 1
     assert json.loads(out)["lost"] == {"the clock stops after 14 of 40 bits": 1}
-    said = "5% of the cycles have no valid frame; check the order code and the channels (--max-errors is 4)"
+    said = "5% of the cycles have no valid frame; check the layout (--biss) and the channels (--max-errors is 4)"
     assert err == f"lika-encoders: {said}\n"
 
 
@@ -232,12 +232,24 @@ def test_capture_with_si_units(command: Command) -> None:
     assert [float(row["radians_per_second"]) for row in rows[1:]] == pytest.approx(speeds)
 
 
+def test_one_turn_is_a_position_with_degrees(command: Command) -> None:
+    layout = biss_layout("singleturn=32,error,warning,crc=6:0x43")
+    table = layout.decode_many([biss_word(1 << 30), biss_word(3 << 30)])
+    assert table["position"].tolist() == [1 << 30, 3 << 30]
+    assert table.in_units("degrees").tolist() == [90.0, 270.0]
+    assert (layout.modulus, layout.counts_per_turn) == (1 << 32, 1 << 32)
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
         (["capture", "nothing.sr", *FIELDS], 1, "nothing.sr: No such file or directory"),
         (["capture", "AMM5A21/65KSC1"], 2, "give the order code and the file of the capture, or --biss and the file"),
         (["capture", "AMM5A21", "it.npy"], 2, "AMM5A21"),
+        (["capture", "it.npy"], 2, "it.npy is a file: give the order code in front of it, or --biss"),
+        (["capture", "it.npy", "it.npy"], 2, "it.npy is a file: give the order code in front of it, or --biss"),
+        (["capture", "it.npy", *FIELDS, "--rate", "10MHz", "--si"], 2, "use singleturn=32 instead of position=32"),
+        (["decode", "AMM5A21/65KSC1", "0x55bcd15e2", "--si"], 2, "--si needs a file with a column 'time'"),
         (["capture", "it.npy", "--biss", "position"], 2, "'position' is not a field"),
         (["capture", "it.npy", *FIELDS, "--clock", "7"], 1, "it.npy: no channel '7'; the channels are '1', '2'"),
         (["capture", "it.npy", *FIELDS, "--clock", "2", "--data", "2"], 2, "the clock and the data line are the same"),
@@ -290,6 +302,8 @@ def test_plot(command: Command, kind: str, tmp_path: Path) -> None:
     assert (code, out, err) == (0, f"it.{kind}: 39 frames, 1 lost\n", "")
     Path("it.csv").write_text("time,word\n0,0x55bcd15e2\n0.1,\n0.2,0x55bcd1564\n0.3,0x55bcd15e2\n")
     assert command("plot", "AMM5A21/65KSC1", "it.csv", "-o", f"it2.{kind}")[1] == f"it2.{kind}: 4 frames, 0 lost\n"
+    Path("it3.csv").write_text(f"time,word\n0,{0x55BCD15E2}\n0.1,{0x55BCD15E2}\n")
+    assert command("plot", "AMM5A21/65KSC1", "it3.csv", "-o", f"it3.{kind}", "--digits", "decimal")[0] == 0
     code, out, err = command("plot", "it.npy", *FIELDS, "-o", "it.jpg")
     assert (code, out, err) == (2, "", "lika-encoders: it.jpg: the name of a picture ends in .png, .svg or .pdf\n")
     picture = (tmp_path / f"it.{kind}").read_bytes()

@@ -255,7 +255,13 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
         ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
         ("it.csv", b"word\nxyz\n0x1\nzyx\n", [], 1, "it.csv, line 2: 'xyz' is not a hexadecimal number"),
-        ("it.csv", b"word\n17\n", [], 1, "it.csv, line 2: '17' can be decimal or hexadecimal; choose the digits"),
+        (
+            "it.csv",
+            b"word\n17\n",
+            [],
+            1,
+            "it.csv, line 2: '17' can be decimal or hexadecimal: choose --digits decimal or",
+        ),
         ("it.csv", b"word\n1f\n", ["--digits", "decimal"], 1, "line 2: '1f' is not a decimal number"),
         ("it.csv", b"a,b\n1,0x2\n", [], 1, "choose the column with the frames; the columns are 'a', 'b'"),
         ("it.csv", b"a,b\n1,0x2\n", ["--column", "c"], 1, "line 1: no column 'c'; the columns are 'a', 'b'"),
@@ -315,7 +321,7 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
     for table, said in (
-        ({"word": [1.5]}, "column 'word': 1.5 is not an integer"),
+        ({"word": [1.5]}, "column 'word': the frame in row 1 is not an integer: 1.5"),
         ({"word": [True]}, "column 'word': expected numbers, bytes or text, got items of the type bool"),
         ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is not a hexadecimal number"),
         ({"a": [1], "b": [2]}, "choose the column with the frames; the columns are 'a', 'b'"),
@@ -502,8 +508,8 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     for wrong, said in (
         (table.append_column("position", [[1, 2, 3]]), "already has a column 'position'"),
         (pyarrow.table({"word": ["x"]}), "'x' is not a hexadecimal number"),
-        (pandas.DataFrame({"word": [1.5]}), "1.5 is not an integer"),
-        (pandas.DataFrame({"word": [True]}), "a frame must be an integer, got True"),
+        (pandas.DataFrame({"word": [1.5]}), "the frame in row 1 is not an integer: 1.5"),
+        (pandas.DataFrame({"word": [True]}), "the frame in row 1 must be an integer, got True"),
     ):
         with pytest.raises(ValueError, match=said):
             lika.decode_partition(wrong, encoder, "word")

@@ -16,6 +16,7 @@ import pyarrow.parquet
 import pytest
 from codewheel_runtime import fast_csv
 from codewheel_runtime.command import main
+from codewheel_runtime.inputs import InputError
 
 CODE = "AMM5A21/65KSC1"
 #: The frame of AMM5's manual page, 42 revolutions and 1821973 counts; with a wrong bit; with an active error bit.
@@ -136,6 +137,46 @@ def test_other_columns_come_first_and_as_they_are(decode: Any, tmp_path: Path) -
     ]
 
 
+@pytest.mark.parametrize("source", ["it.csv", "it.parquet"])
+def test_si_units_of_a_file_with_a_time(lika: Any, decode: Any, tmp_path: Path, source: str) -> None:
+    """A quarter of a turn in each second is pi / 2 rad/s."""
+    encoder = lika.lookup(CODE)
+    quarter = encoder.counts_per_turn // 4
+    words = encoder.encode_many({"position": [0, quarter, 2 * quarter]}).tolist()
+    if source == "it.csv":
+        rows = zip(("0", "", "2"), words, strict=True)
+        (tmp_path / source).write_text("time,word\n" + "".join(f"{time},{word:#x}\n" for time, word in rows))
+    else:
+        pyarrow.parquet.write_table(pyarrow.table({"time": [0.0, None, 2.0], "word": words}), tmp_path / source)
+    code, out, err = decode(CODE, source, "--si")
+    assert (code, column(out, "radians_per_second")) == (0, ["", "", ""]), err
+    assert [float(cell) for cell in column(out, "radians")] == pytest.approx([0, numpy.pi / 2, numpy.pi])
+    (tmp_path / "good.csv").write_text("time,word\n" + "".join(f"{at},{word:#x}\n" for at, word in enumerate(words)))
+    names = "radians,radians_per_second"
+    code, out, err = decode(CODE, "good.csv", "--si", "--columns", names)
+    assert (code, out.splitlines()[0]) == (0, names), err
+    speeds = column(out, "radians_per_second")
+    assert speeds[0] == ""
+    assert [float(cell) for cell in speeds[1:]] == pytest.approx([numpy.pi / 2] * 2)
+    assert decode(CODE, "good.csv", "--si", "-o", "out.parquet")[0] == 0
+    assert pyarrow.parquet.read_table(tmp_path / "out.parquet")["radians"].to_pylist()[1] == pytest.approx(numpy.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("content", "code", "said"),
+    [
+        ("word\n0x1\n", 2, "it.csv has no column 'time', which speeds in SI units need"),
+        (f"time,word\nnoon,{GOOD:#x}\n", 1, "it.csv, column 'time': expected numbers in seconds"),
+        (f"time,word,radians\n0,{GOOD:#x},1\n", 2, "it.csv already has a column 'radians'"),
+    ],
+)
+def test_si_units_of_a_file_without_a_time(decode: Any, tmp_path: Path, content: str, code: int, said: str) -> None:
+    (tmp_path / "it.csv").write_text(content)
+    done, _, err = decode(CODE, "it.csv", "--si", "-o", "out.csv")
+    assert (done, said in err, err.count("\n")) == (code, True, 1), err
+    assert not (tmp_path / "out.csv").exists()
+
+
 def test_columns_of_parquet_keep_their_types(decode: Any, tmp_path: Path) -> None:
     times = pyarrow.array([1, None], pyarrow.timestamp("us"))
     words = pyarrow.table({"time": times, "word": [GOOD, None], "raw": [b"\x01", None], "on": [True, False]})
@@ -247,6 +288,29 @@ def test_missing_frames_are_rows(lika: Any) -> None:
             encoder.decode_many(numpy.array(wrong))
     found = lika.decode_partition(pyarrow.table({"word": [GOOD, None]}), encoder)
     assert (found["fault"].to_pylist(), found["position"].to_pylist()) == (["none", "length"], [POSITION, None])
+    assert [found[name].to_pylist() for name in ("error", "warning")] == [[False, None]] * 2
+    assert encoder.decode_many([GOOD, None])[1]["error"] is None
+
+
+def test_flags_of_missing_frames_are_null_in_pandas(lika: Any) -> None:
+    pytest.importorskip("pandas", reason="pandas is not installed: its columns are not tried")
+    for frames, missing in (([SPOILT, None], [False, True]), ([SPOILT, GOOD], [False, False])):
+        found = lika.lookup(CODE).decode_many(frames).to_pandas()["error"]
+        assert (str(found.dtype), found.isna().tolist(), found[0]) == ("boolean", missing, True)
+
+
+def test_a_column_that_is_not_frames_names_the_row(lika: Any) -> None:
+    encoder = lika.lookup(CODE)
+    for frames in (numpy.array([1.0, 0.5]), [1, 0.5], pyarrow.array([1.0, 0.5])):
+        with pytest.raises(TypeError, match="the frame in row 2 "):
+            encoder.decode_many(frames)
+    with pytest.raises(InputError, match="row 1: frames as text need 0x in front: convert the column to integers"):
+        encoder.decode_many(pyarrow.array([str(GOOD)]))
+
+
+def test_unknown_units_of_speed_list_rpm(lika: Any) -> None:
+    with pytest.raises(ValueError, match=r"'knots' is not a unit of speeds: use counts, .*, metres, rpm"):
+        lika.lookup(CODE).decode_many([GOOD]).velocity(1.0, "knots")
 
 
 @pytest.mark.parametrize(

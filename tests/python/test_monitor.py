@@ -57,7 +57,7 @@ def test_a_terminal_shows_the_last_state(encoder: Any) -> None:
     assert shown["position"] == "-"
     assert shown["verdict"] == "not usable"
     assert shown["alarms"] == "error"
-    assert shown["errors"] == "1 of 3 readings: 1 no reply"
+    assert shown["errors"] == "1 of 3 readings failed: 1 no reply"
     assert shown[""] == "no reply within 50 ms"
     assert "89902357 counts" in out.getvalue()
 
@@ -71,7 +71,7 @@ def test_elsewhere_each_reading_is_a_line(encoder: Any) -> None:
     assert lines[0].endswith(" 0 counts 0.00000° - usable")
     # A quarter of a revolution in 0.25 s.
     assert lines[1].endswith(" 524288 counts 90.00000° 60.000 rpm usable")
-    assert lines[2] == "0 of 2 readings"
+    assert lines[2] == "0 of 2 readings failed"
 
 
 def test_an_encoder_that_never_answers_is_an_error(encoder: Any) -> None:

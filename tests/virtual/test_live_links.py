@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import shlex
 import subprocess
 import sys
@@ -48,6 +49,19 @@ def test_the_first_commands_of_a_user(generated_python: Package) -> None:
         assert encoder.position() == 0
         # The line of the runtime's own ``run`` too.
         lika.run(lika.amm5.reset_errors(), encoder)
+
+
+def test_the_live_example_of_the_package(generated_python: Package, capsys: pytest.CaptureFixture[str]) -> None:
+    folder, lika = generated_python[0], generated_python[1]
+    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    block = next(item for item in blocks if "open_encoder(" in item)
+    assert f'lookup("{CODE}")' in block
+    turned = 3 * lika.lookup(CODE).counts_per_turn + 1_000_003
+    with simulated(CODE, "--position", str(turned)) as port:
+        exec(re.sub(r'open_encoder\("[^"]+"', f'open_encoder("{port}"', block).replace("range(100)", "range(3)"), {})
+        assert capsys.readouterr().out == f"{turned}\n" * 3
+        with lika.open_encoder(port, CODE) as link:
+            assert link.position() == 1_000_003, "the revolutions are reset"
 
 
 def test_over_tcp_and_for_asyncio(generated_python: Package) -> None:

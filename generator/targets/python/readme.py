@@ -179,6 +179,18 @@ class Readme:
         return found
 
     @property
+    def live(self) -> Shown | None:
+        """Order code with RS-485, with the name of a procedure that clears most alarms, if there is one."""
+        variant = self._example_variant("rs485")
+        if variant is None:
+            return None
+        cleared = [name for alarm in self.device.alarms for name in alarm.cleared_by]
+        over = [item for item in self._procedures.values() if item.procedure.interface == variant.interface]
+        resets = [item for item in over if item.procedure.name in cleared and not item.arguments]
+        best = max(resets, key=lambda item: cleared.count(item.procedure.name), default=None)
+        return Shown(variant.code, "", best.name if best else "", "", module=self.context.module)
+
+    @property
     def run_time(self) -> list[Shown]:
         """Example of a register that changes the form of frames."""
         for item in self.device.run_time_parameters:
