@@ -105,7 +105,7 @@ ELSEWHERE = {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
         "python: import": "tests/verify/test_stream.py::test_the_readme_of_an_engine",
         "python: from lika_encoders import LinkError": (
-            "tests/virtual/test_terminal.py::test_the_live_example_of_the_package"
+            "tests/virtual/test_live_links.py::test_the_live_example_of_the_package"
         ),
     },
     "examples/python-two-manufacturers/README.md": {

@@ -74,7 +74,7 @@ static cw_result show_frame(void)
     }
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    /* A frame can be well formed and have a correct CRC while its position is not usable. */
+    /* A frame can be well formed while its position is not usable. */
     verdict = lika_asc85_ssi_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {

@@ -90,7 +90,7 @@ static cw_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     print_reports(lika_sma21_ssi_reports(encoder, &frame));
-    /* A frame can be well formed and have a correct CRC while its position is not usable. */
+    /* A frame can be well formed while its position is not usable. */
     verdict = lika_sma21_ssi_verdict(encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {

@@ -1,5 +1,5 @@
 /** @file
- * codewheel/encoder.h - interfaces, register access, reports and order codes of encoders
+ * codewheel/encoder.h - register access, reports and order codes of encoders
  *
  * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
  * This file is yours: use it, change it and pass it on as you like.
@@ -29,14 +29,6 @@ typedef struct cw_report_text {
     const char *remedy; /**< what to do about it */
     const char *source; /**< section and page of the manual */
 } cw_report_text;
-
-/** Interface of an encoder. */
-typedef enum cw_interface {
-    CW_INTERFACE_NONE = 0,
-    CW_INTERFACE_SSI = 1,
-    CW_INTERFACE_BISS = 2,
-    CW_INTERFACE_RS485 = 3
-} cw_interface;
 
 /** Access of a master to a register. */
 typedef enum cw_access {

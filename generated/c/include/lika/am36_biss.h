@@ -16,7 +16,7 @@
  *         ... position ...
  *     }
  *
- * The word comes from a BiSS C-mode master, or from SPI and DMA by LIKA_AM36_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_AM36_BISS_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   am36_biss_labels.h           order codes by the text on a label
@@ -35,19 +35,11 @@
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
  *             https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html
  *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic, the first page of the BiSS
  *                  section -
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
- *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
@@ -251,7 +243,7 @@ typedef enum lika_am36_biss_report {
  * In edition 1.1: may differ, see the page of the encoder.
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.6 p.32]. */
-#define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U /**< clock max hz */
+#define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
 /** Time-out: varies with the clock, at most 10 us [6.6 p.32]. */
 #define LIKA_AM36_BISS_TIMEOUT_AT_MOST_NS 10000U
 /** Register address: 7 bits: Register to read or to write [6.4 p.22]. */
@@ -261,8 +253,8 @@ typedef enum lika_am36_biss_report {
  * the register [6.4 p.22].
  */
 #define LIKA_AM36_BISS_CONTROL_RW_BITS 2U
-#define LIKA_AM36_BISS_CONTROL_RW_WRITE 0x01U /**< control rw write */
-#define LIKA_AM36_BISS_CONTROL_RW_READ 0x02U /**< control rw read */
+#define LIKA_AM36_BISS_CONTROL_RW_WRITE 0x01U /**< RW: "01" */
+#define LIKA_AM36_BISS_CONTROL_RW_READ 0x02U /**< RW: "10" */
 /**
  * DATA: 8 bits: Value written by the master or read from the encoder, most significant bit first
  * [6.4 p.22].
@@ -285,14 +277,14 @@ typedef enum lika_am36_biss_report {
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
-#define LIKA_AM36_BISS_AM3616_4096_I7_BITS 44U /**< bits of its frame */
-#define LIKA_AM36_BISS_AM3616_4096_I7_RX_BYTES 12U /**< bytes of its buffer */
-#define LIKA_AM36_BISS_AM3619_4096_I7_BITS 44U /**< bits of its frame */
-#define LIKA_AM36_BISS_AM3619_4096_I7_RX_BYTES 12U /**< bytes of its buffer */
-#define LIKA_AM36_BISS_AMC3616_4096_I7_BITS 44U /**< bits of its frame */
-#define LIKA_AM36_BISS_AMC3616_4096_I7_RX_BYTES 12U /**< bytes of its buffer */
-#define LIKA_AM36_BISS_AMC3619_4096_I7_BITS 44U /**< bits of its frame */
-#define LIKA_AM36_BISS_AMC3619_4096_I7_RX_BYTES 12U /**< bytes of its buffer */
+#define LIKA_AM36_BISS_AM3616_4096_I7_BITS 44U /**< number of bits in its frame */
+#define LIKA_AM36_BISS_AM3616_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
+#define LIKA_AM36_BISS_AM3619_4096_I7_BITS 44U /**< number of bits in its frame */
+#define LIKA_AM36_BISS_AM3619_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
+#define LIKA_AM36_BISS_AMC3616_4096_I7_BITS 44U /**< number of bits in its frame */
+#define LIKA_AM36_BISS_AMC3616_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
+#define LIKA_AM36_BISS_AMC3619_4096_I7_BITS 44U /**< number of bits in its frame */
+#define LIKA_AM36_BISS_AMC3619_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,

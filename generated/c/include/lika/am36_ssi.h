@@ -9,13 +9,20 @@
  *
  * To read a position:
  *
- *     static const lika_am36_ssi *const encoder = &LIKA_AM36_SSI_AM3616_4096_BG;
+ *     static const lika_am36_ssi *const encoder = &LIKA_AM36_SSI_AM3619_4096_GG;
+ *     uint32_t first;
  *     uint32_t position;
- *     if (lika_am36_ssi_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (lika_am36_ssi_position(encoder, word, &first) != CW_NOT_USABLE
+ *         && lika_am36_ssi_position(encoder, next, &position) != CW_NOT_USABLE
+ *         && cw_ssi_repeats(first, position, lika_am36_ssi_modulus(encoder), AT_MOST) == CW_OK) {
  *         ... position ...
  *     }
  *
- * The word comes from a SSI master, or from SPI and DMA by LIKA_AM36_SSI_RECEIVE.
+ * Two words, read in immediate succession with only the pause between them, must agree, since no
+ * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
+ * number of counts that the axis can move in the meantime.
+ *
+ * Each word comes from a master for SSI, or from SPI and DMA by LIKA_AM36_SSI_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   am36_ssi_labels.h            order codes by the text on a label
@@ -28,29 +35,18 @@
  * codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
- *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
- *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
- *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
  *             https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html
  *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic, the first page of the BiSS
  *                  section -
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
- *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_AM36_SSI_AM3616_4096_BG for example
+ *   variant     an order code, LIKA_AM36_SSI_AM3619_4096_GG for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -170,7 +166,7 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
  * In edition 1.1: may differ, see the page of the encoder.
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 3 MHz [5.3]. */
-#define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /**< clock max hz */
+#define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /**< highest clock in Hz */
 /**
  * Tm: typically 12 us: Time from the end of the clock signal until the encoder is ready for the
  * next transmission and sets the data line high [5.1].
@@ -186,26 +182,26 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
  * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
  * buffer.
  */
-#define LIKA_AM36_SSI_AM3616_4096_BG_BITS 28U /**< bits of its frame */
-#define LIKA_AM36_SSI_AM3616_4096_BG_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AM3616_4096_GG_BITS 28U /**< bits of its frame */
-#define LIKA_AM36_SSI_AM3616_4096_GG_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AM3619_4096_BG_BITS 31U /**< bits of its frame */
-#define LIKA_AM36_SSI_AM3619_4096_BG_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AM3619_4096_GG_BITS 31U /**< bits of its frame */
-#define LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AMC3616_4096_BG_BITS 28U /**< bits of its frame */
-#define LIKA_AM36_SSI_AMC3616_4096_BG_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AMC3616_4096_GG_BITS 28U /**< bits of its frame */
-#define LIKA_AM36_SSI_AMC3616_4096_GG_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AMC3619_4096_BG_BITS 31U /**< bits of its frame */
-#define LIKA_AM36_SSI_AMC3619_4096_BG_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AM36_SSI_AMC3619_4096_GG_BITS 31U /**< bits of its frame */
-#define LIKA_AM36_SSI_AMC3619_4096_GG_RX_BYTES 5U /**< bytes of its buffer */
+#define LIKA_AM36_SSI_AM3616_4096_BG_BITS 28U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AM3616_4096_BG_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AM3616_4096_GG_BITS 28U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AM3616_4096_GG_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AM3619_4096_BG_BITS 31U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AM3619_4096_BG_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AM3619_4096_GG_BITS 31U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AMC3616_4096_BG_BITS 28U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AMC3616_4096_BG_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AMC3616_4096_GG_BITS 28U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AMC3616_4096_GG_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AMC3619_4096_BG_BITS 31U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AMC3619_4096_BG_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AM36_SSI_AMC3619_4096_GG_BITS 31U /**< number of bits in its frame */
+#define LIKA_AM36_SSI_AMC3619_4096_GG_RX_BYTES 5U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write AM3616_4096_BG for example, as in LIKA_AM36_SSI_AM3616_4096_BG_BITS. The array rx has its
+ * write AM3619_4096_GG for example, as in LIKA_AM36_SSI_AM3619_4096_GG_BITS. The array rx has its
  * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_ssi_receive
  * yourself.
  */

@@ -9,13 +9,13 @@
  *
  * To read a position:
  *
- *     static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A17_1SC1;
+ *     static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
  *     uint64_t position;
  *     if (lika_amm5_biss_position(encoder, word, &position) != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
- * The word comes from a BiSS C-mode master, or from SPI and DMA by LIKA_AMM5_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_AMM5_BISS_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   amm5_biss_labels.h           order codes by the text on a label
@@ -24,7 +24,7 @@
  *   amm5_biss_procedures.h       procedures, step by step
  *   amm5_biss_simulate.h         the encoder's side, for simulators and tests
  *
- * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; compared with: it 1.9)
+ * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
  * Differences from other editions of the manual are noted inline. To generate files for one, use
@@ -36,26 +36,13 @@
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
- *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
- *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
- *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic, the page with the device
- *                    ID -
- *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
- *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
- *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_AMM5_BISS_A17_1SC1 for example
+ *   variant     an order code, LIKA_AMM5_BISS_A21_65KSC1 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -218,7 +205,7 @@ typedef enum lika_amm5_biss_report {
  * Before edition 1.4: may differ, see the page of the encoder.
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /**< Clock: 50 kHz to 10 MHz [6.5 p.40]. */
-#define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U /**< clock max hz */
+#define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
 /** Register address: 7 bits: Register to read or to write [6.3 p.34]. */
 #define LIKA_AMM5_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
 /**
@@ -226,8 +213,8 @@ typedef enum lika_amm5_biss_report {
  * the register [6.3 p.34].
  */
 #define LIKA_AMM5_BISS_CONTROL_RW_BITS 2U
-#define LIKA_AMM5_BISS_CONTROL_RW_WRITE 0x01U /**< control rw write */
-#define LIKA_AMM5_BISS_CONTROL_RW_READ 0x02U /**< control rw read */
+#define LIKA_AMM5_BISS_CONTROL_RW_WRITE 0x01U /**< RW: "01" */
+#define LIKA_AMM5_BISS_CONTROL_RW_READ 0x02U /**< RW: "10" */
 /**
  * DATA: 8 bits: Value written by the master or read from the encoder, most significant bit first
  * [6.3 p.34].
@@ -248,35 +235,36 @@ typedef enum lika_amm5_biss_report {
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
-#define LIKA_AMM5_BISS_A17_1SC1_BITS 25U /**< bits of its frame */
-#define LIKA_AMM5_BISS_A17_1SC1_RX_BYTES 9U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_A17_65KSC1_BITS 41U /**< bits of its frame */
-#define LIKA_AMM5_BISS_A17_65KSC1_RX_BYTES 11U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_A21_1SC1_BITS 29U /**< bits of its frame */
-#define LIKA_AMM5_BISS_A21_1SC1_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_A21_65KSC1_BITS 45U /**< bits of its frame */
-#define LIKA_AMM5_BISS_A21_65KSC1_RX_BYTES 12U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_A23_1SC1_BITS 31U /**< bits of its frame */
-#define LIKA_AMM5_BISS_A23_1SC1_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_A23_65KSC1_BITS 47U /**< bits of its frame */
-#define LIKA_AMM5_BISS_A23_65KSC1_RX_BYTES 12U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_B17_1SC1_BITS 25U /**< bits of its frame */
-#define LIKA_AMM5_BISS_B17_1SC1_RX_BYTES 9U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_B17_65KSC1_BITS 41U /**< bits of its frame */
-#define LIKA_AMM5_BISS_B17_65KSC1_RX_BYTES 11U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_B21_1SC1_BITS 29U /**< bits of its frame */
-#define LIKA_AMM5_BISS_B21_1SC1_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_B21_65KSC1_BITS 45U /**< bits of its frame */
-#define LIKA_AMM5_BISS_B21_65KSC1_RX_BYTES 12U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_B23_1SC1_BITS 31U /**< bits of its frame */
-#define LIKA_AMM5_BISS_B23_1SC1_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_AMM5_BISS_B23_65KSC1_BITS 47U /**< bits of its frame */
-#define LIKA_AMM5_BISS_B23_65KSC1_RX_BYTES 12U /**< bytes of its buffer */
+#define LIKA_AMM5_BISS_A17_1SC1_BITS 25U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_A17_1SC1_RX_BYTES 9U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_A17_65KSC1_BITS 41U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_A17_65KSC1_RX_BYTES 11U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_A21_1SC1_BITS 29U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_A21_1SC1_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_A21_65KSC1_BITS 45U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_A21_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_A23_1SC1_BITS 31U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_A23_1SC1_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_A23_65KSC1_BITS 47U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_A23_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_B17_1SC1_BITS 25U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_B17_1SC1_RX_BYTES 9U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_B17_65KSC1_BITS 41U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_B17_65KSC1_RX_BYTES 11U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_B21_1SC1_BITS 29U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_B21_1SC1_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_B21_65KSC1_BITS 45U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_B21_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_B23_1SC1_BITS 31U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_B23_1SC1_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_AMM5_BISS_B23_65KSC1_BITS 47U /**< number of bits in its frame */
+#define LIKA_AMM5_BISS_B23_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write A17_1SC1 for example, as in LIKA_AMM5_BISS_A17_1SC1_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_biss_receive yourself.
+ * write A21_65KSC1 for example, as in LIKA_AMM5_BISS_A21_65KSC1_BITS. The array rx has its
+ * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_biss_receive
+ * yourself.
  */
 #define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
     cw_biss_receive((rx), \

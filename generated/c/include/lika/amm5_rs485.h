@@ -9,13 +9,15 @@
  *
  * To read a position:
  *
- *     static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A17_1JP1;
+ *     static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
  *     lika_amm5_rs485_complete_reply frame;
  *     if (lika_amm5_rs485_complete_reply_decode(encoder, bytes, length, &frame) == CW_OK
  *         && lika_amm5_rs485_complete_reply_verdict(encoder, &frame) != CW_NOT_USABLE) {
  *         ... frame.position ...
  *     }
  *
+ * The bytes are the reply to LIKA_AMM5_RS485_CONTROL_ALL_DATA. cw_rs485_ask and cw_rs485_take in
+ * codewheel/receive.h collect them from a serial port.
  *
  * Further headers of this interface, only for those who need them:
  *   amm5_rs485_labels.h          order codes by the text on a label
@@ -23,7 +25,7 @@
  *   amm5_rs485_procedures.h      procedures, step by step
  *   amm5_rs485_simulate.h        the encoder's side, for simulators and tests
  *
- * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; compared with: it 1.9)
+ * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
  * Differences from other editions of the manual are noted inline. To generate files for one, use
@@ -32,29 +34,16 @@
  * Before edition 1.3: may differ, see the page of the encoder.
  *
  * Other documents, cited by the word before the colon:
- *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
- *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
- *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
  *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
  *           https://github.com/TexasInstruments/motor-control-sdk
  *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
- *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
- *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
- *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic, the page with the device
- *                    ID -
- *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
- *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
- *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_AMM5_RS485_A17_1JP1 for example
+ *   variant     an order code, LIKA_AMM5_RS485_A23_65KJP1 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -266,9 +255,9 @@ typedef enum lika_amm5_rs485_report {
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
-#define LIKA_AMM5_RS485_DATA_BITS 8U /**< data bits */
-#define LIKA_AMM5_RS485_PARITY 'N' /**< parity */
-#define LIKA_AMM5_RS485_STOP_BITS 1U /**< stop bits */
+#define LIKA_AMM5_RS485_DATA_BITS 8U /**< number of data bits */
+#define LIKA_AMM5_RS485_PARITY 'N' /**< parity: none */
+#define LIKA_AMM5_RS485_STOP_BITS 1U /**< number of stop bits */
 /** reset_interval: at least 40 us: Interval between the ten requests of a reset [7.4.2 p.45]. */
 #define LIKA_AMM5_RS485_RESET_INTERVAL_AT_LEAST_US 40U
 /**
@@ -311,7 +300,7 @@ typedef enum lika_amm5_rs485_data_id {
     LIKA_AMM5_RS485_DATA_ID_RESET_MULTITURN_AND_ERRORS = 0xC
 } lika_amm5_rs485_data_id;
 
-/** First byte of each request and of its reply. */
+/* -- requests: the first byte of each one and of its reply ------------------------------------- */
 /** Data ID 0: 02h, capture: Singleturn position [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_SINGLETURN 0x02U
 /** Data ID 1: 8Ah, capture: Multiturn data [7.3.1 p.42]. */

@@ -9,20 +9,27 @@
  *
  * To read a position:
  *
- *     static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A17_1BG1;
+ *     static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A23_65KBG1;
+ *     uint64_t first;
  *     uint64_t position;
- *     if (lika_amm5_ssi_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (lika_amm5_ssi_position(encoder, word, &first) != CW_NOT_USABLE
+ *         && lika_amm5_ssi_position(encoder, next, &position) != CW_NOT_USABLE
+ *         && cw_ssi_repeats(first, position, lika_amm5_ssi_modulus(encoder), AT_MOST) == CW_OK) {
  *         ... position ...
  *     }
  *
- * The word comes from a SSI master, or from SPI and DMA by LIKA_AMM5_SSI_RECEIVE.
+ * Two words, read in immediate succession with only the pause between them, must agree, since no
+ * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
+ * number of counts that the axis can move in the meantime.
+ *
+ * Each word comes from a master for SSI, or from SPI and DMA by LIKA_AMM5_SSI_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   amm5_ssi_labels.h            order codes by the text on a label
  *   amm5_ssi_reports.h           texts of the reports, alarms and times
  *   amm5_ssi_simulate.h          the encoder's side, for simulators and tests
  *
- * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; compared with: it 1.9)
+ * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
  * Differences from other editions of the manual are noted inline. To generate files for one, use
@@ -30,30 +37,12 @@
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
- * Other documents, cited by the word before the colon:
- *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
- *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
- *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
- *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   amm36: AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial number -
- *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
- *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic, the page with the device
- *                    ID -
- *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
- *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
- *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
- *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_AMM5_SSI_A17_1BG1 for example
+ *   variant     an order code, LIKA_AMM5_SSI_A23_65KBG1 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -172,7 +161,7 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
  * Before edition 1.6: differs, see the page of the encoder.
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.29]. */
-#define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U /**< clock max hz */
+#define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U /**< highest clock in Hz */
 /**
  * Tm: typically 12 us: Time from the end of the clock signal until the encoder is ready for the
  * next transmission and sets the data line high [5.1].
@@ -188,35 +177,36 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
  * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
  * buffer.
  */
-#define LIKA_AMM5_SSI_A17_1BG1_BITS 17U /**< bits of its frame */
-#define LIKA_AMM5_SSI_A17_1BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_A17_65KBG1_BITS 33U /**< bits of its frame */
-#define LIKA_AMM5_SSI_A17_65KBG1_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_A21_1BG1_BITS 21U /**< bits of its frame */
-#define LIKA_AMM5_SSI_A21_1BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_A21_65KBG1_BITS 37U /**< bits of its frame */
-#define LIKA_AMM5_SSI_A21_65KBG1_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_A23_1BG1_BITS 23U /**< bits of its frame */
-#define LIKA_AMM5_SSI_A23_1BG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_A23_65KBG1_BITS 39U /**< bits of its frame */
-#define LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES 6U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_B17_1BG1_BITS 17U /**< bits of its frame */
-#define LIKA_AMM5_SSI_B17_1BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_B17_65KBG1_BITS 33U /**< bits of its frame */
-#define LIKA_AMM5_SSI_B17_65KBG1_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_B21_1BG1_BITS 21U /**< bits of its frame */
-#define LIKA_AMM5_SSI_B21_1BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_B21_65KBG1_BITS 37U /**< bits of its frame */
-#define LIKA_AMM5_SSI_B21_65KBG1_RX_BYTES 5U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_B23_1BG1_BITS 23U /**< bits of its frame */
-#define LIKA_AMM5_SSI_B23_1BG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_AMM5_SSI_B23_65KBG1_BITS 39U /**< bits of its frame */
-#define LIKA_AMM5_SSI_B23_65KBG1_RX_BYTES 6U /**< bytes of its buffer */
+#define LIKA_AMM5_SSI_A17_1BG1_BITS 17U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_A17_1BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_A17_65KBG1_BITS 33U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_A17_65KBG1_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_A21_1BG1_BITS 21U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_A21_1BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_A21_65KBG1_BITS 37U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_A21_65KBG1_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_A23_1BG1_BITS 23U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_A23_1BG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_A23_65KBG1_BITS 39U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES 6U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_B17_1BG1_BITS 17U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_B17_1BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_B17_65KBG1_BITS 33U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_B17_65KBG1_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_B21_1BG1_BITS 21U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_B21_1BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_B21_65KBG1_BITS 37U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_B21_65KBG1_RX_BYTES 5U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_B23_1BG1_BITS 23U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_B23_1BG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_AMM5_SSI_B23_65KBG1_BITS 39U /**< number of bits in its frame */
+#define LIKA_AMM5_SSI_B23_65KBG1_RX_BYTES 6U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write A17_1BG1 for example, as in LIKA_AMM5_SSI_A17_1BG1_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
+ * write A23_65KBG1 for example, as in LIKA_AMM5_SSI_A23_65KBG1_BITS. The array rx has its
+ * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_ssi_receive
+ * yourself.
  */
 #define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
     cw_ssi_receive((rx), \

@@ -10,14 +10,14 @@
  *
  * To read a position:
  *
- *     static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_20_SC1;
+ *     static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_25_SC1;
  *     const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
  *     uint32_t position;
  *     if (lika_asc85_biss_position(encoder, my_zero_bit, word, &position) != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
- * The word comes from a BiSS C-mode master, or from SPI and DMA by LIKA_ASC85_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_ASC85_BISS_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   asc85_biss_labels.h          order codes by the text on a label
@@ -28,27 +28,20 @@
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * Its sections and pages are cited in brackets.
+ *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   icmr: iC-MR data sheet, revision A1, iC-Haus -
- *         http://www.datasheetandpdf.com/EN/ICHAUS/41/IC-MR.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
  *   onstepx: hjd1964/OnStepX, telescope controller with a BiSS C driver for the ASC85, marked
  *            experimental - https://github.com/hjd1964/OnStepX
- *   am36: AM36 AMC36 manual, English edition 1.0, Lika Electronic
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_ASC85_BISS_20_SC1 for example
+ *   variant     an order code, LIKA_ASC85_BISS_25_SC1 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -214,7 +207,7 @@ typedef enum lika_asc85_biss_report {
  * Erratum biss_timeout (open, omission).
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 10 MHz [6.5 p.32]. */
-#define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U /**< clock max hz */
+#define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
 /** Time-out: varies with the clock, 350 ns at 10 MHz [6.5 p.32]. */
 #define LIKA_ASC85_BISS_TIMEOUT_AT_10000000_HZ_NS 350U
 /** Register address: 7 bits: Register to read or to write [6.3 p.21]. */
@@ -224,8 +217,8 @@ typedef enum lika_asc85_biss_report {
  * the register [6.3 p.21].
  */
 #define LIKA_ASC85_BISS_CONTROL_RW_BITS 2U
-#define LIKA_ASC85_BISS_CONTROL_RW_WRITE 0x01U /**< control rw write */
-#define LIKA_ASC85_BISS_CONTROL_RW_READ 0x02U /**< control rw read */
+#define LIKA_ASC85_BISS_CONTROL_RW_WRITE 0x01U /**< RW: "01" */
+#define LIKA_ASC85_BISS_CONTROL_RW_READ 0x02U /**< RW: "10" */
 /**
  * DATA: 8 bits: Value written by the master or read from the encoder, most significant bit first
  * [6.3 p.21].
@@ -242,58 +235,58 @@ typedef enum lika_asc85_biss_report {
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
-#define LIKA_ASC85_BISS_20_SC1_AS_PRINTED_BITS 29U /**< bits of its frame */
-#define LIKA_ASC85_BISS_20_SC1_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_20_SC1_LEFT_OUT_BITS 28U /**< bits of its frame */
-#define LIKA_ASC85_BISS_20_SC1_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_20_SC2_AS_PRINTED_BITS 29U /**< bits of its frame */
-#define LIKA_ASC85_BISS_20_SC2_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_20_SC2_LEFT_OUT_BITS 28U /**< bits of its frame */
-#define LIKA_ASC85_BISS_20_SC2_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_21_SC1_AS_PRINTED_BITS 30U /**< bits of its frame */
-#define LIKA_ASC85_BISS_21_SC1_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_21_SC1_LEFT_OUT_BITS 29U /**< bits of its frame */
-#define LIKA_ASC85_BISS_21_SC1_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_21_SC2_AS_PRINTED_BITS 30U /**< bits of its frame */
-#define LIKA_ASC85_BISS_21_SC2_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_21_SC2_LEFT_OUT_BITS 29U /**< bits of its frame */
-#define LIKA_ASC85_BISS_21_SC2_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_22_SC1_AS_PRINTED_BITS 31U /**< bits of its frame */
-#define LIKA_ASC85_BISS_22_SC1_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_22_SC1_LEFT_OUT_BITS 30U /**< bits of its frame */
-#define LIKA_ASC85_BISS_22_SC1_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_22_SC2_AS_PRINTED_BITS 31U /**< bits of its frame */
-#define LIKA_ASC85_BISS_22_SC2_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_22_SC2_LEFT_OUT_BITS 30U /**< bits of its frame */
-#define LIKA_ASC85_BISS_22_SC2_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_23_SC1_AS_PRINTED_BITS 32U /**< bits of its frame */
-#define LIKA_ASC85_BISS_23_SC1_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_23_SC1_LEFT_OUT_BITS 31U /**< bits of its frame */
-#define LIKA_ASC85_BISS_23_SC1_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_23_SC2_AS_PRINTED_BITS 32U /**< bits of its frame */
-#define LIKA_ASC85_BISS_23_SC2_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_23_SC2_LEFT_OUT_BITS 31U /**< bits of its frame */
-#define LIKA_ASC85_BISS_23_SC2_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_24_SC1_AS_PRINTED_BITS 33U /**< bits of its frame */
-#define LIKA_ASC85_BISS_24_SC1_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_24_SC1_LEFT_OUT_BITS 32U /**< bits of its frame */
-#define LIKA_ASC85_BISS_24_SC1_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_24_SC2_AS_PRINTED_BITS 33U /**< bits of its frame */
-#define LIKA_ASC85_BISS_24_SC2_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_24_SC2_LEFT_OUT_BITS 32U /**< bits of its frame */
-#define LIKA_ASC85_BISS_24_SC2_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS 34U /**< bits of its frame */
-#define LIKA_ASC85_BISS_25_SC1_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_25_SC1_LEFT_OUT_BITS 33U /**< bits of its frame */
-#define LIKA_ASC85_BISS_25_SC1_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_25_SC2_AS_PRINTED_BITS 34U /**< bits of its frame */
-#define LIKA_ASC85_BISS_25_SC2_AS_PRINTED_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_BITS 33U /**< bits of its frame */
-#define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_RX_BYTES 10U /**< bytes of its buffer */
+#define LIKA_ASC85_BISS_20_SC1_AS_PRINTED_BITS 29U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_20_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_20_SC1_LEFT_OUT_BITS 28U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_20_SC1_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_20_SC2_AS_PRINTED_BITS 29U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_20_SC2_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_20_SC2_LEFT_OUT_BITS 28U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_20_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_21_SC1_AS_PRINTED_BITS 30U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_21_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_21_SC1_LEFT_OUT_BITS 29U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_21_SC1_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_21_SC2_AS_PRINTED_BITS 30U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_21_SC2_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_21_SC2_LEFT_OUT_BITS 29U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_21_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_22_SC1_AS_PRINTED_BITS 31U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_22_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_22_SC1_LEFT_OUT_BITS 30U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_22_SC1_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_22_SC2_AS_PRINTED_BITS 31U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_22_SC2_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_22_SC2_LEFT_OUT_BITS 30U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_22_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_23_SC1_AS_PRINTED_BITS 32U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_23_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_23_SC1_LEFT_OUT_BITS 31U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_23_SC1_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_23_SC2_AS_PRINTED_BITS 32U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_23_SC2_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_23_SC2_LEFT_OUT_BITS 31U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_23_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_24_SC1_AS_PRINTED_BITS 33U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_24_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_24_SC1_LEFT_OUT_BITS 32U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_24_SC1_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_24_SC2_AS_PRINTED_BITS 33U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_24_SC2_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_24_SC2_LEFT_OUT_BITS 32U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_24_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS 34U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_25_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_25_SC1_LEFT_OUT_BITS 33U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_25_SC1_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_25_SC2_AS_PRINTED_BITS 34U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_25_SC2_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_BITS 33U /**< number of bits in its frame */
+#define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write 20_SC1_AS_PRINTED for example, as in LIKA_ASC85_BISS_20_SC1_AS_PRINTED_BITS. The array rx
+ * write 25_SC1_AS_PRINTED for example, as in LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS. The array rx
  * has its _RX_BYTES: another size does not compile. For buffers of other sizes, call
  * cw_biss_receive yourself.
  */

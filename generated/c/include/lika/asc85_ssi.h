@@ -10,13 +10,20 @@
  *
  * To read a position:
  *
- *     static const lika_asc85_ssi *const encoder = &LIKA_ASC85_SSI_20_BG1;
+ *     static const lika_asc85_ssi *const encoder = &LIKA_ASC85_SSI_25_GG1;
+ *     uint32_t first;
  *     uint32_t position;
- *     if (lika_asc85_ssi_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (lika_asc85_ssi_position(encoder, word, &first) != CW_NOT_USABLE
+ *         && lika_asc85_ssi_position(encoder, next, &position) != CW_NOT_USABLE
+ *         && cw_ssi_repeats(first, position, lika_asc85_ssi_modulus(encoder), AT_MOST) == CW_OK) {
  *         ... position ...
  *     }
  *
- * The word comes from a SSI master, or from SPI and DMA by LIKA_ASC85_SSI_RECEIVE.
+ * Two words, read in immediate succession with only the pause between them, must agree, since no
+ * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
+ * number of counts that the axis can move in the meantime.
+ *
+ * Each word comes from a master for SSI, or from SPI and DMA by LIKA_ASC85_SSI_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   asc85_ssi_labels.h           order codes by the text on a label
@@ -24,27 +31,13 @@
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * Its sections and pages are cited in brackets.
- * Other documents, cited by the word before the colon:
- *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
- *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
- *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   icmr: iC-MR data sheet, revision A1, iC-Haus -
- *         http://www.datasheetandpdf.com/EN/ICHAUS/41/IC-MR.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   onstepx: hjd1964/OnStepX, telescope controller with a BiSS C driver for the ASC85, marked
- *            experimental - https://github.com/hjd1964/OnStepX
- *   am36: AM36 AMC36 manual, English edition 1.0, Lika Electronic
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_ASC85_SSI_20_BG1 for example
+ *   variant     an order code, LIKA_ASC85_SSI_25_GG1 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -154,7 +147,7 @@ static const lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG
  * Erratum ssi_pause (open, wrong limit).
  */
 #define LIKA_ASC85_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.17]. */
-#define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U /**< clock max hz */
+#define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U /**< highest clock in Hz */
 /**
  * Tm: typically 12 us: Time from the end of the clock signal until the encoder is ready for the
  * next transmission and sets the data line high [5.1].
@@ -170,58 +163,58 @@ static const lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG
  * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
  * buffer.
  */
-#define LIKA_ASC85_SSI_20_BG1_BITS 20U /**< bits of its frame */
-#define LIKA_ASC85_SSI_20_BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_20_BG2_BITS 20U /**< bits of its frame */
-#define LIKA_ASC85_SSI_20_BG2_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_20_GG1_BITS 20U /**< bits of its frame */
-#define LIKA_ASC85_SSI_20_GG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_20_GG2_BITS 20U /**< bits of its frame */
-#define LIKA_ASC85_SSI_20_GG2_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_21_BG1_BITS 21U /**< bits of its frame */
-#define LIKA_ASC85_SSI_21_BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_21_BG2_BITS 21U /**< bits of its frame */
-#define LIKA_ASC85_SSI_21_BG2_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_21_GG1_BITS 21U /**< bits of its frame */
-#define LIKA_ASC85_SSI_21_GG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_21_GG2_BITS 21U /**< bits of its frame */
-#define LIKA_ASC85_SSI_21_GG2_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_22_BG1_BITS 22U /**< bits of its frame */
-#define LIKA_ASC85_SSI_22_BG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_22_BG2_BITS 22U /**< bits of its frame */
-#define LIKA_ASC85_SSI_22_BG2_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_22_GG1_BITS 22U /**< bits of its frame */
-#define LIKA_ASC85_SSI_22_GG1_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_22_GG2_BITS 22U /**< bits of its frame */
-#define LIKA_ASC85_SSI_22_GG2_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_23_BG1_BITS 23U /**< bits of its frame */
-#define LIKA_ASC85_SSI_23_BG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_23_BG2_BITS 23U /**< bits of its frame */
-#define LIKA_ASC85_SSI_23_BG2_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_23_GG1_BITS 23U /**< bits of its frame */
-#define LIKA_ASC85_SSI_23_GG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_23_GG2_BITS 23U /**< bits of its frame */
-#define LIKA_ASC85_SSI_23_GG2_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_24_BG1_BITS 24U /**< bits of its frame */
-#define LIKA_ASC85_SSI_24_BG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_24_BG2_BITS 24U /**< bits of its frame */
-#define LIKA_ASC85_SSI_24_BG2_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_24_GG1_BITS 24U /**< bits of its frame */
-#define LIKA_ASC85_SSI_24_GG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_24_GG2_BITS 24U /**< bits of its frame */
-#define LIKA_ASC85_SSI_24_GG2_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_25_BG1_BITS 25U /**< bits of its frame */
-#define LIKA_ASC85_SSI_25_BG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_25_BG2_BITS 25U /**< bits of its frame */
-#define LIKA_ASC85_SSI_25_BG2_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_25_GG1_BITS 25U /**< bits of its frame */
-#define LIKA_ASC85_SSI_25_GG1_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_ASC85_SSI_25_GG2_BITS 25U /**< bits of its frame */
-#define LIKA_ASC85_SSI_25_GG2_RX_BYTES 4U /**< bytes of its buffer */
+#define LIKA_ASC85_SSI_20_BG1_BITS 20U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_20_BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_20_BG2_BITS 20U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_20_BG2_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_20_GG1_BITS 20U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_20_GG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_20_GG2_BITS 20U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_20_GG2_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_21_BG1_BITS 21U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_21_BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_21_BG2_BITS 21U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_21_BG2_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_21_GG1_BITS 21U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_21_GG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_21_GG2_BITS 21U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_21_GG2_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_22_BG1_BITS 22U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_22_BG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_22_BG2_BITS 22U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_22_BG2_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_22_GG1_BITS 22U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_22_GG1_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_22_GG2_BITS 22U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_22_GG2_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_23_BG1_BITS 23U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_23_BG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_23_BG2_BITS 23U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_23_BG2_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_23_GG1_BITS 23U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_23_GG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_23_GG2_BITS 23U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_23_GG2_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_24_BG1_BITS 24U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_24_BG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_24_BG2_BITS 24U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_24_BG2_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_24_GG1_BITS 24U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_24_GG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_24_GG2_BITS 24U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_24_GG2_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_25_BG1_BITS 25U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_25_BG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_25_BG2_BITS 25U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_25_BG2_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_25_GG1_BITS 25U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_25_GG1_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_ASC85_SSI_25_GG2_BITS 25U /**< number of bits in its frame */
+#define LIKA_ASC85_SSI_25_GG2_RX_BYTES 4U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write 20_BG1 for example, as in LIKA_ASC85_SSI_20_BG1_BITS. The array rx has its _RX_BYTES:
+ * write 25_GG1 for example, as in LIKA_ASC85_SSI_25_GG1_BITS. The array rx has its _RX_BYTES:
  * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
  */
 #define LIKA_ASC85_SSI_RECEIVE(code, rx, word) \

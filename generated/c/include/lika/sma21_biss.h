@@ -15,7 +15,7 @@
  *         ... position ...
  *     }
  *
- * The word comes from a BiSS C-mode master, or from SPI and DMA by LIKA_SMA21_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_SMA21_BISS_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   sma21_biss_labels.h          order codes by the text on a label
@@ -35,18 +35,6 @@
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
- *   servo2: wiciu15/servo2, servo drive with a receiver for Panasonic encoders -
- *           https://github.com/wiciu15/servo2
- *   a4: Panasonic A4 series manual, answers of serial communication -
- *       http://office.manualsonline.com/manuals/mfg/panasonic/a4_series.html?p=298
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   biss_bridge: timonburkard/BiSS_Bridge, test bench of a BiSS C receiver -
- *                https://github.com/timonburkard/BiSS_Bridge
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
@@ -250,7 +238,7 @@ typedef enum lika_sma21_biss_report {
  * Erratum biss_timeout (open, omission).
  */
 #define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.5 p.34]. */
-#define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U /**< clock max hz */
+#define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
 /** Time-out: varies with the clock, at most 16 us [6.5 p.34]. */
 #define LIKA_SMA21_BISS_TIMEOUT_AT_MOST_NS 16000U
 /** Indirizzo registro: 7 bits: Register to read or to write [6.3 p.27]. */
@@ -260,8 +248,8 @@ typedef enum lika_sma21_biss_report {
  * the register [6.3 p.27].
  */
 #define LIKA_SMA21_BISS_CONTROL_RW_BITS 2U
-#define LIKA_SMA21_BISS_CONTROL_RW_WRITE 0x01U /**< control rw write */
-#define LIKA_SMA21_BISS_CONTROL_RW_READ 0x02U /**< control rw read */
+#define LIKA_SMA21_BISS_CONTROL_RW_WRITE 0x01U /**< RW: "01" */
+#define LIKA_SMA21_BISS_CONTROL_RW_READ 0x02U /**< RW: "10" */
 /**
  * DATA: 8 bits: Value written by the master or read from the encoder, most significant bit first
  * [6.3 p.27].
@@ -282,26 +270,26 @@ typedef enum lika_sma21_biss_report {
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
-#define LIKA_SMA21_BISS_SC1_0050_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC1_0050_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC1_0010_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC1_0010_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC1_0005_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC1_0005_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC1_0002_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC1_0002_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC1_0001_BITS 33U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC1_0001_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC4_0050_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC4_0050_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC4_0010_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC4_0010_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC4_0005_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC4_0005_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC4_0002_BITS 32U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC4_0002_RX_BYTES 10U /**< bytes of its buffer */
-#define LIKA_SMA21_BISS_SC4_0001_BITS 33U /**< bits of its frame */
-#define LIKA_SMA21_BISS_SC4_0001_RX_BYTES 10U /**< bytes of its buffer */
+#define LIKA_SMA21_BISS_SC1_0050_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC1_0050_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC1_0010_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC1_0010_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC1_0005_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC1_0005_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC1_0002_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC1_0002_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC1_0001_BITS 33U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC1_0001_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC4_0050_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC4_0050_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC4_0010_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC4_0010_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC4_0005_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC4_0005_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC4_0002_BITS 32U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC4_0002_RX_BYTES 10U /**< number of bytes in its buffer */
+#define LIKA_SMA21_BISS_SC4_0001_BITS 33U /**< number of bits in its frame */
+#define LIKA_SMA21_BISS_SC4_0001_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,

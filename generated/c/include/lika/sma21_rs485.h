@@ -9,13 +9,15 @@
  *
  * To read a position:
  *
- *     static const lika_sma21_rs485 *const encoder = &LIKA_SMA21_RS485_JP1_0050;
+ *     static const lika_sma21_rs485 *const encoder = &LIKA_SMA21_RS485_JP1_0005;
  *     lika_sma21_rs485_position_reply frame;
  *     if (lika_sma21_rs485_position_reply_decode(encoder, bytes, length, &frame) == CW_OK
  *         && lika_sma21_rs485_position_reply_verdict(encoder, &frame) != CW_NOT_USABLE) {
  *         ... frame.position ...
  *     }
  *
+ * The bytes are the reply to LIKA_SMA21_RS485_CONTROL_POSITION. cw_rs485_ask and cw_rs485_take in
+ * codewheel/receive.h collect them from a serial port.
  *
  * Further headers of this interface, only for those who need them:
  *   sma21_rs485_labels.h         order codes by the text on a label
@@ -31,28 +33,15 @@
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * Other documents, cited by the word before the colon:
- *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
- *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
- *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
- *   servo2: wiciu15/servo2, servo drive with a receiver for Panasonic encoders -
- *           https://github.com/wiciu15/servo2
  *   a4: Panasonic A4 series manual, answers of serial communication -
  *       http://office.manualsonline.com/manuals/mfg/panasonic/a4_series.html?p=298
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   biss_bridge: timonburkard/BiSS_Bridge, test bench of a BiSS C receiver -
- *                https://github.com/timonburkard/BiSS_Bridge
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_SMA21_RS485_JP1_0050 for example
+ *   variant     an order code, LIKA_SMA21_RS485_JP1_0005 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -193,9 +182,9 @@ typedef enum lika_sma21_rs485_report {
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
 #define LIKA_SMA21_RS485_BAUD 2500000U
-#define LIKA_SMA21_RS485_DATA_BITS 8U /**< data bits */
-#define LIKA_SMA21_RS485_PARITY 'N' /**< parity */
-#define LIKA_SMA21_RS485_STOP_BITS 1U /**< stop bits */
+#define LIKA_SMA21_RS485_DATA_BITS 8U /**< number of data bits */
+#define LIKA_SMA21_RS485_PARITY 'N' /**< parity: none */
+#define LIKA_SMA21_RS485_STOP_BITS 1U /**< number of stop bits */
 /** reset_interval: at least 40 us: Interval between the ten requests of a reset [7.3.3.2 p.41]. */
 #define LIKA_SMA21_RS485_RESET_INTERVAL_AT_LEAST_US 40U
 
@@ -219,7 +208,7 @@ typedef enum lika_sma21_rs485_data_id {
     LIKA_SMA21_RS485_DATA_ID_RESET_POSITION = 0xF
 } lika_sma21_rs485_data_id;
 
-/** First byte of each request and of its reply. */
+/* -- requests: the first byte of each one and of its reply ------------------------------------- */
 /** Data ID 4: A2h, capture: 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U
 /** Data ID 5: 2Ah, capture: 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */

@@ -9,13 +9,20 @@
  *
  * To read a position:
  *
- *     static const lika_sma21_ssi *const encoder = &LIKA_SMA21_SSI_BG1_0050;
+ *     static const lika_sma21_ssi *const encoder = &LIKA_SMA21_SSI_BG1_0001;
+ *     uint32_t first;
  *     uint32_t position;
- *     if (lika_sma21_ssi_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (lika_sma21_ssi_position(encoder, word, &first) != CW_NOT_USABLE
+ *         && lika_sma21_ssi_position(encoder, next, &position) != CW_NOT_USABLE
+ *         && cw_ssi_repeats(first, position, lika_sma21_ssi_modulus(encoder), AT_MOST) == CW_OK) {
  *         ... position ...
  *     }
  *
- * The word comes from a SSI master, or from SPI and DMA by LIKA_SMA21_SSI_RECEIVE.
+ * Two words, read in immediate succession with only the pause between them, must agree, since no
+ * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
+ * number of counts that the axis can move in the meantime.
+ *
+ * Each word comes from a master for SSI, or from SPI and DMA by LIKA_SMA21_SSI_RECEIVE.
  *
  * Further headers of this interface, only for those who need them:
  *   sma21_ssi_labels.h           order codes by the text on a label
@@ -29,29 +36,12 @@
  * codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
- * Other documents, cited by the word before the colon:
- *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
- *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
- *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
- *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
- *           https://github.com/TexasInstruments/motor-control-sdk
- *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
- *   servo2: wiciu15/servo2, servo drive with a receiver for Panasonic encoders -
- *           https://github.com/wiciu15/servo2
- *   a4: Panasonic A4 series manual, answers of serial communication -
- *       http://office.manualsonline.com/manuals/mfg/panasonic/a4_series.html?p=298
- *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
- *   biss_bridge: timonburkard/BiSS_Bridge, test bench of a BiSS C receiver -
- *                https://github.com/timonburkard/BiSS_Bridge
- *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
- *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
- *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
  * page gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
- *   variant     an order code, LIKA_SMA21_SSI_BG1_0050 for example
+ *   variant     an order code, LIKA_SMA21_SSI_BG1_0001 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
  *   length      number of bytes, the _LENGTH macro of the frame or register
@@ -178,7 +168,7 @@ typedef enum lika_sma21_ssi_report {
  * Erratum ssi_pause (open, wrong limit).
  */
 #define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 1 MHz [5.3 p.22]. */
-#define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U /**< clock max hz */
+#define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U /**< highest clock in Hz */
 /**
  * Tm: typically 12 us: Time from the end of the clock signal until the encoder is ready for the
  * next transmission and sets the data line high [5.1].
@@ -194,70 +184,70 @@ typedef enum lika_sma21_ssi_report {
  * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
  * buffer.
  */
-#define LIKA_SMA21_SSI_BG1_0050_BITS 21U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG1_0050_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG1_0010_BITS 23U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG1_0010_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG1_0005_BITS 24U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG1_0005_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG1_0002_BITS 25U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG1_0002_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG1_0001_BITS 26U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG1_0001_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG4_0050_BITS 21U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG4_0050_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG4_0010_BITS 23U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG4_0010_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG4_0005_BITS 24U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG4_0005_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG4_0002_BITS 25U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG4_0002_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_BG4_0001_BITS 26U /**< bits of its frame */
-#define LIKA_SMA21_SSI_BG4_0001_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG1_0050_BITS 21U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG1_0050_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG1_0010_BITS 23U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG1_0010_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG1_0005_BITS 24U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG1_0005_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG1_0002_BITS 25U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG1_0002_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG1_0001_BITS 26U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG1_0001_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG4_0050_BITS 21U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG4_0050_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG4_0010_BITS 23U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG4_0010_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG4_0005_BITS 24U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG4_0005_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG4_0002_BITS 25U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG4_0002_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_GG4_0001_BITS 26U /**< bits of its frame */
-#define LIKA_SMA21_SSI_GG4_0001_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G11_0050_BITS 21U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G11_0050_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G11_0010_BITS 23U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G11_0010_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G11_0005_BITS 24U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G11_0005_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G11_0002_BITS 25U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G11_0002_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G11_0001_BITS 26U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G11_0001_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G14_0050_BITS 21U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G14_0050_RX_BYTES 3U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G14_0010_BITS 23U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G14_0010_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G14_0005_BITS 24U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G14_0005_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G14_0002_BITS 25U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G14_0002_RX_BYTES 4U /**< bytes of its buffer */
-#define LIKA_SMA21_SSI_G14_0001_BITS 26U /**< bits of its frame */
-#define LIKA_SMA21_SSI_G14_0001_RX_BYTES 4U /**< bytes of its buffer */
+#define LIKA_SMA21_SSI_BG1_0050_BITS 21U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG1_0050_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG1_0010_BITS 23U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG1_0010_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG1_0005_BITS 24U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG1_0005_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG1_0002_BITS 25U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG1_0002_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG1_0001_BITS 26U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG1_0001_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG4_0050_BITS 21U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG4_0050_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG4_0010_BITS 23U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG4_0010_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG4_0005_BITS 24U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG4_0005_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG4_0002_BITS 25U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG4_0002_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_BG4_0001_BITS 26U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_BG4_0001_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG1_0050_BITS 21U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG1_0050_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG1_0010_BITS 23U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG1_0010_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG1_0005_BITS 24U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG1_0005_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG1_0002_BITS 25U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG1_0002_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG1_0001_BITS 26U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG1_0001_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG4_0050_BITS 21U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG4_0050_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG4_0010_BITS 23U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG4_0010_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG4_0005_BITS 24U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG4_0005_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG4_0002_BITS 25U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG4_0002_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_GG4_0001_BITS 26U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_GG4_0001_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G11_0050_BITS 21U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G11_0050_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G11_0010_BITS 23U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G11_0010_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G11_0005_BITS 24U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G11_0005_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G11_0002_BITS 25U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G11_0002_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G11_0001_BITS 26U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G11_0001_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G14_0050_BITS 21U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G14_0050_RX_BYTES 3U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G14_0010_BITS 23U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G14_0010_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G14_0005_BITS 24U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G14_0005_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G14_0002_BITS 25U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G14_0002_RX_BYTES 4U /**< number of bytes in its buffer */
+#define LIKA_SMA21_SSI_G14_0001_BITS 26U /**< number of bits in its frame */
+#define LIKA_SMA21_SSI_G14_0001_RX_BYTES 4U /**< number of bytes in its buffer */
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write BG1_0050 for example, as in LIKA_SMA21_SSI_BG1_0050_BITS. The array rx has its _RX_BYTES:
+ * write BG1_0001 for example, as in LIKA_SMA21_SSI_BG1_0001_BITS. The array rx has its _RX_BYTES:
  * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
  */
 #define LIKA_SMA21_SSI_RECEIVE(code, rx, word) \

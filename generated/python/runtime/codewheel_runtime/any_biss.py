@@ -38,15 +38,20 @@ class BissLayout(NamedTuple):
         """The layout as text, in place of an order code."""
         return self.text
 
+    @property
+    def _no_size(self) -> str:
+        bits = self.modulus.bit_length() - 1
+        return f"the layout does not give the counts per turn: use singleturn={bits} instead of position={bits}"
+
     def from_turns(self, turns: float) -> int:
         """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not specify them."""
         if not self.counts_per_turn:
-            raise ValueError("the layout does not tell the size of a count: use multiturn=...,singleturn=...")
+            raise ValueError(self._no_size)
         return round(turns * self.counts_per_turn)
 
     def micrometres(self, counts: int) -> int:
         """Raise ValueError, because a layout does not specify the size of a count."""
-        raise ValueError("the layout does not tell the size of a count")
+        raise ValueError(self._no_size)
 
     def decode_many(self, frames: Any) -> Any:
         """Decode many frames into columns. Needs NumPy.
@@ -69,10 +74,11 @@ def biss_layout(text: str) -> BissLayout:
     """Return a layout of BiSS frames.
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
-    ``singleturn=24`` are numbers with their widths in bits. ``error`` and ``warning`` are active-low bits.
-    ``zero=2`` are bits that are always 0, and ``unused=2`` bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6
-    bits with this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any
-    other name with a number of bits is a number.
+    ``singleturn=24`` are numbers with their widths in bits. A singleturn encoder whose turn has all counts is
+    ``singleturn=32``: then degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` are
+    bits that are always 0, and ``unused=2`` bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with this
+    polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name with a
+    number of bits is a number.
 
     Args:
         text: The layout.
@@ -110,9 +116,10 @@ def biss_layout(text: str) -> BissLayout:
             columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
     widths = {item.name: item.width for item in columns}
     joins: tuple[Join, ...] = ()
-    if "multiturn" in widths and "singleturn" in widths and "position" not in widths:
-        joins = (Join("position", (("singleturn", 0), ("multiturn", widths["singleturn"]))),)
-        widths["position"] = widths["multiturn"] + widths["singleturn"]
+    if "singleturn" in widths and "position" not in widths:
+        turns = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
+        joins = (Join("position", (("singleturn", 0), *turns)),)
+        widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     speaks = tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths)
     shape = Shape(
         bits,
@@ -146,6 +153,9 @@ def _field(part: str) -> tuple[str, int, tuple[int, ...]]:
         return name, width, ()
     top = 1 << width
     poly, init = more[0] if more else 0, more[1] if len(more) > 1 else 0
+    if more and width <= 32 and not poly & 1:
+        said = f"{short(part)} is not a CRC: the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
+        raise UsageError(said)
     if width > 32 or len(more) > 2 or not poly & 1 or poly >= 2 * top or init >= top:
         raise UsageError(f"{short(part)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
     return name, width, (poly & top - 1, init)

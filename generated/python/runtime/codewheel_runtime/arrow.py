@@ -48,7 +48,7 @@ def _batches(
             if batch is None:
                 return
         try:
-            frames = of_arrow(batch.column(column), shape, stored.digits, is_first=not done)
+            frames = of_arrow(batch.column(column), shape, stored.digits, done)
         except _NoFrame as error:
             raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
         except TypeError as error:
@@ -83,13 +83,17 @@ def of_column(column: Any, shape: Shape) -> Any:
     pa: Any = import_module("pyarrow")
     if not isinstance(column, (pa.Array, pa.ChunkedArray)):
         column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
-    return of_arrow(column, shape)
+    try:
+        return of_arrow(column, shape)
+    except _NoFrame as error:
+        said = "frames as text need 0x in front: convert the column to integers"
+        raise InputError("the frames", f"row {error.row + 1}", said) from None
 
 
-def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_first: bool = True) -> Any:
+def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
-    ``is_first`` marks the first frames of a file, most of which must be readable.
+    ``done`` is the number of earlier rows of a file. Most of its first frames must be readable.
     """
     pa: Any = import_module("pyarrow")
     kinds = pa.types
@@ -112,9 +116,9 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, *, is_fi
         missing = array.is_null().to_numpy(zero_copy_only=False)
         return np.ma.masked_array(array.fill_null(0).to_numpy(zero_copy_only=False), missing)
     if kinds.is_float64(kind) and not shape.length:
-        return of_floats(array.to_numpy(zero_copy_only=False), shape.bits)
+        return of_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
     if kinds.is_string(kind) or kinds.is_large_string(kind):
-        return _each(array.to_pylist(), shape, digits, is_first)
+        return _each(array.to_pylist(), shape, digits, not done)
     if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {kind}")
     length = shape.length or (shape.bits + 7) // 8

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import re
 import sys
 from importlib import import_module
@@ -18,7 +19,7 @@ from .encoder import Encoder
 from .inputs import InputError, Stored, UsageError
 from .reports import Interface
 from .sources import kind_of, opened
-from .stream import shape_for
+from .stream import seconds_of, shape_for
 from .table import Table
 
 np: Any = import_module("numpy")
@@ -61,7 +62,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
         else:
             table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_probes(chosen))
         if not table.count:
-            raise Failed(_nothing(lost))
+            raise Failed(_nothing(lost, chosen))
         save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
     print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
 
@@ -82,20 +83,15 @@ def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
     path = chosen.files[0]
     frames: list[Any] = []
     times: list[Any] = []
-    with opened(path, Stored(wanted=("time",)), shape, lambda frames: 1.0) as read:
+    with opened(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
         if "time" not in read.kept:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
         for part in read.parts:
-            cells = part.others["time"]
-            cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
-            try:
-                times += [float("nan") if cell in (None, "") else float(cell) for cell in cells]
-            except (TypeError, ValueError):
-                raise InputError(path, "column 'time'", "expected numbers in seconds") from None
+            times.append(seconds_of(part.others["time"], path))
             frames += (
                 [row if row is None else bytes(row) for row in part.frames] if shape.length else _listed(part.frames)
             )
-    return decode_many(frames, shape, cast(Encoder, encoder)).with_columns(time=np.array(times))
+    return decode_many(frames, shape, cast(Encoder, encoder)).with_columns(time=np.concatenate([np.zeros(0), *times]))
 
 
 def _listed(frames: Any) -> Any:
@@ -131,7 +127,13 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
         except UsageError as error:
             raise Failed(error, USAGE) from None
     chosen.order_code, *chosen.files = chosen.files
-    encoder = encoder_of(package, chosen)
+    try:
+        encoder = encoder_of(package, chosen)
+    except Failed:
+        if os.path.isfile(chosen.order_code):
+            said = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
+            raise Failed(said, USAGE) from None
+        raise
     if not chosen.files:
         raise Failed("give the order code and the file of the capture, or --biss and the file", USAGE)
     return encoder
@@ -158,14 +160,19 @@ def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
             print(f"... and {more} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
     if not summary.frames.frames:
-        raise Failed(_nothing(summary.first_lost))
+        raise Failed(_nothing(summary.first_lost, chosen))
     if 100 * summary.error_rate > chosen.max_errors:
         said = f"{summary.error_rate:.0%} of the cycles have no valid frame"
-        raise Failed(f"{said}; check the order code and the channels (--max-errors is {chosen.max_errors:g})")
+        raise Failed(f"{said}; check {_described(chosen)} and the channels (--max-errors is {chosen.max_errors:g})")
 
 
-def _nothing(lost: Any) -> str:
+def _described(chosen: argparse.Namespace) -> str:
+    """Return what describes the frames, for a message."""
+    return "the order code" if chosen.biss is None else "the layout (--biss)"
+
+
+def _nothing(lost: Any, chosen: argparse.Namespace) -> str:
     """Return the message for a capture without a frame."""
     first: Lost | None = next(iter(lost), None)
     said = f": {first.reason}" if first else ""
-    return f"the capture contains no frame{said}; check the channels (--clock, --data) and the order code"
+    return f"the capture contains no frame{said}; check the channels (--clock, --data) and {_described(chosen)}"

@@ -162,15 +162,20 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
     # A missing frame is replaced by -1, because both have a length error.
-    words = [-1 if _is_missing(item) else whole_number("a frame", item) for item in cast(list[Any], frames)]
+    words = [
+        -1 if _is_missing(item) else whole_number(f"the frame in row {row}", item)
+        for row, item in enumerate(cast(list[Any], frames), 1)
+    ]
     wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
     for place in wrong:
         words[place] = 0
     return np.array(words, np.uint64), np.array(wrong, np.intp)
 
 
-def of_floats(frames: Any, bits: int) -> Any:
+def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
+
+    ``done`` is the number of earlier rows, for the row in an error.
 
     Raises:
         TypeError: A value is not an integer, or the type cannot represent every frame of that length.
@@ -179,8 +184,9 @@ def of_floats(frames: Any, bits: int) -> Any:
         raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
     is_frame = (frames >= 0) & (frames < 2.0**63)
     whole = np.where(is_frame, frames, 0)
-    if (whole != np.floor(whole)).any():
-        raise TypeError(f"{whole[whole != np.floor(whole)][0]} is not an integer")
+    wrong = np.flatnonzero(whole != np.floor(whole))
+    if len(wrong):
+        raise TypeError(f"the frame in row {done + wrong[0] + 1} is not an integer: {whole[wrong[0]]}")
     return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
 
 

@@ -22,7 +22,7 @@ from .shape import Shape
 from .signal_files import opened_signals
 from .signals import Names, Signals, of_array
 from .sinks import SINKS, TargetKind, target_kind
-from .stream import Summary, counted, decoded, layout_of, layouts_of, plan_of, shape_for, written
+from .stream import Derived, Summary, counted, decoded, layout_of, layouts_of, plan_of, shape_for, written
 from .table import Table
 from .uart import Kinds, replies
 
@@ -335,7 +335,7 @@ class Captures(NamedTuple):
             if time in empty:
                 raise UsageError(f"the frames have a field '{time}', but this is the column of times")
             empty = empty.with_columns(**kept)
-            derived = _Derived(time) if si else None
+            derived = Derived(time, sources[0]) if si else None
             if derived is not None:
                 empty = derived.check(empty)
             read = Source(_parts(opened, log), opened.total, (time,), kept)
@@ -365,28 +365,3 @@ def _parts(opened: _Opened, log: _Log) -> Generator[Part, None, None]:
     for found in opened.found:
         log.add(found)
         yield Part(found.frames, found.done, {opened.time: found.times})
-
-
-class _Derived:
-    """Position and speed in SI units. The first speed in a table uses the last frame of the previous table."""
-
-    def __init__(self, time: str) -> None:
-        self._time = time
-        self._last: tuple[int, float] | None = None
-
-    def check(self, empty: Table) -> Table:
-        """Return the columns of a table without frames. Raises UsageError if there are no SI units."""
-        if self._time != "time":
-            raise UsageError("speeds need the sample rate: give it with --rate")
-        try:
-            return empty.in_si()
-        except (AttributeError, ValueError) as error:
-            raise UsageError(f"no SI units: {error}") from None
-
-    def __call__(self, table: Table, others: Mapping[str, Any]) -> Table:
-        made = table.with_columns(**others).in_si(self._last)
-        good = np.flatnonzero(table.usable)
-        if len(good):
-            previous = None if self._last is None else self._last[0]
-            self._last = (int(table.unwrapped(previous)[-1]), float(others[self._time][good[-1]]))
-        return made

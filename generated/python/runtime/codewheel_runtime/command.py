@@ -44,7 +44,8 @@ The output has one row per frame, in order. Its columns are the other columns
 of FILE, the fields, 'verdict' (usability of the position) and 'fault': none,
 length, crc, constant or range. The position is empty if it is not usable or
 the frame has an error. The other fields of a frame with an error have no
-meaning. An empty or truncated cell becomes a row with a length error.
+meaning. An empty or truncated cell becomes a row with a length error, whose
+flags are empty.
 
 exit codes:
   0    success
@@ -70,6 +71,8 @@ from 1. Usual names are found without an option.
 --biss describes an encoder without a package, in the order of transmission:
   --biss position=32,error,warning,crc=6:0x43
   --biss multiturn=12,singleturn=24,error,warning,crc=6:0x43
+  --biss singleturn=32,error,warning,crc=6:0x43
+Degrees and speeds need singleturn, the counts of one turn.
 error and warning are active at level 0. zero=2 are bits that are always 0, and
 unused=2 bits without meaning.
 
@@ -221,10 +224,11 @@ def _add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:
     if plot:
         add("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
         add("--force", action="store_true", help="replace an existing file")
+        _add_digits(add)
         return
     add("-o", "--output", default="-", metavar="FILE", help="output file (default: CSV on standard output)")
     add("--json", action="store_true", help="print a frame, or the summary, as JSON")
-    add("--si", action="store_true", help="capture: also write the position and the speed in SI units")
+    add("--si", action="store_true", help="also write position and speed in SI units (a file needs a column 'time')")
     add("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
     add("--columns", type=_names, default=(), metavar="NAME,...", help="columns to write, also of FILE (default: all)")
     add("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
@@ -245,8 +249,12 @@ def _add_input(parser: argparse.ArgumentParser) -> None:
     words = ("packed", "little", "big", "little32", "big32")
     add("--words", choices=words, default="packed", metavar="FORM", help=f"form of binary frames: {', '.join(words)}")
     add("--column", default="", metavar="NAME", help="column with the frames, in CSV also its number from 1")
-    add("--digits", choices=("hex", "decimal"), help="base of numbers in text without 0x")
+    _add_digits(add)
     add("--cut", action="store_true", help="ignore an incomplete frame at the end")
+
+
+def _add_digits(add: Callable[..., object]) -> None:
+    add("--digits", choices=("hex", "decimal"), help="base of numbers in text without 0x")
 
 
 def _add_encoder(parser: argparse.ArgumentParser) -> None:
@@ -364,6 +372,8 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     encoder = encoder_of(package, chosen)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
         frame = _frame(" ".join(chosen.file), encoder)
+        if frame is not None and chosen.si:
+            raise Failed("--si needs a file with a column 'time': one frame has no speed", USAGE)
         if frame is not None:
             return _show(encoder, frame, chosen)
     if len(chosen.file) > 1:
@@ -446,6 +456,7 @@ def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> 
             column=chosen.column,
             digits=chosen.digits,
             cut=chosen.cut,
+            si=chosen.si,
             columns=chosen.columns,
             limit=chosen.limit,
             raw=chosen.raw,

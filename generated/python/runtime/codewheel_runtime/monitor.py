@@ -166,7 +166,7 @@ class _Screen:
     def _counts(self) -> str:
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
-        return f"{self.failures} of {total} readings" + (f": {kinds}" if kinds else "")
+        return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
 
     def _speed(self) -> str:
         known = [(at, count) for at, count in self._recent if count is not None]

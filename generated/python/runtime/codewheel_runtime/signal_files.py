@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from typing import Any, BinaryIO, Final
 
-from .inputs import InputError, UsageError, short
+from .inputs import InputError, UsageError, listed, short
 from .signals import SAMPLES, Edges, Names, Signals, merged, of_samples, packed
 
 np: Any = import_module("numpy")
@@ -110,7 +110,7 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
     numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
     channels = [probes[number] for number in numbers]
     # The number of a probe is also accepted, although only probes in use have names.
-    own = Names(*(_numbered(name, probes, numbers) for name in names))
+    own = Names(*(_numbered(name, probes, numbers, path) for name in names))
     masks = tuple(1 << numbers[place] - 1 for place in own.places(channels, path))
     entries = _entries(archive, stem)
     if not entries:
@@ -121,12 +121,14 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
     return Signals(of_samples(parts, masks), 1 / given if given else None, True, total)
 
 
-def _numbered(name: Any, probes: dict[int, str], numbers: list[int]) -> Any:
+def _numbered(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
     """Return the place of a probe that is chosen by its number, or the name unchanged."""
     text = name or ""
     if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
         return name
-    return str(numbers.index(int(text)) + 1 if int(text) in numbers else 0)
+    if int(text) not in numbers:
+        raise InputError(path, "", f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
+    return str(numbers.index(int(text)) + 1)
 
 
 def _entries(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:

@@ -73,7 +73,8 @@ def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dic
         if name in _WORDS:
             found[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
         elif hidden is not None:
-            found[name] = pd.arrays.IntegerArray(column, hidden)
+            is_flag = column.dtype == bool
+            found[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
         else:
             is_text = getattr(getattr(column, "dtype", None), "kind", "") == "S"
             found[name] = _texts(column) if is_text else column
@@ -264,17 +265,17 @@ class CsvSink:
 
     @staticmethod
     def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
+        cells: list[Any] = column.tolist()
+        if column.dtype.kind == "b":
+            cells = ["true" if item else "false" for item in cells]
         if hidden is not None:
-            cells = zip(column.tolist(), hidden[rows].tolist(), strict=False)
-            return ["" if is_hidden else cell for cell, is_hidden in cells]
+            return ["" if gone else cell for cell, gone in zip(cells, hidden[rows].tolist(), strict=False)]
         if name in _WORDS:
             words = _WORDS[name]
-            return [words[item] for item in column.tolist()]
-        if column.dtype.kind == "b":
-            return ["true" if item else "false" for item in column.tolist()]
+            return [words[item] for item in cells]
         if column.dtype.kind == "f":
-            return ["" if item != item else item for item in column.tolist()]
-        return _texts(column) if column.dtype.kind == "S" else cast("list[Any]", column.tolist())
+            return ["" if item != item else item for item in cells]
+        return _texts(column) if column.dtype.kind == "S" else cells
 
 
 def _plain(column: Any) -> list[Any]:

@@ -23,6 +23,8 @@ from .sources import opened
 from .table import ErrorKind, Table
 from .text import Cells
 
+np: Any = import_module("numpy")
+
 __all__ = [
     "Files",
     "InputError",
@@ -168,6 +170,7 @@ class Files(NamedTuple):
         column: str = "",
         digits: DigitKind | None = None,
         cut: bool = False,
+        si: bool = False,
         columns: Sequence[str] = (),
         limit: int | None = None,
         raw: bool = False,
@@ -195,6 +198,7 @@ class Files(NamedTuple):
             column: Name of the column with the frames. For CSV, this may be its number, from 1.
             digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
             cut: Ignore an incomplete frame at the end.
+            si: Also write the position and the speed in SI units. The source needs a column ``time`` in seconds.
             columns: Columns to write, both decoded columns and columns of the file. The default is all.
             limit: Maximum number of frames to decode.
             raw: Write the position of every frame, even if it is not usable.
@@ -218,7 +222,9 @@ class Files(NamedTuple):
         if os.fspath(target) == "-" and to != "csv":
             raise UsageError("only CSV can be written to standard output")
         empty = decode_many([], shape, encoder)
-        stored = Stored(kind, words, column, digits, cut, columns)
+        derived = Derived("time", os.fspath(source)) if si else None
+        fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
+        stored = Stored(kind, words, column, digits, cut, (*columns, "time") if si and columns else columns)
 
         def share(frames: Any) -> float:
             return float(decode_many(frames, shape, encoder).ok.mean())
@@ -227,9 +233,13 @@ class Files(NamedTuple):
             opened(os.fspath(source), stored, shape, share) as read,
             written(os.fspath(target), [source], force) as file,
         ):
-            plan = plan_of(empty, read, columns, os.fspath(source), raw)
+            if derived is not None:
+                if "time" not in read.kept:
+                    raise UsageError(f"{os.fspath(source)} has no column 'time', which speeds in SI units need")
+                _apart(read.kept, [name for name in fields.others if name != "time"], os.fspath(source))
+            plan = plan_of(fields, read, columns, os.fspath(source), raw)
             with SINKS[to](file, plan) as sink:
-                return decoded(read, shape, encoder, sink, limit, progress)
+                return decoded(read, shape, encoder, sink, limit, progress, derived)
 
     def decode_partition(
         self,
@@ -310,6 +320,43 @@ def decoded(
         if limit is not None and counts.frames >= limit:
             break
     return counts.summary(sink.lost)
+
+
+class Derived:
+    """Position and speed in SI units. The first speed in a table uses the last frame of the previous table."""
+
+    def __init__(self, time: str, source: str) -> None:
+        self._time, self._source = time, source
+        self._last: tuple[int, float] | None = None
+
+    def check(self, empty: Table) -> Table:
+        """Return the columns of a table without frames. Raises UsageError if there are no SI units."""
+        if self._time != "time":
+            raise UsageError("speeds need the sample rate: give it with --rate")
+        try:
+            return empty.in_si()
+        except (AttributeError, ValueError) as error:
+            raise UsageError(f"no SI units: {error}") from None
+
+    def __call__(self, table: Table, others: Mapping[str, Any]) -> Table:
+        times = seconds_of(others[self._time], self._source)
+        made = table.with_columns(**{self._time: times}).in_si(self._last)
+        good = np.flatnonzero(table.usable)
+        if len(good):
+            previous = None if self._last is None else self._last[0]
+            self._last = (int(table.unwrapped(previous)[-1]), float(times[good[-1]]))
+        return made
+
+
+def seconds_of(cells: Any, source: str) -> Any:
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN."""
+    if hasattr(cells, "dtype"):
+        return cells
+    cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
+    try:
+        return np.array([np.nan if cell in (None, "") else float(cell) for cell in cells], np.float64)
+    except (TypeError, ValueError):
+        raise InputError(source, "column 'time'", "expected numbers in seconds") from None
 
 
 class _Counts:

@@ -331,6 +331,8 @@ class Table(_Columns):
         times = np.arange(self.count) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
         if len(times) != self.count:
             raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
+        if unit not in (*_UNITS, "rpm"):
+            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
         counts, times = self.unwrapped(previous and previous[0])[good], times[good]
         one, parts = self._unit("turns" if unit == "rpm" else unit)
         if previous is not None:
@@ -378,9 +380,13 @@ class Table(_Columns):
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has one.
 
-        A column that is the position or a part of it has no meaning in rows without a usable position.
+        A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
+        none in rows of missing frames and of frames with a wrong length.
         """
-        return ~self.usable if name in self._measured else None
+        if name in self._measured:
+            return ~self.usable
+        column = self._columns.get(name)
+        return self._fault == ErrorKind.LENGTH if column is not None and column.dtype == bool else None
 
     def to_arrow(self, *, raw: bool = False) -> Any:
         """Return an Arrow table with the same columns. Needs pyarrow.

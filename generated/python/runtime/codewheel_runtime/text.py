@@ -52,7 +52,9 @@ def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     if not pattern.fullmatch(packed):
         raise ValueError(f"{short(text)} is not a {'decimal' if base == 10 else 'hexadecimal'} number")
     if digits is None:
-        raise ValueError(f"{short(text)} can be decimal or hexadecimal; choose the digits, or put 0x in front")
+        raise ValueError(
+            f"{short(text)} can be decimal or hexadecimal: choose --digits decimal or --digits hex, or put 0x in front"
+        )
     return int(packed, base)
 
 
