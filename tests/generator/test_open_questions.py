@@ -141,7 +141,7 @@ FACTS = [
     ("amm5", "personnel", "can injure or kill", "1.1 p.8"),
     ("asc85", "personnel", "can injure or kill", "1.1 p.8"),
     ("sma21", "personnel", "can injure or kill", "1.1 p.9"),
-    ("amm5", "enclosure", "encoder and disk", "it: 1.3 p.9"),
+    ("amm5", "enclosure", "encoder and the disk", "it: 1.3 p.9"),
     ("asc85", "mechanical_safety", "Do not machine the encoder or its shaft", "1.3 p.8"),
     ("asc85", "cable_resistance", "90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)", "4.3 p.14"),
     ("am36", "cable_resistance", "148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)", "4.2"),

@@ -43,6 +43,7 @@ ASKING = {
     "c": {
         ("about", "about_member"),
         ("decode", "taken"),
+        ("device", "usage"),
         ("enumerations", "__init__"),
         ("examples", "repeats"),
         ("registers", "_with_masks"),

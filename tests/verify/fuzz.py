@@ -184,7 +184,8 @@ def source(batch: Batch, include: Path) -> str:
         ),
         "bits": ", ".join(str(int(not item.view.plan.in_bytes)) for item in batch.codecs),
     }
-    return batch.source(_replaced((HERE / "fuzz.c").read_text(encoding="utf-8"), values))
+    shared = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED)
+    return batch.source(shared + _replaced((HERE / "fuzz.c").read_text(encoding="utf-8"), values))
 
 
 def _replaced(text: str, values: Mapping[str, str]) -> str:

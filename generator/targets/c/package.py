@@ -89,7 +89,7 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
 
 def makers_of(views: Iterable[DeviceView]) -> Mapping[str, Manufacturer]:
     """Return the manufacturers by name, in order of their names."""
-    return dict(sorted((view.maker.name, view.maker) for view in views))
+    return dict(sorted(((view.maker.name, view.maker) for view in views), key=lambda item: item[0]))
 
 
 def _template(program: ExampleCode | ReceiverCode) -> str:
