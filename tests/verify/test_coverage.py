@@ -109,7 +109,8 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
-    assert {place[0] for place in coverage.regions} == set(headers) - {"version.h", "result.h"}, "they have no function"
+    with_functions = {name for name, path in headers.items() if "static inline" in path.read_text(encoding="ascii")}
+    assert {place[0] for place in coverage.regions} == with_functions
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
