@@ -56,7 +56,7 @@ def folded(text: str) -> str:
 
 def texts_of(batch: Batch, include: Path) -> list[str]:
     """The code of the headers of the runtime that an interface includes, and of its own."""
-    paths = [include / "codewheel" / f"{name}.h" for name in SHARED]
+    paths = [include / "codewheel" / f"{name}.h" for name in SHARED if name != "receive"]  # has a target of its own
     paths += [include / header for header in batch.view.headers]
     return [folded(path.read_text(encoding="ascii")) for path in paths]
 
