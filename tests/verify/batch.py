@@ -83,7 +83,7 @@ class Codec:
 
 
 class Batch:
-    """What the program over a device with one interface knows, and the bytes that it is told."""
+    """Code of a program for a device with one interface, and the meaning of its bytes."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
