@@ -147,13 +147,18 @@ def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
 
 def test_an_encoder_id_is_held_against_the_one_that_the_manual_states(family: Family) -> None:
     """AMM5 7.4 p.43 prints ENID 23h; the second reply has 17h, as T-format encoders of 23 bits usually do.
-    The last one has 23h, and an information bit that 7.3.2 p.42 calls not used."""
+    The last two have 23h, and one has an information bit that 7.3.2 p.42 calls not used."""
     device, run = family
     if device.name != "amm5":
         return
     replies = ("encoder_id_reply 920023B1", "encoder_id_reply 92001785", "complete_reply 1A00A5A50017888800000D")
-    replies += ("encoder_id_reply 920123B0",)
-    assert run(f"AMM5A23/65KJP1 expected {reply}" for reply in replies) == ["0 1", "0 0", "0 0", "0 0"]
+    replies += (
+        "encoder_id_reply 920123B0",
+        "complete_reply 1A00A5A500238888000039",
+        "complete_reply 1A01A5A500238888000038",
+    )
+    said = list(run(f"AMM5A23/65KJP1 expected {reply}" for reply in replies))
+    assert said == ["0 1", "0 0", "0 0", "0 0", "0 1", "0 0"]
 
 
 # -- procedures

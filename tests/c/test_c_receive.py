@@ -180,17 +180,18 @@ def test_a_line_on_paper(ask: Ask) -> None:
 
 
 def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
-    """Widths from 1 to 64, the rest from 1 to 9 bits, the acknowledge from 1 to 40: every place within a byte."""
+    """Widths from 0 to 64, the rest from 1 to 9 bits, the acknowledge from 1 to 40: every place within a byte."""
     chance = random.Random(1)
     asked, expected = [], []
-    for width in range(1, 65):
+    for width in range(65):
         for _ in range(60):
             word, cds = chance.getrandbits(width), chance.getrandbits(1)
             line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), cds)
             received = in_bytes(line, chance.getrandbits(1))
             asked += [f"b {received} {width}", f"c {received}"]
             expected += [f"0 {word}", f"0 {cds}"]
-    assert run(asked) == expected
+    # No bits from a long buffer: 1, the acknowledge, the start bit, CDS, and zeros to the end.
+    assert run([*asked, "b B000000000000000 0"]) == [*expected, "0 0"]
 
 
 def test_each_fault_of_a_biss_line(ask: Ask) -> None:
@@ -277,6 +278,8 @@ def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
             line = bytes([*samples, *[0] * spare]).hex()
             assert run([f"S {line} {mask}"]) == [data.hex().upper() + (f"{0xFF >> spare:02X}" if spare else "")]
     assert run(["S 01000001010001 1", "S - 1"]) == ["9B", ""]
+    # With several pins, a sample is 1 if any of them is.
+    assert run(["S 02000001030001 3", "S 0400000402000600 6"]) == ["9B", "9A"]
 
 
 # ------------------------------------------------------------------------------------------------------------------ SSI

@@ -46,13 +46,13 @@ UNREACHED = (
         "every value of the registers that identify an encoder decodes; what it says is looked at next",
     ),
     Unreached(
-        r"lika_(am36|sma21)_read_state",
+        r"lika_(am36|sma21)_biss_read_state",
         r"result != CW_OK|\{",
         8,
         "every configuration, and every number of steps and of revolutions, is one that an encoder can have",
     ),
     Unreached(
-        r"lika_(am36|sma21)_set_configuration",
+        r"lika_(am36|sma21)_biss_set_configuration",
         r"result != CW_OK|\{",
         4,
         "every byte is a configuration, and there is a place for each step",
@@ -82,7 +82,7 @@ UNREACHED = (
         "a resolution that encodes is one that the encoder can have, from the bytes just written",
     ),
     Unreached(
-        r"lika_sma21_(write_preset_offset|set_preset_steps|set_offset_steps)",
+        r"lika_sma21_biss_(write_preset_offset|set_preset_steps|set_offset_steps)",
         r"result != CW_OK|\{",
         6,
         "every value of 32 bits fits the register; limits are checked before",
@@ -110,7 +110,8 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
     with_functions = {name for name, path in headers.items() if "static inline" in path.read_text(encoding="ascii")}
-    assert {place[0] for place in coverage.regions} == with_functions
+    # The region in result.h is that of CW_ASSERT, where it is used.
+    assert {place[0] for place in coverage.regions} - {"result.h"} == with_functions
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
