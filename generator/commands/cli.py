@@ -14,27 +14,18 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from . import look_up
-from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, metres, parse
+from .arguments import held_bytes, parse
+from .parsers import parser_for
 from .terminal import Stop, prepare, release
 
 if TYPE_CHECKING:
     from ..cache import Cache
     from ..loading.library import Family
 
-_DESCRIPTION = (
-    "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
-)
-_SPECS = (
-    "spec files, or folders. In a folder, all .yaml files with the keys of a spec are read (default: the specs in the "
-    "current folder, or if there are none, those shipped with codewheel)"
-)
 JSON_VERSION = 1
-
-_Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -62,380 +53,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        chosen = parse(_parser(sys.argv[1:] if arguments is None else arguments), arguments)
+        chosen = parse(parser_for(sys.argv[1:] if arguments is None else arguments), arguments)
         if getattr(chosen, "looks_up", False) and getattr(chosen, "order_code", "") is not None:
             chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
         prepare(as_json=getattr(chosen, "json", False))
-        code: int = chosen.run(chosen)
-        return code
+        return _RUNS[chosen.command](chosen)
     except Stop as stop:
         print(f"codewheel: {stop}", file=sys.stderr)
         return stop.code
     except SystemExit as stop:  # Of the parser: help, or wrong usage.
         return int(stop.code or 0)
-
-
-def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """Return the parser for these arguments: with the command that they begin with, or else with all commands."""
-    parser = Parser(prog="codewheel", description=_DESCRIPTION)
-    parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    first = arguments[0] if arguments else ""
-    for name in [first] if first in _COMMANDS else () if first == "--version" else _COMMANDS:
-        _COMMANDS[name](commands)
-    add_examples(commands)
-    return parser
-
-
-def _add_generate(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "generate", help="write all outputs, or compare them", description="Write all outputs of the specs."
-    )
-    _add_specs(parser)
-    parser.add_argument(
-        "-o",
-        dest="output",
-        type=a_path,
-        default=Path("generated"),
-        metavar="DIR",
-        help="output folder (default: generated)",
-    )
-    parser.add_argument(
-        "--target", action="append", metavar="NAME", help="write only this output (see below, may be repeated)"
-    )
-    parser.add_argument(
-        "--option",
-        action="append",
-        default=[],
-        metavar="TARGET.OPTION=VALUE",
-        help="set an option of a target (see below, may be repeated)",
-    )
-    parser.add_argument(
-        "--check", action="store_true", help="write nothing, and exit 1 if an output does not match the specs"
-    )
-    parser.add_argument("--force", action="store_true", help="overwrite existing files that codewheel did not write")
-    parser.add_argument(
-        "--edition",
-        action="append",
-        default=[],
-        metavar="FAMILY=EDITION",
-        help="also generate another edition of a family, selected by revision or date (may be repeated)",
-    )
-    parser.add_argument(
-        "--unchecked", action="store_true", help="write even if second readings disagree or coverage is out of date"
-    )
-    _add_own_files(parser)
-    parser.more_help = _targets_for_help
-    parser.set_defaults(run=_generate)
-
-
-def _add_own_files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--templates",
-        type=a_path,
-        metavar="DIR",
-        help="folder with your own templates, which override the built-in ones: DIR/TARGET/NAME",
-    )
-    parser.add_argument(
-        "--biss-dtd",
-        type=a_path,
-        metavar="FILE",
-        help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
-    )
-    _add_cache_option(parser)
-
-
-def _add_check(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "check", help="find problems in specs", description="Report all problems in the specs."
-    )
-    _add_specs(parser)
-    parser.add_argument(
-        "--target",
-        action="append",
-        metavar="NAME",
-        help="check that this output can express the specs (see below, may be repeated)",
-    )
-    parser.add_argument("--json", action="store_true", help="print the problems as JSON")
-    _add_cache_option(parser)
-    parser.add_argument(
-        "--coverage",
-        action="store_true",
-        help="count how often each fact was read, and exit 1 if a fact that needs two readings was read only once",
-    )
-    parser.add_argument(
-        "--write",
-        action="store_true",
-        help="with --coverage: save the counts next to the specs, for the documentation pages",
-    )
-    parser.more_help = _targets_for_help
-    parser.set_defaults(run=_check)
-
-
-def _add_list(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "list", help="list the families", description="List families, interfaces, order codes and manuals."
-    )
-    _add_spec_option(parser)
-    parser.set_defaults(run=_list)
-
-
-def _add_show(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "show",
-        help="show a family or an order code",
-        description="Show everything known about a family or an order code.",
-    )
-    parser.add_argument(
-        "what", metavar="FAMILY|ORDER-CODE", help="a family name as shown by list, or the code on the label"
-    )
-    parser.add_argument(
-        "--edition", metavar="EDITION", help="use another edition of the manual: a revision, a date, or 'label'"
-    )
-    _add_spec_option(parser)
-    parser.set_defaults(run=_show)
-
-
-_ABOUT_FRAMES = (
-    "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI and BiSS, it is one number whose most "
-    "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. The notations of "
-    "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42 and F4243D3h. With -, lines "
-    "may begin with a time, and empty lines and text after # are skipped. The exit code is 0 on success, 1 "
-    "for a frame with an error or a register value that this encoder cannot have, 2 for wrong usage, text "
-    "that is not a frame, or a missing --choose, and 3 for a valid frame whose position is not usable. With "
-    "several frames, the exit code is that of the worst one, in the order 2, 1, 3."
-)
-
-
-def _add_decode(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "decode",
-        help="decode a frame",
-        description="Name every bit of a frame, check its CRC, and list the reports of the encoder.",
-        epilog=_ABOUT_FRAMES,
-    )
-    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
-    parser.add_argument(
-        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments, or - to read one frame per line"
-    )
-    parser.add_argument(
-        "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
-    )
-    _add_register_option(parser)
-    _add_choose_option(parser, "frames that depend on the answer are not decoded")
-    _add_edition_option(parser)
-    parser.add_argument(
-        "--layout",
-        metavar="NAME",
-        help="the frame's layout, one of those listed by show, if the frame does not identify it (such as another BiSS"
-        " data channel)",
-    )
-    parser.add_argument(
-        "--from",
-        dest="sender",
-        choices=("encoder", "master"),
-        default="encoder",
-        help="sender of the frame (default: encoder)",
-    )
-    _add_spec_option(parser)
-    parser.set_defaults(run=_decode)
-
-
-def _add_master(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "master",
-        help="show the settings for a BiSS or SSI master",
-        description="Show the settings that a BiSS or SSI master needs for an encoder.",
-    )
-    parser.add_argument(
-        "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
-    )
-    parser.add_argument(
-        "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"
-    )
-    parser.add_argument("--format", metavar="FORMAT", help="print a file for this master in one of its formats")
-    parser.add_argument("--device", metavar="DEVICE", help="device of the master for --format (default: the first)")
-    parser.add_argument(
-        "--masters",
-        action="append",
-        type=a_path,
-        default=[],
-        metavar="PATH",
-        help="your own descriptions of masters, as files or folders",
-    )
-    _add_register_option(parser)
-    _add_choose_option(parser, "no settings if they depend on the answer")
-    _add_edition_option(parser)
-    parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
-    _add_spec_option(parser)
-    parser.set_defaults(run=_master)
-
-
-def _add_simulate(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "simulate",
-        help="run a virtual encoder",
-        description="Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open.",
-    )
-    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
-    parser.add_argument(
-        "--position",
-        default="0",
-        metavar="POSITION",
-        help="counts such as 1000003, sine:0.5Hz, or ramp:1000 in counts per second (default: 0)",
-    )
-    parser.add_argument(
-        "--fault",
-        action="append",
-        default=[],
-        metavar="NAME[:RATE]",
-        help="inject a fault into this share of the replies, such as flip:1e-3 (may be repeated)",
-    )
-    parser.add_argument("--seed", type=int, default=0, help="start of the random sequence of faults (default: 0)")
-    parser.add_argument(
-        "--flag", action="append", default=[], metavar="NAME", help="activate an alarm or flag (may be repeated)"
-    )
-    parser.add_argument(
-        "--tcp",
-        nargs="?",
-        type=int,
-        const=0,
-        metavar="PORT",
-        help="use TCP on this computer instead of a pseudo-terminal (default port: any that is free)",
-    )
-    _add_register_option(parser)
-    _add_choose_option(parser, "requests that depend on the answer are not answered")
-    parser.add_argument("--edition", metavar="EDITION", help="use another edition of the manual: a revision or a date")
-    parser.add_argument(
-        "--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use, as for decode"
-    )
-    parser.more_help = lambda: import_module(f"{__package__}.simulate").more_help()
-    parser.set_defaults(run=_simulate, looks_up=True)
-
-
-def _add_diff(commands: _Commands) -> None:
-    from .diff import add_diff
-
-    add_diff(commands).set_defaults(run=_diff)
-
-
-def _add_explain(commands: _Commands) -> None:
-    from .explain import add_explain
-
-    add_explain(commands)
-
-
-def _add_reread(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "reread",
-        help="find the changes in a new edition of a manual",
-        description="Compare the texts of two editions of a manual, and list the facts that cite changed passages.",
-        epilog="Exit codes: 0 no difference. 1 differences. 2 wrong usage, or a file that is not the text of a manual.",
-    )
-    parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
-    parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")
-    parser.add_argument(
-        "--family", metavar="FAMILY", help="family that the manual describes (default: the one named on its first page)"
-    )
-    _add_spec_option(parser)
-    parser.set_defaults(run=_reread)
-
-
-def _add_facts(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "facts",
-        help="list the facts from a page or section of a manual",
-        description="List the facts of a family that cite a page or a section of its manual.",
-    )
-    parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
-    parser.add_argument("--page", type=int, metavar="NUMBER", help="facts that cite this page")
-    parser.add_argument("--section", metavar="NUMBER", help="facts that cite this section, such as 6.4")
-    _add_spec_option(parser)
-    parser.set_defaults(run=_facts)
-
-
-def _add_new(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "new",
-        help="write an example spec to start from",
-        description="Write a commented spec that passes check, to be filled in from a manual.",
-    )
-    parser.add_argument("name", metavar="NAME", help="name of the family: lowercase letters, digits and underscores")
-    parser.add_argument(
-        "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
-    )
-    parser.set_defaults(run=_new)
-
-
-#: The commands, in the order of the help.
-_COMMANDS = {
-    "generate": _add_generate,
-    "check": _add_check,
-    "list": _add_list,
-    "show": _add_show,
-    "decode": _add_decode,
-    "master": _add_master,
-    "simulate": _add_simulate,
-    "diff": _add_diff,
-    "reread": _add_reread,
-    "facts": _add_facts,
-    "explain": _add_explain,
-    "new": _add_new,
-}
-
-
-def _add_specs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
-    parser.add_argument(
-        "--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS"
-    )
-
-
-def _add_register_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--register",
-        action="append",
-        default=[],
-        metavar="ADDRESS=BYTE",
-        help="value of a register, such as 0x56=0x10 (may be repeated, default: the factory defaults)",
-    )
-
-
-def _add_choose_option(parser: argparse.ArgumentParser, otherwise: str) -> None:
-    parser.add_argument(
-        "--choose",
-        action="append",
-        default=[],
-        metavar="NAME=ANSWER",
-        help="answer a question that the manual leaves open. show lists these questions (may be repeated, default: "
-        f"{otherwise})",
-    )
-
-
-def _add_edition_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--edition",
-        metavar="EDITION",
-        help="use another edition of the manual: a revision, a date, or 'label' or 'registers' to infer it",
-    )
-
-
-def _add_spec_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--specs",
-        action="append",
-        type=a_path,
-        default=[],
-        metavar="PATH",
-        help="specs to use (default: those in the current folder, or those shipped with codewheel)",
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    _add_cache_option(parser)
-    parser.set_defaults(looks_up=True)
-
-
-def _add_cache_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
 
 
 def _cache(chosen: argparse.Namespace) -> Cache:
@@ -446,12 +73,6 @@ def _cache(chosen: argparse.Namespace) -> Cache:
 
 def _print(as_json: bool, data: Callable[[], Mapping[str, Any]], text: Callable[[], str]) -> None:
     print(json.dumps(data(), indent=2, ensure_ascii=False) if as_json else text())
-
-
-def _targets_for_help() -> str:
-    from .outputs import listing
-
-    return listing()
 
 
 def _generate(chosen: argparse.Namespace) -> int:
@@ -632,3 +253,26 @@ def _decode(chosen: argparse.Namespace) -> int:
     except BrokenPipeError:
         release()
     return decoding.code
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    from .explain import explain
+
+    print(explain(chosen.rule))
+    return 0
+
+
+_RUNS: Mapping[str, Callable[[argparse.Namespace], int]] = {
+    "generate": _generate,
+    "check": _check,
+    "list": _list,
+    "show": _show,
+    "decode": _decode,
+    "master": _master,
+    "simulate": _simulate,
+    "diff": _diff,
+    "reread": _reread,
+    "facts": _facts,
+    "explain": _explain,
+    "new": _new,
+}

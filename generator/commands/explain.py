@@ -36,12 +36,6 @@ def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
         description="Explain a rule of check with an example, or a rule of diff with its impact and the reason for it.",
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
-    parser.set_defaults(run=_explain)
-
-
-def _explain(chosen: argparse.Namespace) -> int:
-    print(explain(chosen.rule))
-    return 0
 
 
 def explain(name: str | None) -> str:
