@@ -100,7 +100,7 @@ def test_the_same_as_bit_by_bit(options: Sequence[str], buffers: int, include: P
     [
         ("while (left < 0x80000000U) {", "while (left < 0x40000000U) {"),
         ("left = end - (8U * last);", "left = (end - (8U * last)) % 8U;"),
-        ("(byte >> skip)", "byte"),
+        ("(byte >> skip)", "(byte >> (skip & 3U))"),
         ("(low >> more)", "low"),
         ("bits |= bits << 9U;", "bits |= bits << 8U;"),
         ("(pin == ((uint32_t)1U << place))", "(pin != 0U)"),
