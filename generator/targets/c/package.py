@@ -46,7 +46,7 @@ class Package(TypedDict):
     families: Annotated[list[str], "the names of the families"]
     views: Annotated[Sequence[DeviceView], "the interfaces of the families"]
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
-    with_bitwise: Annotated[list[str], "the same for manufacturers with a CRC that can do without its table"]
+    with_bitwise: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can do without a table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
     runtime: Annotated[list[str], "the names of the headers of the runtime"]
     examples: Annotated[list[str], "the names of the programs"]

@@ -101,7 +101,7 @@ class Check:
 
 
 class SelfTest:
-    """The checks of an interface, without examples that concern no function of its headers."""
+    """The checks of an interface, without the examples for which its headers have no function."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view
