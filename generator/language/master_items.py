@@ -24,7 +24,7 @@ NUMBERS: Mapping[str, str] = {
     "status_bits": "status bits after the data",
     "data_and_status_bits": "data bits and status bits",
     "crc_bits": "CRC bits",
-    "frame_bits": "all bits from the first of the data to the last of the CRC",
+    "frame_bits": "all bits from the first data bit to the last CRC bit",
     "crc_polynomial": "CRC polynomial with its top bit, or 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
     "crc_polynomial_without_last_1": "CRC polynomial without its trailing 1 (Koopman notation)",
