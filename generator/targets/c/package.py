@@ -38,7 +38,7 @@ Render = Callable[[str, Mapping[str, object]], str]
 
 class Package(TypedDict):
     package: Annotated[str, "the name of the package, for example acme-encoders"]
-    namespace: Annotated[str, "the folder of the headers below include"]
+    namespace: Annotated[str, "the folder with the headers, below include"]
     option: Annotated[str, "the name of the package in uppercase, for settings"]
     version: Annotated[str, "its version"]
     title: Annotated[str, "its description in one line of plain ASCII"]

@@ -269,7 +269,7 @@ class FamilyTest(TypedDict):
 
 
 class AllTests(TypedDict):
-    namespace: Annotated[str, "the folder of the headers below include"]
+    namespace: Annotated[str, "the folder with the headers, below include"]
     option: Annotated[str, "the name of the package in uppercase"]
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
 
