@@ -93,7 +93,7 @@ def things(
         both: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
         pairs: The things with their counterparts.
-        path: Path of the section that has them.
+        path: Path of the section that contains them.
         label: Words that precede the name of a thing, or a function that returns them.
         interface: Interface that a thing concerns, or a function that returns it.
         inside: Compare everything in a thing that is not a member of its own.

@@ -106,7 +106,7 @@ def _is_of_code(item: Parameter) -> bool:
 
 
 def _part(both: FamilyPair, thing: Thing, old: CodePart, new: CodePart) -> Iterator[Change]:
-    """Compare the values that the part has in both versions. The others show in the order codes."""
+    """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
 
     def text(item: CodeValue) -> str:
         return item.text

@@ -114,7 +114,7 @@ class Description:
     """A frame or register. ``length`` is 0 and ``order`` is empty if it is not sent as bytes.
 
     ``columns`` and ``fields`` have all fields, in the order of the layout. ``fixed`` has the constant bits that are not
-    all 0. ``otherwise`` is the verdict if no cause speaks, or None without a position.
+    all 0. ``otherwise`` is the verdict if no cause applies, or None without a position.
     """
 
     bits: Expression
@@ -222,5 +222,5 @@ def _tells(item: reports.Told) -> Tells:
 
 
 def _mask(by: plan.Part | plan.Reserved) -> int:
-    """Return the bits of the number made of all reserved bits that these reserved bits are, or 0 for a flag."""
+    """Return the mask of reserved bits in the number made of all of them, or 0 for a flag."""
     return ((1 << by.bits.widest) - 1) << by.place if isinstance(by, plan.Reserved) else 0

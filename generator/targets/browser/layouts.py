@@ -149,7 +149,7 @@ def _sent(value: object) -> Data:
 
 
 def _message(layout: Layout, item: Check) -> Data:
-    """Return the message of a check that fails: ``says`` selects it. The others are for what is written in it."""
+    """Return the message of a check that fails: ``says`` selects it. The other members fill it in."""
     name, says, most, always = item.field.name, "", 0, False
     match item:
         case AlwaysIs():

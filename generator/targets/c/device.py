@@ -60,7 +60,7 @@ class Usage:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A header for what only some users of an interface need, by its name. ``includes`` are those before it."""
+    """A header with code that only some users of an interface need, by its name. ``includes`` are those before it."""
 
     name: str
     file: str
@@ -118,9 +118,9 @@ class DeviceView:
         labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else own
         found = (
-            ("labels", "order codes by the text on a label", True, (codes, own)),
-            ("reports", "texts of the reports, alarms and times", texts, (codes, own)),
-            ("registers", "registers, and identification by them", self.registers, (codes, steps, own, *labels)),
+            ("labels", "find the order code that a label shows", True, (codes, own)),
+            ("reports", "texts that describe reports, alarms and times", texts, (codes, own)),
+            ("registers", "registers, and identification of encoders", self.registers, (codes, steps, own, *labels)),
             ("procedures", "procedures, step by step", self.procedures, (steps, registers)),
             ("simulate", "the encoder's side, for simulators and tests", True, (own,)),
         )

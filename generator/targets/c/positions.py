@@ -57,7 +57,7 @@ Positions = AnglePositions | LengthPositions
 
 
 def positions(context: Context) -> Positions | None:
-    """Return the functions that convert the positions of the interface, if the manual says what these are."""
+    """Return the functions that convert the positions of the interface, if the manual gives their unit."""
     measurement = context.device.measurement_of(context.interface.name)
     return _positions(context, measurement) if measurement is not None else None
 

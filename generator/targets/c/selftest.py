@@ -186,7 +186,7 @@ class SelfTest:
                 )
 
     def _answers(self, item: StructCodec, example: FrameExample) -> str:
-        """Return the answers for the example, or the first answer where it states none."""
+        """Return the answers for the example, or the first answer if it states none."""
         found = ""
         for asked in item.asked:
             names = [answer.name for answer in asked.item.answers]

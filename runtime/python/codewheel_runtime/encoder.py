@@ -170,7 +170,8 @@ class Encoder:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
-            frames: The frames, as numbers or rows of bytes. Their class follows if the encoder sends several kinds.
+            frames: The frames, as numbers or rows of bytes. If the encoder sends several kinds, their class is the
+                second argument.
             answers: Answers to the questions that the manual leaves open.
 
         Returns:

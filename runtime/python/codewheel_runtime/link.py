@@ -107,7 +107,7 @@ class Link:
         return self._do(self.session.exchange(request))
 
     def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset. Requests in succession start again after a failure.
+        """Carry out a procedure, such as a reset. If a request in a series fails, the series starts again.
 
         Args:
             steps: Steps, as returned by a function for a procedure.

@@ -207,7 +207,7 @@ class Files(NamedTuple):
             progress: Called from time to time with the amount read, the total if known, and the number of frames.
 
         Returns:
-            Number of frames, and of each error and verdict.
+            Counts of frames, of each error and of each verdict.
 
         Raises:
             InputError: The source does not contain such frames. The message says where. This error is also raised if
