@@ -109,7 +109,7 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
 
 
 def _is_arrow(frames: object) -> bool:
-    """Return whether frames are a column of Arrow, polars, or another library with Arrow's C interface."""
+    """Return whether frames are a column from Arrow, polars, or another library with Arrow's C interface."""
     return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 

@@ -245,12 +245,12 @@ class Captures(NamedTuple):
     ) -> Capture:
         """Decode a capture of a logic analyser. Needs NumPy.
 
-        Formats are sigrok sessions, CSV of sigrok and Saleae, binary files of Saleae, VCD, NumPy files and tables of 0
+        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, VCD, NumPy files and tables of 0
         and 1. They are recognized by their contents.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
-            source: The file, or the two binary files of Saleae, that of the clock and then that of the data line. Or an
+            source: The file, or two Saleae binary files, first the clock and then the data line. Or an
                 array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
                 whose bits are the channels.
             clock: Channel of the clock (MA), by name or by number from 1.

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 else:
 
     class _Columns:
-        """Methods of a mapping. With a real mapping, polars would read the raw columns, not the stream of Arrow."""
+        """Methods of a mapping. With a real mapping, polars would read the raw columns, not the Arrow stream."""
 
         __contains__, get, items = Mapping.__contains__, Mapping.get, Mapping.items
         keys, values = Mapping.keys, Mapping.values
@@ -404,7 +404,7 @@ class Table(_Columns):
         return import_module("pyarrow").table(arrow_columns(self, self, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """Return the columns as a stream of Arrow, for polars, DuckDB and others. Needs pyarrow."""
+        """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
         return self.to_arrow().__arrow_c_stream__(requested_schema)
 
     def to_pandas(self, *, raw: bool = False) -> Any:
@@ -413,7 +413,7 @@ class Table(_Columns):
         ``fault`` and ``verdict`` are categorical strings.
 
         Args:
-            raw: Keep positions that are not usable. Otherwise they are ``<NA>``, in a column of ``Int64``.
+            raw: Keep positions that are not usable. Otherwise they are ``<NA>``, in an ``Int64`` column.
 
         Returns:
             A ``pandas.DataFrame``.
