@@ -199,7 +199,9 @@ class Variants:
     def no_frame_bits(self) -> str:
         """Reason why ``frame_bits`` is missing, for each interface without it."""
         of_bytes = ["frames are made of bytes"] if any(item.in_bytes for item in self.frame_kinds) else []
-        is_open = ["the length depends on an answer"] if any(item.has_open_length for item in self.frame_kinds) else []
+        is_open = (
+            ["the length depends on your choice"] if any(item.has_open_length for item in self.frame_kinds) else []
+        )
         return ", or ".join([*of_bytes, *is_open])
 
     # -- parameters in registers
