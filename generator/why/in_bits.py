@@ -32,7 +32,7 @@ OtherCrc = tuple[str, str, Crc]
 
 @dataclass(frozen=True, slots=True)
 class Slip:
-    """A text that does not begin and end with the frame.
+    """Bits that do not begin and end with the frame.
 
     ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
     ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits after it.

@@ -127,7 +127,7 @@ def _cut(*row: Any) -> list[Any]:
 
 
 def _stated(item: Field) -> Any:
-    """Return the documented value of a field, either as a text or as a list that holds a number or an expression."""
+    """Return the documented value of a field, either as a string or as a list that holds a number or an expression."""
     value = item.equals
     if value is None or isinstance(value, str):
         return value

@@ -107,7 +107,7 @@ class DeviceView:
 
     @property
     def header(self) -> str:
-        """The header for reading positions, as it is included."""
+        """Include path of the header for reading positions."""
         return f"{self.maker.name}/{self.stem}.h"
 
     @property
@@ -128,7 +128,7 @@ class DeviceView:
 
     @property
     def headers(self) -> list[str]:
-        """All headers of the interface, as they are included."""
+        """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
 
     @cached_property

@@ -104,7 +104,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
-    """Yield the headers of an interface, by their path as they are included."""
+    """Yield the headers of an interface, by their include paths."""
     values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
     yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:

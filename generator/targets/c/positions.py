@@ -25,7 +25,7 @@ class AnglePositions:
 
     @property
     def names(self) -> Iterator[str]:
-        """The functions, by their ends."""
+        """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.turns is not None else ()
         yield from ("counts_per_turn", *rolling, "turns", "degrees")
 
@@ -45,7 +45,7 @@ class LengthPositions:
 
     @property
     def names(self) -> Iterator[str]:
-        """The functions, by their ends."""
+        """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.modulus is not None else ()
         yield from (*rolling, "micrometres", "millimetres")
 

@@ -36,7 +36,7 @@ from .types import number, string
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """A member of a struct and its expected value. ``text`` is True if it is a text."""
+    """A member of a struct and its expected value. ``text`` is True if it is a string."""
 
     member: str
     value: str

@@ -141,7 +141,7 @@ class Encoder:
         """Decode a frame that the encoder sent. The class for each family and interface describes its frames.
 
         Args:
-            frame: Bytes, or a number or a text of 0 and 1 if the frame is a string of bits.
+            frame: Bytes, or a number or a string of 0 and 1 if the frame consists of bits.
 
         Returns:
             The frame. It is a :class:`PositionFrame` if it has a position.

@@ -39,7 +39,7 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame that a text contains as hex bytes or as a number. Raises ValueError if there is none."""
+    """Return the frame that a string contains as hex bytes or as a number. Raises ValueError if there is none."""
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
         packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
