@@ -180,7 +180,7 @@ _COMPILER = r"__(GNUC__|clang__)"
 #: The only built-in functions are those for words of memory, used where a macro says that they exist.
 _PREDEFINED = (
     _COMPILER
-    + r"|__(ARM_FEATURE_UNALIGNED|(BYTE_)?ORDER(_LITTLE_ENDIAN)?__|builtin_(memcpy|bswap32|bswap64|clz|clzll))"
+    + r"|__(ARM_FEATURE_(UNALIGNED|CLZ)|(BYTE_)?ORDER(_LITTLE_ENDIAN)?__|builtin_(memcpy|bswap32|bswap64|clz|clzll))"
 )
 
 

@@ -136,7 +136,7 @@ class DeviceView:
         return Names(self._declared())
 
     def _declared(self) -> Iterator[Declared]:
-        yield f"{self.PREFIX}_H", ()
+        yield from ((f"{self.PREFIX}_{ending}", ()) for ending in ("H", "HPP"))
         yield from ((f"{self.PREFIX}_{item.name}_H".upper(), ()) for item in self.parts)
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:

@@ -107,13 +107,14 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
     """Yield the headers of an interface, by their path as they are included."""
     values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
     yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
+    yield f"{view.header}pp", _render(library, "device.hpp.jinja", values)
     for part in view.parts:
         yield f"{view.maker.name}/{part.file}", _render(library, "part.h.jinja", values | {"further": part})
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
     text = TEMPLATES.render(template, values, library.own_templates)
-    if template.endswith(".h.jinja"):
+    if template.endswith((".h.jinja", ".hpp.jinja")):
         return documented(laid_out(text))
     return laid_out(text) if template.endswith(".c.jinja") else text
 
@@ -127,6 +128,7 @@ TEMPLATES = Templates(
     our_templates("c"),
     values={
         "device.h.jinja": FamilyHeader,
+        "device.hpp.jinja": Family,
         "part.h.jinja": PartHeader,
         "example.c.jinja": Program,
         "poller.c.jinja": Program,

@@ -253,7 +253,7 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
         const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
         const uint32_t rising = bits & ~(before | (bits >> 1U));
         if (rising != 0U) {
-            return at + cw_received_zeros(rising);
+            return at + (size_t)cw_received_zeros(rising);
         }
         before = (bits & 1U) << 31U;
     }
