@@ -552,7 +552,9 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
     plain, marked = set(), set()
     for path in include.rglob("*.h"):
         text = without_texts(path.read_text(encoding="ascii"))
-        for found in re.finditer(r"^(CW_NODISCARD\n)?(?:CW_CONSTEXPR\n)?static inline cw_result\s+(\w+)\(", text, re.MULTILINE):
+        for found in re.finditer(
+            r"^(CW_NODISCARD\n)?(?:CW_CONSTEXPR\n)?static inline cw_result\s+(\w+)\(", text, re.MULTILINE
+        ):
             (marked if found[1] else plain).add(found[2])
     assert plain == MAY_BE_LEFT
     assert len(marked) > 100

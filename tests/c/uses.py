@@ -148,7 +148,11 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
             lines += _function("int", name, "void", f"return {name} != 0;")
     for kind, name in found.tables:
         settings = found.conditions.get(name, ())
-        lines += [*settings, *_function(f"const {kind} *", name, "void", f"return {name};"), *("#endif" for _ in settings)]
+        lines += [
+            *settings,
+            *_function(f"const {kind} *", name, "void", f"return {name};"),
+            *("#endif" for _ in settings),
+        ]
     for kind, name in found.constants:
         lines += _function(f"const {kind} *", name, "void", f"return &{name};")
     for name in found.enumerators:
