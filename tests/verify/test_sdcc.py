@@ -1,4 +1,4 @@
-"""Small C compiler SDCC: what reads a position compiles for MCS-51 and STM8, and gives the right results in simulators."""
+"""Small C compiler SDCC: what reads a position compiles for MCS-51 and STM8, and is right in simulators."""
 
 from __future__ import annotations
 

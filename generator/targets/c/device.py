@@ -128,8 +128,13 @@ class DeviceView:
 
     @property
     def headers(self) -> list[str]:
-        """All headers of the interface, as they are included."""
+        """All headers for C of the interface, as they are included."""
         return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
+
+    @property
+    def cpp_header(self) -> str:
+        """The header for C++17."""
+        return f"{self.header}pp"
 
     @cached_property
     def names(self) -> Names:
