@@ -1,4 +1,4 @@
-"""The package for Arduino: its sketches compile for AVR and print positions. Arduino.h and SPI.h are stubs of our own."""
+"""The package for Arduino: sketches compile for AVR and print positions. Arduino.h and SPI.h are stubs of our own."""
 
 from __future__ import annotations
 

@@ -136,6 +136,11 @@ class DeviceView:
         """The header for C++17."""
         return f"{self.header}pp"
 
+    @property
+    def space(self) -> str:
+        """The namespace of the functions for C++17."""
+        return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
+
     @cached_property
     def names(self) -> Names:
         return Names(self._declared())

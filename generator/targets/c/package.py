@@ -1,4 +1,4 @@
-"""The package files of the C folder: for CMake, pkg-config, PlatformIO, Arduino and Zephyr, and the example programs."""
+"""The package files of the C folder for CMake, pkg-config, PlatformIO, Arduino and Zephyr, and its example programs."""
 
 from __future__ import annotations
 
