@@ -157,6 +157,8 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         # In two functions: MISRA 8.9 wants an object that only one function uses to be defined in it.
         for function in (name, f"{name}_again"):
             lines += _function(f"const {kind} *", function, "void", f"return &{name};")
+    if "codewheel/bits.h" in every:
+        lines += _function("int", "CW_CONST", "void", "CW_CONST int value = 1;", "return value;")
     for name in found.enumerators:
         lines += _function("int", name, "void", f"return {name} != 0;")
     for name in found.types:
