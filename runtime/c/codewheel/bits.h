@@ -22,8 +22,8 @@
 #define CW_CONSTEXPR constexpr /**< marks a function that C++17 can call at compile time */
 #define CW_CONST constexpr /**< marks a constant, of use at compile time in C++17 */
 #else
-#define CW_CONSTEXPR
-#define CW_CONST const
+#define CW_CONSTEXPR /**< marks a function that C++17 can call at compile time */
+#define CW_CONST const /**< marks a constant, of use at compile time in C++17 */
 #endif
 
 #ifdef __cplusplus
