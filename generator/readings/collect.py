@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import interfaces, order_codes, procedures, registers, surroundings
+from . import cited, interfaces, order_codes, procedures, registers, surroundings
 from .fact import Facts
 from .reading import Reading
 
@@ -15,5 +15,7 @@ def facts_of(reading: Reading) -> Facts:
     registers.add_registers(reading, facts)
     facts.add(procedures.procedures(reading))
     for found in (surroundings.contacts, surroundings.alarms, surroundings.inputs, surroundings.history):
+        facts.add(found(reading))
+    for found in (surroundings.characteristics, surroundings.tables, surroundings.leds, cited.contents, cited.texts):
         facts.add(found(reading))
     return facts

@@ -38,6 +38,12 @@ class Sort(Enum):
     INPUT = "input"
     PRINTED = "printed name"
     HISTORY = "history"
+    CHARACTERISTIC = "characteristic"
+    TABLE = "table"
+    LED = "LED"
+    TEXT = "number in a text"
+    SECTION = "cited section"
+    CONTENTS = "contents"
 
     @property
     def is_needed(self) -> bool:

@@ -1,0 +1,67 @@
+"""Facts in words: the numbers that texts contain, the sections that they are from, and the contents of the manual.
+
+They are compared by their places in the file, because two readers use different words for them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from ..language.document import label_of
+from ..language.problems import Path
+from ..language.second_reading import NO_FACTS, PROSE
+from ..loading.from_mapping import parse_sources
+from .fact import Fact, Sort
+from .reading import Reading
+
+_UNITS = r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|in|AWG|k?g)"
+_NUMBER = re.compile(rf"[±−+-]?[^\W\d_]*\d[\w.,]*(?: ?{_UNITS}(?!\w))?")
+_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+
+
+def numbers_in(text: str) -> str:
+    """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
+    found = (item.rstrip(".,").replace(" ", "").lstrip("+") for item in _NUMBER.findall(_COMMA.sub("", text)))
+    return " ".join(found).replace("−", "-")
+
+
+def contents(reading: Reading) -> Iterator[Fact]:
+    """Yield the page of every section and entry in the table of contents."""
+    for section, item in reading.document.data["manual"].get("contents", {}).items():
+        place: Path = ("manual", "contents", section)
+        pages = {(*place, "page"): item.get("page")} | {
+            (*place, "entries", name): page for name, page in item.get("entries", {}).items()
+        }
+        for where, page in pages.items():
+            if page is not None:
+                what = f"page of {'.'.join(map(str, where[2:]))} in the contents"
+                yield Fact(Sort.CONTENTS, ("contents", *where), str(page), what, where)
+
+
+def texts(reading: Reading) -> Iterator[Fact]:
+    """Yield the numbers in every text, and the sections that every source cites."""
+    for place, value in _texts((), reading.document.data):
+        key = str(place[-1])
+        where = reading.document.name_path(place)
+        if key == "source" or key.endswith("_source"):
+            sections = {item.section for item in parse_sources(value) if not item.document}
+            if sections:
+                shown = ", ".join(sorted(sections))
+                yield Fact(Sort.SECTION, ("cited", *place), shown, f"section cited at {where}", place)
+        elif numbers := numbers_in(value):
+            yield Fact(Sort.TEXT, ("numbers", *place), numbers, f"numbers in {where}", place)
+
+
+def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
+    """Yield every text and source, with its place by names."""
+    if isinstance(node, dict):
+        for key, item in node.items():
+            if place or key not in NO_FACTS:
+                yield from _texts((*place, key), item)
+    elif isinstance(node, list):
+        for index, item in enumerate(node):
+            yield from _texts((*place, label_of(item) or index), item)
+    elif isinstance(node, str) and (place[-1] in PROSE or (place[0], place[-1]) == ("characteristics", "value")):
+        yield place, node
