@@ -26,6 +26,28 @@ NO_FACTS = frozenset("documents lost_figures examples errata editions".split())
 #: Keys that a spec must have and its second reading does not need.
 _NOT_NEEDED = frozenset(("manufacturer",))
 
+#: Parts that only a second reading has.
+_ONLY_SECOND = {
+    "sections": {
+        "description": "Sections of the manual, each with the paths of the facts that come from there. A path holds for"
+        " everything under it that no longer path names.",
+        "type": "object",
+        "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
+    },
+    "found": {
+        "description": "Numbers in texts that a program found in the cited section of the manual, by path. They are"
+        " compared, but count as read once.",
+        "type": "object",
+        "additionalProperties": {"type": "string", "maxLength": 500},
+    },
+    "decided": {
+        "description": "Facts that the manual does not print, so that both readings contain a decision: paths, or"
+        " classes of facts such as verdict.",
+        "type": "array",
+        "items": {"type": "string", "maxLength": 200},
+    },
+}
+
 _SOME_SOURCE = "Cover"
 
 
@@ -53,6 +75,7 @@ def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
     """Derive the schema of second readings from that of device files."""
     made: dict[str, Any] = _prose_optional(schema)
     made["properties"] = {key: item for key, item in made["properties"].items() if key not in NO_FACTS}
+    made["properties"] |= _ONLY_SECOND
     made["required"] = [key for key in made["required"] if key not in _NOT_NEEDED]
     return made
 
@@ -86,6 +109,6 @@ def filled(data: Any, schema: Mapping[str, Any]) -> Any:
         key: filled(item, inside.get(key) or (others if isinstance(others, dict) else {})) for key, item in data.items()
     }
     for key in schema.get("required", ()):
-        if key not in made and key in PROSE | {"value"}:
+        if key not in made and key in PROSE:
             made[key] = _SOME_SOURCE if key == "source" else "?"
     return made

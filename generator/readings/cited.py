@@ -16,14 +16,20 @@ from ..loading.from_mapping import parse_sources
 from .fact import Fact, Sort
 from .reading import Reading
 
-_UNITS = r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|in|AWG|k?g)"
-_NUMBER = re.compile(rf"[±−+-]?[^\W\d_]*\d[\w.,]*(?: ?{_UNITS}(?!\w))?")
+#: First part of the keys of numbers in texts, and of cited sections.
+NUMBERS, CITED = "numbers", "cited"
+_UNITS = (
+    r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
+)
+_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?: ?{_UNITS}(?!\w))?")
+#: Maps of a second reading by path, which are not texts.
+_WITHOUT = frozenset((("found",), ("sections",)))
 _COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
 def numbers_in(text: str) -> str:
     """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
-    found = (item.rstrip(".,").replace(" ", "").lstrip("+") for item in _NUMBER.findall(_COMMA.sub("", text)))
+    found = (item.rstrip(".,-").replace(" ", "").lstrip("+") for item in _NUMBER.findall(_COMMA.sub("", text)))
     return " ".join(found).replace("−", "-")
 
 
@@ -43,22 +49,35 @@ def contents(reading: Reading) -> Iterator[Fact]:
 def texts(reading: Reading) -> Iterator[Fact]:
     """Yield the numbers in every text, and the sections that every source cites."""
     for place, value in _texts((), reading.document.data):
-        key = str(place[-1])
-        where = reading.document.name_path(place)
+        key, where = str(place[-1]), reading.document.name_path(place)
         if key == "source" or key.endswith("_source"):
-            sections = {item.section for item in parse_sources(value) if not item.document}
+            sections = {item.section for item in parse_sources(value) if not item.document and item.section}
             if sections:
                 shown = ", ".join(sorted(sections))
-                yield Fact(Sort.SECTION, ("cited", *place), shown, f"section cited at {where}", place)
+                yield Fact(Sort.SECTION, (CITED, *place), shown, f"section cited at {where}", place)
         elif numbers := numbers_in(value):
-            yield Fact(Sort.TEXT, ("numbers", *place), numbers, f"numbers in {where}", place)
+            yield Fact(Sort.TEXT, (NUMBERS, *place), numbers, f"numbers in {where}", place)
+
+
+def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
+    """Return the numbers that a second reading gives for a text by its path, with their places there."""
+    return {path: (numbers_in(text), ("found", path)) for path, text in reading.document.data.get("found", {}).items()}
+
+
+def sections_by_path(reading: Reading) -> dict[str, list[str]]:
+    """Return the sections that a second reading gives for everything under a path."""
+    found: dict[str, list[str]] = {}
+    for section, paths in reading.document.data.get("sections", {}).items():
+        for path in paths:
+            found.setdefault(path, []).append(section)
+    return found
 
 
 def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """Yield every text and source, with its place by names."""
     if isinstance(node, dict):
         for key, item in node.items():
-            if place or key not in NO_FACTS:
+            if (place or key not in NO_FACTS) and (*place, key) not in _WITHOUT:
                 yield from _texts((*place, key), item)
     elif isinstance(node, list):
         for index, item in enumerate(node):

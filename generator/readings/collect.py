@@ -18,4 +18,6 @@ def facts_of(reading: Reading) -> Facts:
         facts.add(found(reading))
     for found in (surroundings.characteristics, surroundings.tables, surroundings.leds, cited.contents, cited.texts):
         facts.add(found(reading))
+    facts.found, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
+    facts.decided = reading.document.data.get("decided", ())
     return facts

@@ -272,7 +272,9 @@ SURROUNDINGS = (
         NAME,
         Member("title", "string", "Subject of the table."),
         Member("columns", "[text]", "Column headings."),
-        Member("units", "[string]", "Units of the columns that contain numbers. Empty for a column of text.", read="table"),
+        Member(
+            "units", "[string]", "Units of the columns that contain numbers. Empty for a column of text.", read="table"
+        ),
         Member("rows", "[table_row]", "Rows of the table."),
         NOTE,
     ),

@@ -65,7 +65,19 @@ class Sometimes:
 
 
 Literal = (
-    None | bool | int | float | str | bytes | Code | Member | Hex | Call | Sometimes | Sequence["Literal"] | Mapping[str, str]
+    None
+    | bool
+    | int
+    | float
+    | str
+    | bytes
+    | Code
+    | Member
+    | Hex
+    | Call
+    | Sometimes
+    | Sequence["Literal"]
+    | Mapping[str, str]
 )
 
 
