@@ -74,11 +74,11 @@ def _wrong_in_source(old: str, new: str, document: Document) -> str:
     before, after = next(
         pair for pair in zip(parse_sources(old), parse_sources(new), strict=True) if pair[0] != pair[1]
     )
-    if before.document or after.document:
+    if before.document or after.document or "manual" not in document.data:
         return "place in another document"
     if before.section != after.section:
         return "cited section"
-    row = document.data.get("manual", {}).get("contents", {}).get(before.section, {})
+    row = document.data["manual"].get("contents", {}).get(before.section, {})
     return "cited page" if "page" in row or "entries" in row else "page without contents"
 
 

@@ -12,6 +12,7 @@ from .second_reading import is_left_out
 
 _TYPES = {
     "integer": "a whole number",
+    "number": "a number",
     "string": "text",
     "object": "a map of keys",
     "array": "a list",

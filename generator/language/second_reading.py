@@ -35,8 +35,8 @@ _ONLY_SECOND = {
         "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
     },
     "found": {
-        "description": "Numbers in texts that a program found in the cited section of the manual, by path. They are"
-        " compared, but count as read once.",
+        "description": "Numbers in texts, and cited sections, by path, that were not read a second time. They are"
+        " compared, so that no later typo passes, but count as read once.",
         "type": "object",
         "additionalProperties": {"type": "string", "maxLength": 500},
     },

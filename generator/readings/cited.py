@@ -11,7 +11,7 @@ from typing import Any
 
 from ..language.document import label_of
 from ..language.problems import Path
-from ..language.second_reading import NO_FACTS, PROSE
+from ..language.second_reading import PROSE
 from ..loading.from_mapping import parse_sources
 from .fact import Fact, Sort
 from .reading import Reading
@@ -21,9 +21,10 @@ NUMBERS, CITED = "numbers", "cited"
 _UNITS = (
     r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
 )
-_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?: ?{_UNITS}(?!\w))?")
+_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
 #: Maps of a second reading by path, which are not texts.
 _WITHOUT = frozenset((("found",), ("sections",)))
+_TEXTS = PROSE | {"printed", "used"}
 _COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
@@ -48,20 +49,28 @@ def contents(reading: Reading) -> Iterator[Fact]:
 
 def texts(reading: Reading) -> Iterator[Fact]:
     """Yield the numbers in every text, and the sections that every source cites."""
-    for place, value in _texts((), reading.document.data):
-        key, where = str(place[-1]), reading.document.name_path(place)
-        if key == "source" or key.endswith("_source"):
-            sections = {item.section for item in parse_sources(value) if not item.document and item.section}
-            if sections:
-                shown = ", ".join(sorted(sections))
-                yield Fact(Sort.SECTION, (CITED, *place), shown, f"section cited at {where}", place)
-        elif numbers := numbers_in(value):
-            yield Fact(Sort.TEXT, (NUMBERS, *place), numbers, f"numbers in {where}", place)
+    for place, text in _texts((), reading.document.data):
+        is_source, where = _is_source(place[-1]), reading.document.name_path(place)
+        if value := _compared(place[-1], text):
+            key, what = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
+            yield Fact(Sort.SECTION if is_source else Sort.TEXT, (key, *place), value, f"{what} {where}", place)
+
+
+def _is_source(key: str | int) -> bool:
+    return key == "source" or str(key).endswith("_source")
+
+
+def _compared(key: str | int, text: str) -> str:
+    """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
+    if not _is_source(key):
+        return numbers_in(text)
+    return ", ".join(sorted({item.section for item in parse_sources(text) if not item.document and item.section}))
 
 
 def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
-    """Return the numbers that a second reading gives for a text by its path, with their places there."""
-    return {path: (numbers_in(text), ("found", path)) for path, text in reading.document.data.get("found", {}).items()}
+    """Return what a second reading gives for texts and sources by their paths, with the places there."""
+    found = reading.document.data.get("found", {})
+    return {path: (_compared(path.rpartition(".")[2], text), ("found", path)) for path, text in found.items()}
 
 
 def sections_by_path(reading: Reading) -> dict[str, list[str]]:
@@ -77,10 +86,10 @@ def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """Yield every text and source, with its place by names."""
     if isinstance(node, dict):
         for key, item in node.items():
-            if (place or key not in NO_FACTS) and (*place, key) not in _WITHOUT:
+            if (*place, key) not in _WITHOUT:
                 yield from _texts((*place, key), item)
     elif isinstance(node, list):
         for index, item in enumerate(node):
             yield from _texts((*place, label_of(item) or index), item)
-    elif isinstance(node, str) and (place[-1] in PROSE or (place[0], place[-1]) == ("characteristics", "value")):
+    elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
         yield place, node

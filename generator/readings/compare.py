@@ -20,6 +20,8 @@ from .reading import bits
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))
+#: Classes of facts in words, which a second reading can also give by their paths.
+_WORDS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 class Read(IntEnum):
@@ -91,13 +93,13 @@ def compare(spec: Facts, second: Facts) -> Comparison:
 
 def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
-    paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort is Sort.TEXT}
-    for path, (numbers, place) in second.found.items():
-        own = paths.get(path)
-        yield own.key if own else (NUMBERS, path), Fact(Sort.TEXT, (), numbers, f"numbers in {path}", place)
+    paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
+    for path, (value, place) in second.found.items():
+        own = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
+        yield own.key, replace(own, value=value, place=place)
     for key, fact in spec.facts.items():
         steps = fact.place
-        if fact.sort is Sort.SECTION:
+        if fact.sort is Sort.SECTION and _dotted(steps) not in second.found:
             path = next(
                 (path for end in range(len(steps), 0, -1) if (path := _dotted(steps[:end])) in second.sections), ""
             )
@@ -117,9 +119,9 @@ def _mark(made: Comparison, spec: Facts, second: Facts) -> None:
         if read is not Read.TWICE:
             continue
         is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
-        if is_name or (sort is Sort.TEXT and path in second.found):
+        if is_name or (sort in _WORDS and path in second.found):
             made.read[sort, place] = Read.ONCE
-        elif sort not in (Sort.TEXT, Sort.SECTION) and any(
+        elif sort not in _WORDS and any(
             sort.value == item or f"{path}.".startswith(f"{item}.") for item in second.decided
         ):
             made.read[sort, place] = Read.DECIDED

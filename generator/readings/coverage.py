@@ -55,5 +55,5 @@ def _of_family(readings: Readings, outcome: Comparison) -> Coverage:
 
 def _count(sort: Sort, outcome: Comparison, derived: int) -> TimesRead:
     found = [read for (other, _), read in outcome.read.items() if other is sort]
-    reads = Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE
-    return TimesRead(*map(found.count, reads), derived)
+    twice, explained, decided, once = map(found.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
+    return TimesRead(twice, explained, decided, once, derived)

@@ -12,7 +12,7 @@ from codewheel.commands import check
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.second_reading import is_prose
+from codewheel.language.second_reading import is_left_out
 from codewheel.loading.library import load_families
 
 # Reads whole specs twice, which no wording and no rule of check touches.
@@ -121,14 +121,14 @@ def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathli
     assert told() == []
 
 
-NO_PROSE = "a second reading has only facts, no prose; leave it out"
+LEFT_OUT = "a second reading does not have this part; leave it out"
 
 
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("movement: rotary", "movement: rotary\ntitle: TWICE", f"5:1: unknown-key: unknown key 'title'; {NO_PROSE}"),
-        ("movement: rotary", "movement: rotary\nerrata: []", f"5:1: unknown-key: unknown key 'errata'; {NO_PROSE}"),
+        ("movement: rotary", "movement: rotary\nexamples: []", f"5:1: unknown-key: unknown key 'examples'; {LEFT_OUT}"),
+        ("movement: rotary", "movement: rotary\nerrata: []", f"5:1: unknown-key: unknown key 'errata'; {LEFT_OUT}"),
         (
             "device: twice",
             "device: thrice",
@@ -304,7 +304,7 @@ def write_facts_only(folder: pathlib.Path) -> None:
 
     def kept(node: object) -> object:
         if isinstance(node, dict):
-            return {key: kept(item) for key, item in node.items() if not is_prose(key) and key != "manufacturer"}
+            return {key: kept(item) for key, item in node.items() if not is_left_out(key) and key != "manufacturer"}
         return [kept(item) for item in node] if isinstance(node, list) else node
 
     document = read_document(folder / "twice.yaml", Report())
