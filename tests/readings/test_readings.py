@@ -187,31 +187,37 @@ def test_without_one_nothing_changes(folder: pathlib.Path, capsys: pytest.Captur
 
 TABLE = """\
 facts by number of readings (* needs two)
-                      twice  explained       once    derived
-position *               34          0          0          0
-crc *                    12          0          0          0
-address *                 4          0          0          0
-byte order *              3          0          0          0
-access *                  4          0          0          0
-default *                 3          0          0          0
-limit *                   6          0          0          1
-clock *                   6          0          0          0
-time *                    5          0          0          0
-wait *                    2          0          1          0
-value                     7          0          0          0
-behaviour                 1          0          0          0
-verdict                   3          0          1          0
-alarm                     5          0          0          0
-procedure                 3          0          0          0
-order code                1          0          0          0
-measurement               1          0          0          0
-setting                   6          0          0          0
-supply                    1          0          0          0
-pin                       3          0          0          0
-input                     2          0          0          0
-printed name              8          0          0          0
-history                   5          0          0          0
-twice                   125          0          2          1
+                       twice  explained    decided       once    derived
+position *                34          0          0          0          0
+crc *                     12          0          0          0          0
+address *                  4          0          0          0          0
+byte order *               3          0          0          0          0
+access *                   4          0          0          0          0
+default *                  3          0          0          0          0
+limit *                    6          0          0          0          1
+clock *                    6          0          0          0          0
+time *                     5          0          0          0          0
+wait *                     2          0          0          1          0
+value                      7          0          0          0          0
+behaviour                  1          0          0          0          0
+verdict                    3          0          0          1          0
+alarm                      5          0          0          0          0
+procedure                  3          0          0          0          0
+order code                 1          0          0          0          0
+measurement                1          0          0          0          0
+setting                    6          0          0          0          0
+supply                     1          0          0          0          0
+pin                        3          0          0          0          0
+input                      2          0          0          0          0
+printed name               8          0          0          0          0
+history                    5          0          0          0          0
+characteristic             0          0          0          0          0
+table                      0          0          0          0          0
+LED                        0          0          0          0          0
+number in a text           0          0          0          2          0
+cited section              0          0          0         36          0
+contents                   0          0          0          0          0
+twice                    125          0          0         40          1
 twice.yaml:117:23: read once: wait, registers.command.wait_at_least_ms
 1 fact to read a second time
 """
@@ -230,9 +236,10 @@ def test_coverage_as_json(folder: pathlib.Path, capsys: pytest.CaptureFixture[st
     assert main(["check", "--coverage", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found["version"], found["problems"]) == (1, [])
-    assert found["total"] == {"twice": 125, "explained": 0, "once": 2, "derived": 1}
+    assert found["total"] == {"twice": 125, "explained": 0, "decided": 0, "once": 40, "derived": 1}
     (family,) = found["coverage"]
-    assert family["classes"]["wait"] == {"twice": 2, "explained": 0, "once": 1, "derived": 0, "needed": True}
+    wait = {"twice": 2, "explained": 0, "decided": 0, "once": 1, "derived": 0, "needed": True}
+    assert family["classes"]["wait"] == wait
     assert {
         "class": "wait",
         "file": "twice.yaml",
@@ -249,7 +256,8 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
     assert main(["check", "--coverage"]) == 0
     assert not kept.exists()
     assert main(["check", "--coverage", "--write"]) == 0
-    assert kept.read_text(encoding="utf-8") == '{"twice": 126, "explained": 0, "once": 1, "derived": 1}\n'
+    counts = '{"twice": 126, "explained": 0, "decided": 0, "once": 39, "derived": 1}\n'
+    assert kept.read_text(encoding="utf-8") == counts
     (family,), _ = load_families([folder])
     assert family.device.times_read is not None
     assert family.device.times_read.twice == 126

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from decimal import Decimal
 
+from ...say.words import counted
 from ..problems import DocumentReport, listed, quoted
 from .walk import Spec, items, walk
 
