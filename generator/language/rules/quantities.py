@@ -128,8 +128,8 @@ def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, table in items(spec, "tables"):
         units = table.get("units", [])
         if units and len(units) != len(table["columns"]):
-            wrong = f'there are {len(units)} units for {len(table["columns"])} columns; give one for each, or ""'
-            report.add("column-units", (*path, "units"), wrong)
+            wrong = f"the table has {counted(len(table['columns']), 'column')} but {counted(len(units), 'unit')}"
+            report.add("column-units", (*path, "units"), f'{wrong}; give one for each, or ""')
             continue
         for row, cells in enumerate(table["rows"] if units else ()):
             for column, (unit, cell) in enumerate(zip(units, cells, strict=False)):
