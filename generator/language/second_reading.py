@@ -27,7 +27,7 @@ NO_FACTS = frozenset("documents lost_figures examples errata editions".split())
 _NOT_NEEDED = frozenset(("manufacturer",))
 
 #: Parts that only a second reading has.
-_ONLY_SECOND = {
+ONLY_SECOND: dict[str, dict[str, Any]] = {
     "sections": {
         "description": "Sections of the manual, each with the paths of the facts that come from there. A path holds for"
         " everything under it that no longer path names.",
@@ -75,7 +75,7 @@ def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
     """Derive the schema of second readings from that of device files."""
     made: dict[str, Any] = _prose_optional(schema)
     made["properties"] = {key: item for key, item in made["properties"].items() if key not in NO_FACTS}
-    made["properties"] |= _ONLY_SECOND
+    made["properties"] |= ONLY_SECOND
     made["required"] = [key for key in made["required"] if key not in _NOT_NEEDED]
     return made
 
